@@ -21,7 +21,7 @@ from clast.block.inertia import BlockFrames
 from clast.block.rotation import Exact, RotationRule
 from clast.contact.clipped_spring import Springs
 from clast.linear.system import stretches
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 from clast.renamed import names_of
 
@@ -46,6 +46,8 @@ class StepStart:
     """How blocks are placed with it."""
     forces_at: float = 1.0
     """Where in the step its forces are taken: 1 at the end, 1/2 half way."""
+    support_stiffness: float = 1e12
+    """Stiffness of what holds rigidly, fixed points among them, N/m per m."""
     clock: float | None = None
     """By how much time goes on in a static step, s; None: by h."""
 
@@ -112,6 +114,20 @@ def _no_forces() -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Prescribed:
+    """Motions of k blocks that are known before the step is solved."""
+
+    block: Ints
+    """Block of each, shape (k,)."""
+    components: Bools
+    """Which unknowns (u, v, r, ex, ey, gxy) are prescribed, shape (k, 6)."""
+    displacement: Floats
+    """What they are in the step, d, shape (k, 6)."""
+    velocity: Floats
+    """Their velocities at its end, shape (k, 6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Contribution:
     """The contribution of an action to the equations of a step."""
 
@@ -132,6 +148,8 @@ class Contribution:
     """Clipped springs between points of two blocks."""
     carried: float = 1.0
     """Share of the velocities of the last step with which the blocks enter this one."""
+    prescribed: Prescribed | None = None
+    """Motions that blocks make whatever acts on them."""
 
 
 NO_SHARE = Contribution()
@@ -152,6 +170,9 @@ class Solution:
     """Velocity that entered the step, shape (n, 6)."""
     gained: Floats = field(default_factory=_no_forces)
     """Velocity that the forces of the step have given each block, shape (n, 6)."""
+    holding: Floats = field(default_factory=_no_forces)
+    """Force (x, y), N/m, and moment, N, that prescribed motions took, 0 for others; (n, 3) or
+    (0, 6) where none is prescribed."""
 
     def spring_forces(self, springs: Springs) -> tuple[Floats, Floats]:
         """Return N and T (m,), N/m, that the equations held in springs at the end of the step."""

@@ -1,4 +1,4 @@
-"""Loads at points and along lines, which move with their blocks."""
+"""Loads at points and along lines, which move with their blocks, and moments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.factors import factors_at
-from clast.model.model import Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
 
 
@@ -42,5 +42,36 @@ class Loads:
         self, start: StepStart, own: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the loads, which comes from outside."""
+        work, _ = energy_of_linear(share, solution.displacement)
+        return ActionResult(work=work, ledger=Ledger(loads=work))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Moments:
+    """Moments on blocks, the third component of their generalised forces."""
+
+    block: Ints
+    """Block of each, shape (k,)."""
+    moment: Floats
+    """Size of each, N, counter-clockwise, shape (k,)."""
+    factor: Ints
+    """Which of ``Model.factors`` each is multiplied by, shape (k,)."""
+    tables: tuple[str, ...]
+    """Names of these tables."""
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: the moments are known beforehand."""
+
+    def share(self, start: StepStart, own: None) -> Contribution:
+        """Return each moment, times its factor when forces are taken."""
+        factors = factors_at(start.model.factors, self.factor, start.time_of_forces)
+        force = np.zeros((len(self.block), 6))
+        force[:, 2] = factors * self.moment
+        return Contribution(block=self.block, force=force)
+
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
+        """Return the work of the moments, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(loads=work))

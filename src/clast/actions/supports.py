@@ -1,22 +1,33 @@
-"""Fixed points: stiff springs to anchors that stand still or move with the ground.
+"""Fixed points: stiff springs to anchors that stand still, move with the ground, or are led.
 
     f = -k (x - anchor),    x = x0 + T d at the end of the step
 
 As all forces of a step they act with their stretch at its end, when the anchors have moved; or with
 the mean of those at its start and its end, where the step takes its forces half way.
+
+A point that a [[motion]] leads is where its anchor is, to the last digits: its force is
+
+    f = lambda - k (x - anchor)
+
+with the multiplier lambda from the last step, and the step is solved again with lambda = f until
+the point is there.  Such a force stores nothing, and its work is that of the motion.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.ground_motion import Still
-from clast.model.model import Floats, Model
+from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
+
+THERE = 1e-13
+"""How far a point that is led may be from its anchor, as a share of the system."""
 
 
 @dataclass(frozen=True)
@@ -25,58 +36,112 @@ class Supports:
 
     stiffness: float
     """Stiffness of the springs, N/m per m."""
+    support: ClassVar[str] = "fixed points"
+    """What its shares hold, row by row, for their reactions."""
 
-    def begin(self, model: Model) -> None:
-        """Return nothing: the stretch of the springs follows from where the points are."""
+    def begin(self, model: Model) -> Floats | None:
+        """Return the forces on the points, (k, 2), where some may be led.
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+        Otherwise None: the stretch of the springs follows from where the points are.
+        """
+        led = any(hasattr(action, "anchors") for action in model.actions)
+        return np.zeros((len(model.fixed_points.block), 2)) if led else None
+
+    def share(self, start: StepStart, own: Floats | None) -> Contribution:
         """Return the forces of the springs and their stiffness k T^T T."""
-        rows, drift = self._rows(start)
-        k = self.stiffness
+        rows, drift, led = self._rows(start)
+        k, place = self.stiffness, np.where(led, 1.0, start.forces_at)
         stiffness = np.add.reduce(rows[:, :, :, None] * rows[:, :, None], axis=1)  # T^T T
+        pull = -k * drift
+        if own is not None:
+            pull[led] += own[led]
         return Contribution(
             block=start.model.fixed_points.block,
-            force=-k * np.add.reduce(rows * drift[:, :, None], axis=1),
-            stiffness=start.forces_at * k * stiffness,
+            force=np.add.reduce(rows * pull[:, :, None], axis=1),
+            stiffness=place[:, None, None] * (k * stiffness),
             forces_at=start.forces_at,
         )
 
+    def again(
+        self, start: StepStart, share: Contribution, displacement: Floats
+    ) -> Contribution | None:
+        """Return the share with other multipliers where points that are led miss their anchors.
+
+        ``displacement`` (n, 6) is what the last solution moves the blocks by; None: none misses it.
+        """
+        rows, drift, led = self._rows(start)
+        missed = drift + self._followed(rows, share, displacement)
+        size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
+        if not led.any() or float(np.abs(missed[led]).max()) <= THERE * size:
+            return None
+        more = np.where(led[:, None], -self.stiffness * missed, 0.0)
+        return replace(share, force=share.force + np.add.reduce(rows * more[:, :, None], axis=1))
+
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, own: Floats | None, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the work of the springs, their stored energy, and the work of a moving ground.
+        """Return the work of the springs, what they store, and what a moving ground has done.
 
         The ground moves the anchors by u under the forces of the step; that alone stretches a
         spring, by -u, if its block does not move.
         """
         work, stored = energy_of_linear(share, solution.displacement)
+        rows, drift, led = self._rows(start)
+        motions, forces = 0.0, own
+        if own is not None:
+            followed = self._followed(rows, share, solution.displacement)
+            place = np.where(led, 1.0, start.forces_at)[:, None]
+            # T begins with the identity
+            forces = share.force[:, :2] - place * self.stiffness * followed
+            by_springs = _rows_of(share, ~led)
+            stored = energy_of_linear(by_springs, solution.displacement)[1]
+            motions = float(np.sum((forces * followed)[led]))
         ground = start.model.ground_motion
+        change = Ledger(fixed_points=stored, motions=motions)
         if isinstance(ground, Still):
-            return ActionResult(work=work, ledger=Ledger(fixed_points=stored))
+            return ActionResult(work=work, ledger=change, own=forces)
         before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
         moved = after - before
         if not moved.any():
-            return ActionResult(work=work, ledger=Ledger(fixed_points=stored))
-        rows, drift = self._rows(start)
+            return ActionResult(work=work, ledger=change, own=forces)
         # what held an excavated block does not stretch any more
-        moved = np.where(start.model.gone[share.block, None], 0.0, moved)
-        followed = np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
+        still = start.model.gone[share.block] | led
+        moved = np.where(still[:, None], 0.0, moved)
+        followed = self._followed(rows, share, solution.displacement)
         at = start.forces_at
         brought = -self.stiffness * float(np.sum((drift + at * followed) * moved))
         mean = (1.0 - at) * followed + drift + (at - 0.5) * moved
         stored -= self.stiffness * float(np.sum(mean * moved))
-        return ActionResult(work=work, ledger=Ledger(fixed_points=stored, loads=brought))
+        change = replace(change, fixed_points=stored, loads=brought)
+        return ActionResult(work=work, ledger=change, own=forces)
 
-    def _rows(self, start: StepStart) -> tuple[Floats, Floats]:
-        """Return T (k, 2, 6) at the points and their distance (k, 2) from the anchors, m.
+    def _followed(self, rows: Floats, share: Contribution, displacement: Floats) -> Floats:
+        """Return the movement of the points, m, (k, 2)."""
+        return np.asarray(np.einsum("kxi,ki->kx", rows, displacement[share.block]))
 
-        The anchors are where they are when forces are taken: between those of start and end.
+    def _rows(self, start: StepStart) -> tuple[Floats, Floats, Bools]:
+        """Return T (k, 2, 6) at the points, their distance (k, 2) from the anchors, m, who is led.
+
+        The anchors are where they are when forces are taken: between those of start and end; those
+        of points that are led are where they are at the end.
         """
         points, ground = start.model.fixed_points, start.model.ground_motion
         at = start.state.points[start.model.point_slices.fixed]
-        anchor = points.at
+        anchor, led = points.at, np.zeros(len(points.at), np.bool_)
         if not isinstance(ground, Still):
             before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
             share = start.forces_at
             anchor = anchor + ((1.0 - share) * before + share * after)
-        return basis(at - start.frames.centroid[points.block]), at - anchor
+        for action in start.model.actions:
+            if hasattr(action, "anchors"):
+                number, way = action.anchors(start.model, start.end)
+                anchor = anchor.copy()
+                anchor[number] = points.at[number] + way
+                led[number] = True
+        return basis(at - start.frames.centroid[points.block]), at - anchor, led
+
+
+def _rows_of(share: Contribution, wanted: Bools) -> Contribution:
+    """Return some rows of a share."""
+    stiffness = None if share.stiffness is None else share.stiffness[wanted]
+    return replace(share, block=share.block[wanted], force=share.force[wanted], stiffness=stiffness)

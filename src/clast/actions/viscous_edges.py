@@ -12,6 +12,7 @@ work of the traction goes through the boundary.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -63,6 +64,8 @@ class BoundaryDashpots:
 
     stiffness: float
     """Stiffness of springs at each Gauss point before dashpots begin, N/m per m."""
+    support: ClassVar[str] = "viscous edges"
+    """What its shares hold, row by row, for their reactions."""
 
     def begin(self, model: Model) -> Reaction:
         """Return that nothing is carried yet, and springs hold."""

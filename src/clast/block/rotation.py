@@ -24,6 +24,10 @@ class RotationRule(Protocol):
         """Return the rotation, rad, of the third unknown, same shape; nan where impossible."""
         ...
 
+    def unknown(self, angle: float) -> float:
+        """Return the third unknown of a rotation, rad."""
+        ...
+
     def gradient(self, unknowns: Floats) -> Floats:
         """Return the displacement gradient G (n, 2, 2) of d (n, 6): u(x) = (u0, v0) + G x."""
         ...
@@ -38,6 +42,10 @@ class Exact:
     def angle(self, unknown: Floats) -> Floats:
         """Return the rotation, rad, of the third unknown, same shape."""
         return unknown
+
+    def unknown(self, angle: float) -> float:
+        """Return the third unknown of a rotation, rad."""
+        return angle
 
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = R (I + E) - I of d (n, 6), shape (n, 2, 2)."""
@@ -73,6 +81,10 @@ class Sine:
         with np.errstate(invalid="ignore"):
             return np.arcsin(unknown)
 
+    def unknown(self, angle: float) -> float:
+        """Return the third unknown of a rotation, rad."""
+        return float(np.sin(angle))
+
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = R - I + E of d (n, 6), shape (n, 2, 2): strain and rotation add up.
 
@@ -104,6 +116,10 @@ class Linear:
     def angle(self, unknown: Floats) -> Floats:
         """Return the rotation, rad, of the third unknown, same shape."""
         return unknown
+
+    def unknown(self, angle: float) -> float:
+        """Return the third unknown of a rotation, rad."""
+        return angle
 
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = E + r0 J of d (n, 6), shape (n, 2, 2)."""

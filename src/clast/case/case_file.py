@@ -32,7 +32,13 @@ from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
-from clast.inputs.measurements import MeasuredContact, MeasuredPoint, Reference, point_faults
+from clast.inputs.measurements import (
+    MeasuredContact,
+    MeasuredPoint,
+    MeasuredReaction,
+    Reference,
+    point_faults,
+)
 from clast.inputs.method import MethodTable
 from clast.inputs.placing import plausibility
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
@@ -44,6 +50,8 @@ from clast.inputs.rock_mass import (
     TraceTable,
 )
 from clast.inputs.stages import StageTable
+from clast.inputs.supports.links import Link, Moment
+from clast.inputs.supports.motions import Motion
 from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
@@ -114,6 +122,12 @@ class Case(BaseModel):
     """Tractions along lines."""
     pressure: list[Pressure] = []
     """Pressures on edges."""
+    motion: list[Motion] = []
+    """Motions that blocks make whatever acts on them: settlements, presses, driven walls."""
+    link: list[Link] = []
+    """Links between blocks at points: hinges, sliders, springs."""
+    moment: list[Moment] = []
+    """Moments on blocks."""
     bolt_kind: dict[str, BoltKind] = {}
     """Kinds of rock bolts by name: [bolt_kind.NAME] with stiffness and yield_force."""
     bolt: list[Bolt] = []
@@ -131,6 +145,8 @@ class Case(BaseModel):
     measured_point: list[MeasuredPoint] = []
     measured_contact: list[MeasuredContact] = []
     """Points recorded every step."""
+    measured_reaction: list[MeasuredReaction] = []
+    """Reactions of supports recorded every step, beside the totals."""
     reference: list[Reference] = []
     """Displacements known from elsewhere; clast run and clast compare print the error."""
     stage: list[StageTable] = []
@@ -180,7 +196,7 @@ class Case(BaseModel):
         return self
 
     @model_validator(mode="after")
-    def _bolts_have_stages(self) -> Self:
+    def _stages_are_known(self) -> Self:
         stages = [one.name for one in self.stage]
         faults = [
             Fault(
@@ -188,9 +204,18 @@ class Case(BaseModel):
                 what=f"there is no stage '{one.stage}'",
                 remedy=spelling.advice(one.stage, stages, kind="stage"),
             )
-            for key in ("bolt", "bolt_pattern")
+            for key in ("bolt", "bolt_pattern", "motion", "link")
             for number, one in enumerate(getattr(self, key))
             if one.stage is not None and one.stage not in stages
+        ]
+        faults += [
+            Fault(
+                place=("motion", number, "until"),
+                what=f"there is no stage '{one.until}'",
+                remedy=spelling.advice(one.until, stages, kind="stage"),
+            )
+            for number, one in enumerate(self.motion)
+            if isinstance(one.until, str) and one.until not in stages
         ]
         if faults:
             raise refusal(*faults)

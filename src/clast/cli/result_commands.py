@@ -86,6 +86,9 @@ def plot(
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+    reactions: Annotated[
+        bool, typer.Option("--reactions", help="Draw what supports bear as arrows.")
+    ] = False,
     limits: Limits = "",
     zoom: Zoom = "",
     size: Annotated[
@@ -164,7 +167,15 @@ def plot(
         tell(f"picture: {target}")
         return
     number = frame_asked(results, frame, time, stage)
-    plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
+    plot_results(
+        results,
+        target,
+        frame=number,
+        field=field,
+        contacts=contacts,
+        reactions=reactions,
+        look=look,
+    )
     tell(f"picture: {target}")
 
 

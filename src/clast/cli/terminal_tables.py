@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from clast.verification import Row
 
 STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
-BROUGHT = ("loads", "water")
+BROUGHT = ("loads", "water", "motions")
 LOST = (
     "friction",
     "impacts",

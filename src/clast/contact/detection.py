@@ -63,6 +63,7 @@ def detect(
     pairs = near_pairs(
         near, sought.vertices, sought.start, sought.fixed, around, travel, sought.gone
     )
+    pairs = model.meeting(pairs, sought.block)
     owners = sought.owners
     shift = None
     if drift is not None:
@@ -359,6 +360,7 @@ def find_tunnelled(
     deeper into a block than the contacts of the two have.
     """
     pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, gone=model.gone)
+    pairs = model.meeting(pairs)
     box = polygon.boxes(vertices, model.block_start)
     known = pair_penetration(model.vertex_block, pairs, memory)
     if model.outlines is not None:  # what is known of one block of a body is known of all

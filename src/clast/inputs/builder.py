@@ -41,7 +41,7 @@ from clast.inputs.declaring.values import (
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
-from clast.inputs.measurements import MeasuredContact, MeasuredPoint
+from clast.inputs.measurements import MeasuredContact, MeasuredPoint, MeasuredReaction
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.contact_places import contacts_measured
@@ -59,8 +59,11 @@ from clast.inputs.placing.place_joints import joint_table, joints_of_edges
 from clast.inputs.placing.place_openings import openings_of
 from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
+from clast.inputs.placing.reactions import Supported, reactions_in
 from clast.inputs.placing.wetting import Bed, waters_in
 from clast.inputs.rock_mass import OpeningTable, of_blocks
+from clast.inputs.supports.links import Link, Moment
+from clast.inputs.supports.motions import Motion
 from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.inputs.water import Water
 from clast.model import checks as model_checks
@@ -81,6 +84,7 @@ from clast.model.model import (
     Plane,
     PlaneStress,
     PointLoads,
+    StartOverlaps,
 )
 from clast.model.names import check_names
 from clast.model.outline import edges_on
@@ -161,6 +165,14 @@ class InputBuilder(Inputs):
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
     measured_contact = gives("measured_contact", MeasuredContact, "name", "at")
     """Record forces, opening and slip at a place or of a joint: ``[[measured_contact]]``."""
+    measured_reaction = gives("measured_reaction", MeasuredReaction, "name")
+    """Record a reaction beside the totals, every step: ``[[measured_reaction]]``."""
+    motion = gives("motion", Motion)
+    """Move blocks, whatever acts on them: ``[[motion]]``."""
+    link = gives("link", Link, "at")
+    """Link two blocks, or a block and the ground, at a point: ``[[link]]``."""
+    moment = gives("moment", Moment, "block", "moment")
+    """Turn a block by a moment: ``[[moment]]``."""
     water = gives("water", Water, "level")
     """Let water press on all edges below a level or a phreatic line:  ``[[water]]``."""
 
@@ -249,14 +261,21 @@ class InputBuilder(Inputs):
             located(entries, block_number, factor_number, outlines, polygons, mended.moved)
             for entries in places_of(self).values()
         )
-        ground = Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved)
+        held = self._fixed(outlines)
+        ground = Ground(
+            outlines=outlines,
+            tree=shapely.STRtree(polygons),
+            moved=mended.moved,
+            factors=factors,
+            fixed=held,
+            points=MaterialPoints(block=fixed.block, at=fixed.at),
+        )
         blocks_of_openings = [one.name for one in self.all(OpeningTable)]
         bolts = placed_bolts(self, self.opening_outlines, blocks_of_openings, ground)
         pressures, uncovered = pressed_edges(
             self.all(Pressure), block_number, factor_number, outlines
         )
         check_ground_motion(self.ground_motion, len(fixed.block))
-        held = self._fixed(outlines)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)
         check_actions(self.actions)
@@ -273,6 +292,8 @@ class InputBuilder(Inputs):
             rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
             voids = edges_on(rings, outlines.vertices, outlines.following)
             in_situ = replace(in_situ, voids=tuple(map(int, voids)))
+        actions = *self.actions, *self.acting(ground)
+        supports = Supported(ground, len(viscous), actions)
         return Model(
             title=self.title,
             plane=self.plane,
@@ -292,7 +313,7 @@ class InputBuilder(Inputs):
             in_situ=in_situ,
             viscous_edges=viscous,
             area=area,
-            fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
+            fixed_points=ground.points,
             point_loads=PointLoads(
                 block=points.block,
                 at=points.at,
@@ -319,10 +340,11 @@ class InputBuilder(Inputs):
             ),
             measured_contacts=contacts_measured(self.all(MeasuredContact), table, outlines.origin),
             ground_motion=self.ground_motion,
-            actions=(*self.actions, *self.acting(ground)),
+            actions=actions,
+            reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
             gone=np.zeros(len(area), np.bool_),
-            overlaps=overlaps,
+            overlaps=overlaps_beside(overlaps, actions),
             repairs=mended.repairs,
             notes=(
                 *self.notes,
@@ -431,6 +453,17 @@ class InputBuilder(Inputs):
                 stress[first:past] = own
             first = past
         return np.ascontiguousarray(stress)
+
+
+def overlaps_beside(overlaps: StartOverlaps, actions: Sequence[Any]) -> StartOverlaps:
+    """Return the overlaps at the start but for those of blocks that links keep from meeting."""
+    apart = {
+        (int(one), int(other)) for action in actions for one, other in getattr(action, "apart", ())
+    }
+    meets = np.array([tuple(pair) not in apart for pair in overlaps.pair.tolist()], np.bool_)
+    if meets.all():
+        return overlaps
+    return StartOverlaps(pair=overlaps.pair[meets], depth=overlaps.depth[meets])
 
 
 def _origin(vertices: Floats) -> Floats:

@@ -48,6 +48,31 @@ class MeasuredContact(Table):
         return self
 
 
+class MeasuredReaction(Table):
+    """A reaction that is recorded every step, beside the totals: that of what it names, in sum."""
+
+    name: StrictStr
+    """Name."""
+    block: StrictStr | None = None
+    """Block, fixed or moved."""
+    blocks: list[StrictStr] | None = None
+    """Blocks, fixed or moved."""
+    fixed_point: Point | None = None
+    """Coordinates [x, y] of a [[fixed_point]], m."""
+    about: Point | None = None
+    """Point [x, y] that its moment is about, m; the middle of what it names if absent."""
+
+    @model_validator(mode="after")
+    def _names_something(self) -> Self:
+        keys = ("block", "blocks", "fixed_point")
+        given = [key for key in keys if getattr(self, key) is not None]
+        if len(given) != 1:
+            said = " and ".join(given) or "nothing"
+            remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
+            raise refusal(Fault(what=f"names {said}", remedy=remedy))
+        return self
+
+
 class Reference(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
 

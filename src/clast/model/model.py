@@ -9,7 +9,7 @@ no digits.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from typing import Any, Protocol
 
@@ -25,6 +25,7 @@ from clast.model.in_situ import InSituStress
 from clast.model.joints import JointTable
 from clast.model.openings import Opening, blocks_called
 from clast.model.repairs import Repair
+from clast.model.supports.reactions import Reactions
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 from clast.read_only import kept_property, seal
@@ -249,6 +250,10 @@ class Model:
     """Tables of time by which loads are multiplied."""
     gravity_factor: int = NO_FACTOR
     """Number of the table by which gravity is multiplied; NO_FACTOR: it is constant."""
+    reactions: Reactions = field(default_factory=Reactions)
+    """Reactions of supports that are recorded."""
+    begun: tuple[tuple[str, float], ...] = ()
+    """Name of each stage that has begun, and when, s."""
     actions: tuple[Any, ...] = ()
     """Further actions on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
@@ -329,6 +334,39 @@ class Model:
         return np.arange(self.block_count) if self.outlines is None else self.outlines.body
 
     @kept_property
+    def is_driven(self) -> bool:
+        """True where an action prescribes motions."""
+        return any(hasattr(action, "moves") for action in self.actions)
+
+    @kept_property
+    def apart(self) -> Ints:
+        """Numbers lower x n + higher of pairs of blocks that never meet, by links, (p,)."""
+        pairs = [action.apart for action in self.actions if hasattr(action, "apart")]
+        found = np.concatenate([np.zeros((0, 2), np.int64), *pairs])
+        return found[:, 0] * self.block_count + found[:, 1]
+
+    def meeting(self, pairs: Ints, block: Ints | slice = slice(None)) -> Ints:
+        """Return the pairs (q, 2) that may meet, of blocks or of numbers with a ``block`` (o,)."""
+        if not len(self.apart):
+            return pairs
+        of_blocks = np.sort(np.arange(self.block_count)[block][pairs], axis=1)
+        key = of_blocks[:, 0] * self.block_count + of_blocks[:, 1]
+        return np.ascontiguousarray(pairs[~np.isin(key, self.apart)])
+
+    @kept_property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return tuple(name for action in self.actions for name in getattr(action, "links", ()))
+
+    @kept_property
+    def moved(self) -> Bools:
+        """True where an action may prescribe a motion of a block (``moves``), shape (n,)."""
+        found = np.zeros(self.block_count, np.bool_)
+        for action in self.actions:
+            found[getattr(action, "moves", ())] = True
+        return found
+
+    @kept_property
     def outlines(self) -> Outlines | None:
         """Outlines on which contacts are looked for, None where they are those of the blocks.
 
@@ -338,7 +376,9 @@ class Model:
         own = [*cohesion, *tensile_strength, *np.nan_to_num(self.joint_table.stiffnesses).ravel()]
         if any(own) or self.in_situ is not None:
             return None
-        return joined_outlines(self.vertices, self.block_start, self.area, self.fixed, self.gone)
+        still = self.fixed & ~self.moved
+        found = joined_outlines(self.vertices, self.block_start, self.area, still, self.gone)
+        return None if found is None else replace(found, fixed=self.fixed[found.block])
 
     @kept_property
     def elasticity(self) -> Floats:

@@ -156,16 +156,20 @@ class Ledger:
     """Energy in the springs of the fixed points."""
     bolts: float = entry(Kind.STORED, since="rock bolts")
     """Elastic energy in the bolts."""
+    links: float = entry(Kind.STORED, since="links")
+    """Elastic energy in the links."""
     loads: float = entry(Kind.BROUGHT)
     """Work done by loads and pressures and by the ground motion."""
     water: float = entry(Kind.BROUGHT, since="water")
     """Work done by water."""
+    motions: float = entry(Kind.BROUGHT, since="prescribed motions")
+    """Work done by prescribed motions and their servos."""
     friction: float = entry(Kind.LOST)
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
     impacts: float = entry(Kind.LOST, since="impacts")
     """Energy lost in impacts: by restitution, and by friction within them."""
     yielding: float = entry(Kind.LOST, since="rock bolts")
-    """Work lost in bolts that yield or break, >= 0."""
+    """Work lost in bolts and links that yield or break, >= 0."""
     damping: float = entry(Kind.LOST, since="damping")
     """Energy taken by damping, >= 0."""
     boundary: float = entry(Kind.LOST, since="viscous boundaries")
@@ -239,6 +243,9 @@ class State:
     """Energy ledger."""
     actions: tuple[Any, ...] = ()
     """Own state of each action, in the order of ``clast.actions.acting.actions_of``."""
+    reactions: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    """Forces (x, y), N/m, by which supports held in the last step, and their moments about the
+    points of ``Model.reactions``, N, shape (k, 3); (0, 3) before the first step."""
 
     def __post_init__(self) -> None:
         """Let nobody write into the arrays: a state is replaced, never edited."""

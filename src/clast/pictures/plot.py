@@ -29,6 +29,7 @@ from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, 
 from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
+from clast.pictures.supports.reactions import draw_reactions
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -55,24 +56,34 @@ def plot_results(
     frame: int = -1,
     field: str = "displacement",
     contacts: bool = True,
+    reactions: bool = False,
     look: Look = DEFAULT,
 ) -> Path:
     """Draw the blocks of a frame coloured by ``field``, their edges by "joint"; return the path.
 
     ``results`` are a run, or the content of a result file:  ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks of
-    each contact, the largest in each place where they are many. "slip" and "opening" colour the
+    each contact, the largest in each place where they are many; ``reactions`` the reactions of
+    supports. "slip" and "opening" colour the
     joints between blocks.  Water is drawn with its level and its pressures: outside faces, and
     across joints.  ``look`` has limits of the colours, size, resolution and the part that is shown.
     The format follows from the ending of ``path``.  Raises CaseError for results that are not
     there, or that cannot be drawn or written.
     """
-    figure = draw_results(results, frame=frame, field=field, contacts=contacts, look=look)
+    figure = draw_results(
+        results, frame=frame, field=field, contacts=contacts, reactions=reactions, look=look
+    )
     return canvas.save(figure, Path(path))
 
 
 def draw_results(
-    results: Recording, *, frame: int, field: str, contacts: bool, look: Look
+    results: Recording,
+    *,
+    frame: int,
+    field: str,
+    contacts: bool,
+    look: Look,
+    reactions: bool = False,
 ) -> Figure:
     """Return the picture that ``plot_results`` writes."""
     check_field(field, JOINT_FIELDS)
@@ -122,6 +133,8 @@ def draw_results(
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     draw_bolts.draw_bolts(axes, bolted)
     draw_layers(above, axes, results, number)
+    if reactions:
+        draw_reactions(axes, results, number)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":

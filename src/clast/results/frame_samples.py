@@ -173,10 +173,48 @@ class PointTracker:
         return state.time, at - self._start, velocity, rotation
 
 
+class ReactionTracker:
+    """Follows the reactions of a model through its states."""
+
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
+        self._about = model.reactions.about
+        self._origin = model.origin
+
+    def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
+        """Return time, and force (k, 2), moment (k,) and point of application (k, 2) of each."""
+        found = state.reactions if len(state.reactions) else np.zeros((len(self._about), 3))
+        force, moment = found[:, :2], found[:, 2]
+        square = (force**2).sum(axis=1)
+        arm = np.stack([force[:, 1], -force[:, 0]], axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            arm = np.where(square[:, None] > 0.0, arm * (moment / square)[:, None], np.nan)
+        return state.time, force, moment, self._about + self._origin + arm
+
+
+class LinkTracker:
+    """Follows the links of a model through its states."""
+
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
+        self._model = model
+
+    def row(self, state: State) -> tuple[float, Floats, Floats, Ints]:
+        """Return time, and force (k, 2), moment (k,) and state (k,) of each link."""
+        actions = self._model.actions
+        own = state.actions[-len(actions) :] or [one.begin(self._model) for one in actions]
+        pairs = [
+            (one, mine) for one, mine in zip(actions, own, strict=True) if hasattr(one, "borne")
+        ]
+        borne = np.concatenate([one.borne(mine) for one, mine in pairs])
+        condition = np.concatenate([one.condition(mine) for one, mine in pairs])
+        return state.time, borne[:, :2], borne[:, 2], condition
+
+
 ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
     "energy": LedgerTracker,
     "history": PointTracker,
     "bolts": BoltTracker,
+    "reactions": ReactionTracker,
+    "links": LinkTracker,
 }
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 

@@ -38,6 +38,7 @@ from clast.results.result_tables import (
     FrameBolts,
     FrameContacts,
     PointHistory,
+    ReactionHistory,
     no_joints,
 )
 from clast.results.run_report import Report
@@ -46,7 +47,9 @@ from clast.results.schema import (
     CONTACT_TABLE,
     ENERGY,
     HISTORY,
+    LINK_TABLE,
     OVER_TIME,
+    REACTION_TABLE,
     STEPS,
     TableSchema,
 )
@@ -107,6 +110,10 @@ class Recording:
     """Name of each measured contact."""
     bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
     """The bolts."""
+    reaction_name: tuple[str, ...] = ()
+    """Name of each reaction."""
+    link_name: tuple[str, ...] = ()
+    """Name of each link."""
     origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
     """Point that coordinates of the model are relative to, m, shape (2,)."""
     gravity: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
@@ -264,6 +271,20 @@ class Recording:
         """
         return ContactHistory(self._rows_called(CONTACT_TABLE, name))
 
+    def reaction(self, name: str) -> ReactionHistory:
+        """Return a reaction of supports, a row per instant, as a table.
+
+        Raises CaseError for one that does not exist.
+        """
+        return ReactionHistory(self._rows_called(REACTION_TABLE, name))
+
+    def link(self, name: str) -> Columns:
+        """Return what a link bore, a row per instant: time, force, moment, state.
+
+        Raises CaseError for one that does not exist.
+        """
+        return Columns(self._rows_called(LINK_TABLE, name))
+
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""
         lines = self.bolt_lines
@@ -349,6 +370,8 @@ def parts_of(model: Model) -> dict[str, Any]:
         "joints": EdgeJoints(name=tuple(one.name for one in joints), edge=model.edge_joint),
         "measured_contact_name": model.measured_contacts.name,
         "bolt_lines": BoltLines(name=model.bolts.name, point=model.bolts.bolt),
+        "reaction_name": model.reactions.name,
+        "link_name": model.links,
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,

@@ -25,9 +25,11 @@ from clast.results.schema import (
     CONTACTS,
     FORMAT,
     KIND_FIELDS,
+    LINKS,
     MEASURED_CONTACTS,
     PLANE_VECTORS,
     POINTS,
+    REACTIONS,
     TableSchema,
 )
 
@@ -181,7 +183,9 @@ def _results(path: Path, file: Any) -> Results:
     validate.check_grid(file, frames, blocks)
     points, bolts = validate.points_of(file), validate.bolts_of(file, frames)
     measured = validate.measured_contacts_of(file)
+    reactions, links = (validate.names_in(file, one) for one in (REACTIONS, LINKS))
     things = {POINTS: points[0], BOLTS: bolts.name, MEASURED_CONTACTS: measured}
+    things |= {REACTIONS: reactions, LINKS: links}
     validate.check_tables(file, frames, things, layout)
     about, prefix = file["model"].attrs, "version of "
     made = validate.about_of(file)
@@ -205,6 +209,8 @@ def _results(path: Path, file: Any) -> Results:
         rock_name=blocks.rock_name,
         joints=validate.joints_of(file, blocks),
         bolt_lines=bolts,
+        reaction_name=reactions,
+        link_name=links,
         measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),

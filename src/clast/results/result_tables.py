@@ -231,6 +231,33 @@ class ContactHistory(Columns):
         return self.rows["time"]
 
 
+class ReactionHistory(Columns):
+    """What a support bore, a row at the start and after every step; t rows.
+
+    Columns: time, force, moment, position.  The first row is zero: nothing is borne yet.
+    """
+
+    @property
+    def time(self) -> Floats:
+        """Time, s, shape (t,)."""
+        return self.rows["time"]
+
+    @property
+    def force(self) -> Floats:
+        """Force (x, y) of the support on the blocks, mean of the step, N/m, shape (t, 2)."""
+        return self.rows["force"]
+
+    @property
+    def moment(self) -> Floats:
+        """Its moment about the point of the reaction, N, counter-clockwise, shape (t,)."""
+        return self.rows["moment"]
+
+    @property
+    def position(self) -> Floats:
+        """Point of its line of action nearest to that point, m, shape (t, 2); NaN: no force."""
+        return self.rows["position"]
+
+
 BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_TABLE.row.descr[1:]])
 """One bolt of one frame."""
 

@@ -312,7 +312,7 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
 def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name has characters that no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
-    texts += [*model.bolts.name, *model.bolts.kind]
+    texts += [*model.bolts.name, *model.bolts.kind, *model.reactions.name, *model.links]
     rocks, joints = model.rocks, model.joint_table.joints
     texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
     for text in texts:

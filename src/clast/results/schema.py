@@ -113,6 +113,13 @@ POINTS = Things(
     names=lambda model: model.measured_points.name,
     path="history",
 )
+REACTIONS = Things(
+    name="reaction",
+    meaning="reaction",
+    since="reactions",
+    names=lambda model: model.reactions.name,
+)
+LINKS = Things(name="link", meaning="link", since="links", names=lambda model: model.links)
 BOLTS = Things(
     name="bolt", meaning="bolt", since="rock bolts", names=lambda model: model.bolts.name
 )
@@ -254,6 +261,45 @@ BOLT_TABLE = TableSchema(
         Column(name="state", kind="i8", meaning="state", words=BOLT_STATES),
     ),
 )
+REACTION_TABLE = TableSchema(
+    name="reactions",
+    meaning="What supports bear: fixed blocks and points, moved blocks, viscous edges.",
+    per=Per.INSTANT,
+    of=REACTIONS,
+    since="reactions",
+    without="nothing is held or moved",
+    columns=(
+        Column(name="force", parts=PLANE, unit="N/m", meaning="force of the support on the blocks"),
+        Column(name="moment", unit="N", meaning="its moment about the point of the reaction"),
+        Column(
+            name="position",
+            parts=PLANE,
+            unit="m",
+            meaning="point of its line of action nearest to that point, NaN without a force",
+            may_be_nan=True,
+        ),
+    ),
+)
+LINK_STATES = ("not installed", "intact", "yielded", "broken")
+"""States of a link by their numbers."""
+LINK_TABLE = TableSchema(
+    name="links",
+    meaning="Links between blocks: in each row force, moment and state of all.",
+    per=Per.INSTANT,
+    of=LINKS,
+    since="links",
+    without="there are no links",
+    columns=(
+        Column(
+            name="force",
+            parts=("along", "across"),
+            unit="N/m",
+            meaning="force on the first block, along and across the link",
+        ),
+        Column(name="moment", unit="N", meaning="moment on the first block, counter-clockwise"),
+        Column(name="state", kind="i8", meaning="state", words=LINK_STATES),
+    ),
+)
 CONTACTS = TableSchema(
     name="contacts",
     meaning="Contacts that carry a force, frame after frame.",
@@ -318,7 +364,7 @@ CONTACT_TABLE = TableSchema(
     ),
 )
 
-TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, CONTACT_TABLE, HISTORY)
+TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, CONTACT_TABLE, HISTORY)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
@@ -513,6 +559,30 @@ MODEL = (
         value=lambda m: m.bolts.kind,
         meaning="kind of each bolt",
         since="rock bolts",
+    ),
+    OfModel(
+        name="reaction_name",
+        of=REACTIONS,
+        texts=True,
+        value=lambda m: m.reactions.name,
+        meaning="name of each reaction",
+        since="reactions",
+    ),
+    OfModel(
+        name="reaction_about",
+        of=REACTIONS,
+        packed=False,
+        value=lambda m: m.reactions.about + m.origin,
+        meaning="point that the moment of each reaction is about, m",
+        since="reactions",
+    ),
+    OfModel(
+        name="link_name",
+        of=LINKS,
+        texts=True,
+        value=lambda m: m.links,
+        meaning="name of each link",
+        since="links",
     ),
     OfModel(
         name="bolt_of_point",

@@ -147,6 +147,12 @@ def measured_contacts_of(file: Any) -> tuple[str, ...]:
     return names(file, "model/measured_contact_name")
 
 
+def names_in(file: Any, things: Things) -> tuple[str, ...]:
+    """Return the names of the things of a file that has a list of them, none without."""
+    name = f"{things.name}_name"
+    return names(file, f"model/{name}") if name in file["model"] else ()
+
+
 def check_arrays(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
     count = len(blocks.rock)

@@ -100,10 +100,10 @@ def _support_warnings(model: Model) -> Iterator[str]:
     held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
     # the outline of a rock mass under in-situ stress is held by springs beside its load
     held = held or (model.in_situ is not None and any(model.in_situ.held))
-    held = held or len(model.viscous_edges) > 0
+    held = held or len(model.viscous_edges) > 0 or bool(model.moved.any())
     if not held and model.gravity.any():
         yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
-    if model.fixed.all():
+    if model.fixed.all() and not model.moved.any():
         yield (
             f"all blocks are fixed ({model.block_count}): nothing can move. Remove fixed = true "
             "where blocks are to move"
@@ -151,8 +151,9 @@ def _idle_warnings(model: Model) -> Iterator[str]:
         )
     numbers = [points.factor, lines.factor, model.pressures.factor]
     idle = np.setdiff1d(np.arange(len(model.factors)), np.concatenate(numbers))
-    of_water = {water.factor.name for water in model.water if water.factor}
-    idle = np.array([k for k in idle if model.factors[k].name not in of_water], np.int64)
+    used = {water.factor.name for water in model.water if water.factor}
+    used |= {name for action in model.actions for name in getattr(action, "tables", ())}
+    idle = np.array([k for k in idle if model.factors[k].name not in used], np.int64)
     for number in idle[:NAMED].tolist():
         name = shortened(model.factors[number].name)
         yield f"no load has the factor '{name}': name the table in a load, or remove it"
@@ -181,6 +182,7 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
         or model.line_loads.traction.any()
         or model.pressures.pressure.any()
         or isinstance(model.ground_motion, Recorded)
+        or model.moved.any()
     )
     if not driven:
         yield (
@@ -370,6 +372,7 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
     at_once = edges.begins == 0.0
     loose = at_once & (edges.kept > 0.0) & (model.in_situ is None)
     supported = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
+    supported = supported or bool(model.moved.any())
     if loose.any() and model.gravity.any() and not supported:
         yield (
             f"{int(loose.sum())} viscous edge(s) begin at once and carry no weight: the blocks "

@@ -208,4 +208,5 @@ def _unsupported(model: Model, contacts: Contacts) -> Bools:
     held[model.fixed_points.block] = True
     held[contacts.pairs.ravel()] = True
     held[model.bolts.blocks.ravel()] = True
+    held[model.moved] = True
     return ~held

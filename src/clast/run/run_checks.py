@@ -13,6 +13,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from clast.actions.handed_back import OWN
 from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
@@ -193,9 +194,10 @@ class Watch:
         )
 
     def _cause_of_imbalance(self) -> str:
-        """Return the likely cause of unaccounted energy, and the remedy."""
-        if self.model.actions:
-            kinds = ", ".join(sorted({type(one).__name__ for one in self.model.actions}))
+        """Return what is likely to have left energy unaccounted for, and what to do."""
+        others = [one for one in self.model.actions if not type(one).__module__.startswith(OWN)]
+        if others:
+            kinds = ", ".join(sorted({type(one).__name__ for one in others}))
             return (
                 f"work and ledger of an action of a script ({kinds}) do not agree with its forces; "
                 "see docs/how-to/action.md"

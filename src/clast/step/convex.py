@@ -71,6 +71,10 @@ MOST_UPDATES = 30
 AGREES = 0.002
 """Share of the forces on each block which new bounds may bring out of balance where they agree."""
 
+DRIVEN = 1e-3
+"""Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
+body that is driven has the work of its whole way."""
+
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
 """Counts of a step, before it has counted anything."""
 
@@ -117,6 +121,7 @@ class Convex:
         stages("base system")
         base = diagonal_terms(context, impacts.drift, scheme)
         potential, rows = potential_of(context, base, contacts, graph)
+        held = context.held
         factor = FactorOfStep(context.workspace.inexact(method.solver), context.workspace.patterns)
         counts = {**NO_COUNTS, **(before.counts if before else {})}
         search = Search(
@@ -134,9 +139,13 @@ class Convex:
         contacts = changed(contacts, friction_base=base_of_friction)
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
         at = before.unknowns if before else np.zeros_like(context.velocity)
-        starts = impacts.drift, at, potential.untouched()
+        begins = impacts.drift, at
+        if held is not None:
+            begins = held.beside(impacts.drift), held.beside(at)
         bonded = contacts.bonded
+        starts = *begins, potential.untouched()
         unknowns, contacts, response = search.minimum(potential, contacts, starts)
+        unknowns = context.total(unknowns)
         counts["factorisations"] += factor.factorised
         counts["pcg"] += factor.iterations
         return StepSolution(
@@ -149,6 +158,7 @@ class Convex:
             applied=search.applied(contacts, response, unknowns),
             bearing=bearing(contacts, impacts, response.normal_force),
             lost=impacts.lost,
+            driven=impacts.driven,
             bonded=bonded,
             counts=counts,
         )
@@ -164,8 +174,9 @@ class Convex:
     def tolerated(self, context: StepContext, potential: Potential) -> float:
         """Return the distance from the minimum, J/m, at which the step is solved."""
         links = len(potential.springs)
+        tolerance = self.tolerance * (DRIVEN if context.model.is_driven else 1.0)
         return max(
-            self.tolerance**2 * potential.reference_energy(),
+            tolerance**2 * potential.reference_energy(),
             round_off(context.model, context.method, context.state, links),
         )
 
@@ -434,6 +445,8 @@ def potential_of(
     model = context.model
     others = () if context.springs is None else (context.springs,)
     springs, (rows, *_) = merged(springs_of(contacts), others)
+    if context.held is not None:
+        springs = context.held.springs(springs)
     potential = Potential(
         base=base,
         inverse=inverse_of_blocks(base.diagonal),

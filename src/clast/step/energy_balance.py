@@ -9,6 +9,7 @@ of the solved equations: it is measured, not made to vanish.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,6 +30,7 @@ from clast.model.state import Ledger, State
 from clast.read_only import changed
 from clast.step.method import Method, StepSolution
 from clast.step.start import StepContext
+from clast.step.supports.prescribed import Held
 
 FINEST = 4.0 * float(np.finfo(float).eps)
 """Rounding of coordinates, as a share of the largest."""
@@ -121,11 +123,16 @@ class StepEnd:
 
 
 def balance(
-    context: StepContext, solution: StepSolution, end: StepEnd, points: Floats
+    context: StepContext,
+    solution: StepSolution,
+    end: StepEnd,
+    points: Floats,
+    holding: Floats,
 ) -> tuple[Ledger, tuple[Any, ...]]:
     """Return the ledger at the end of a step, and the own state of each action.
 
-    ``points`` (np, 2), m, are the material points there.
+    ``points`` (np, 2), m, are the material points there; ``holding`` (n, 3) is the force of
+    prescribed motions (``Solution``).
     """
     ledger = _with_blocks_and_contacts(context, solution, end)
     of_actions = Solution(
@@ -134,6 +141,7 @@ def balance(
         linearised_at=solution.linearised_at,
         velocity=solution.velocity,
         gained=end.velocity - solution.velocity,
+        holding=holding,
     )
     numerical, unaccounted = ledger.numerical, ledger.unaccounted
     changes: list[Ledger] = []
@@ -148,8 +156,20 @@ def balance(
         numerical = numerical + change.numerical + removed
         unaccounted = unaccounted + change.unaccounted - done.work
         changes.append(change)
+    if context.held is not None:
+        carried = math.prod([one.carried for one in context.shares])
+        undamped = (1.0 - carried**2) * _energy_of_driven(context, context.held)
+        changes.append(Ledger(damping=-undamped))
+        numerical += undamped
     ledger = ledger.plus(*changes)
     return changed(ledger, numerical=numerical, unaccounted=unaccounted), tuple(own)
+
+
+def _energy_of_driven(context: StepContext, held: Held) -> float:
+    """Return the kinetic energy of motions that are prescribed, J/m; no damping takes it."""
+    velocity = np.where(held.components, context.state.velocity, 0.0)
+    momentum = np.einsum("nij,nj->ni", context.frames.mass_matrix, velocity)
+    return 0.5 * float(np.sum(velocity * momentum))
 
 
 def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:
@@ -173,6 +193,10 @@ def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end:
     )
     contact_work, contact, friction = map(float, of_contacts)
     removed += -contact_work - (contact - before.contact) - friction
+    driven = 0.0
+    if solution.driven is not None and context.held is not None:
+        # what bodies that are driven have brought into impacts
+        driven = float(np.sum(solution.driven * context.held.displacement)) / context.step
     return changed(
         before,
         kinetic=kinetic,
@@ -180,7 +204,8 @@ def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end:
         contact=contact,
         friction=before.friction + friction,
         impacts=before.impacts + solution.lost,
-        numerical=before.numerical + removed + (before.kinetic - entering) - solution.lost,
+        motions=before.motions + driven,
+        numerical=before.numerical + removed + (before.kinetic - entering) - solution.lost + driven,
         unaccounted=before.unaccounted + inertia_work - elastic_work - contact_work,
     )
 

@@ -25,6 +25,7 @@ from clast.step.energy_balance import StepEnd, balance
 from clast.step.integration import end_velocity
 from clast.step.method import StepResult, StepSolution
 from clast.step.start import StepContext
+from clast.step.supports.reactions import holding, reactions_of
 
 
 def finish(context: StepContext, solution: StepSolution, depth: float) -> StepResult:
@@ -47,7 +48,8 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
         near = context.workspace.near
         reject_tunnelled(model, state.vertices, motion.vertices, memory, depth, near)
     stages("ledger")
-    ledger, actions = balance(context, solution, end, motion.points)
+    held = holding(context, solution, end)
+    ledger, actions = balance(context, solution, end, motion.points, held.whole)
     return StepResult(
         state=State(
             time=context.at.end,
@@ -59,6 +61,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
             memory=memory,
             ledger=ledger,
             actions=actions,
+            reactions=reactions_of(context, solution, held),
         ),
         contacts=solution.contacts,
         response=solution.response,
@@ -102,6 +105,8 @@ def end_of(context: StepContext, solution: StepSolution) -> StepEnd:
     """Return velocities, stresses, gaps and slips at the end of a step."""
     velocity = end_velocity(solution.scheme, solution.unknowns, solution.drift, solution.velocity)
     velocity[context.model.fixed] = 0.0
+    if context.held is not None:
+        velocity = context.held.put(velocity, context.held.velocity)
     opening, slip = contact_motions(solution.contacts, solution.unknowns)
     return StepEnd(
         velocity=velocity,

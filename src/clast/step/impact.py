@@ -36,7 +36,7 @@ from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
-from clast.model.model import Floats, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.read_only import changed
 from clast.step import collisions, stopping
@@ -80,6 +80,8 @@ class ImpactResult:
     """Closing velocity from which contacts were struck, m/s."""
     fastest: float
     """Largest closing velocity after them, m/s, 0 where none closes."""
+    driven: Floats | None = None
+    """Impulses of bodies with a prescribed motion on what they struck, N s/m, (n, 6)."""
 
 
 def after_impacts(
@@ -87,14 +89,16 @@ def after_impacts(
 ) -> ImpactResult:
     """Return the result of the impacts of a step that has begun for its equations."""
     model, frames, state = context.model, context.frames, context.state
-    velocity, step = context.velocity, context.step
+    velocity, step, held = context.velocity, context.step, context.held
+    if held is not None:
+        velocity = held.put(velocity, held.displacement / step)
     before = contact_motions(contacts, velocity)
     rate = before[0]
     fastest = -least(rate, 0.0)
     slow = slowest_impact(model, context.method.contact_law, step)
     impact = max(slow, NOISE * fastest)
     unchanged = ImpactResult(
-        velocity=velocity,
+        velocity=context.velocity,
         drift=context.drift,
         lost=0.0,
         before=before,
@@ -125,12 +129,14 @@ def after_impacts(
     limits = step, impact, even
     if not collisions.any_strikes(velocity, acceleration, struck, bears, limits):
         return unchanged
-    mobility = mobilities(model, frames, state)
+    mobility, mass = mobilities(model, frames, state), frames.mass_matrix
+    if held is not None:
+        mobility, mass = held.heavy(mobility, mass)
     after, shift, lost = collisions.strike(
-        velocity, acceleration, mobility, frames.mass_matrix, struck, bears, limits
+        velocity, acceleration, mobility, mass, struck, bears, limits
     )
     rate = gap_rate(contacts, after)
-    return ImpactResult(
+    found = ImpactResult(
         velocity=after,
         drift=step * after + shift,
         lost=float(lost),
@@ -138,6 +144,14 @@ def after_impacts(
         rate=rate,
         impact=impact,
         fastest=-least(rate, 0.0),
+    )
+    if held is None:
+        return found
+    return changed(
+        found,
+        velocity=held.put(after, context.velocity),
+        drift=held.put(found.drift, context.drift),
+        driven=held.driven(frames.mass_matrix, velocity, after),
     )
 
 
@@ -238,13 +252,15 @@ def scheme_of(
     if not is_any(closes):
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
-    stopped = stopping.stopped_motions(
+    stopped: tuple[Ints, Floats, Floats] = stopping.stopped_motions(
         context.frames.mass_matrix,
         model.fixed,
         graph,
         (contacts.vertex_block, contacts.levers),
         (closes, bears, bears & (contacts.friction > 0.0)),
     )
+    if context.held is not None:
+        stopped = context.held.unstopped(stopped)
     return changed(scheme, stopped=stopped)
 
 

@@ -116,6 +116,8 @@ class StepSolution:
     """Displacements about which springs of actions were linearised, (n, 6); None: at the end."""
     lost: float = 0.0
     """Kinetic energy that impacts took before it entered, J/m."""
+    driven: Floats | None = None
+    """Impulses of bodies with a prescribed motion on what they struck, N s/m, (n, 6)."""
     bonded: Bools | None = None
     """Which contacts had their bonds when the step began, shape (m,); None: as the contacts say."""
     counts: dict[str, int] = field(default_factory=dict)

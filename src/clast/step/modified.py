@@ -30,12 +30,13 @@ from clast.linear.system import (
     slip_in_step,
     stretches,
 )
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import State, initial_state
 from clast.step.impact import advice_without
 from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
 from clast.step.start import StepContext, diagonal_terms
+from clast.step.supports.prescribed import Held
 from clast.step.take_step import take_step
 from clast.step.travel import ContactSearch
 
@@ -140,12 +141,10 @@ class Modified:
                 entered = self.friction.enter(answer(law, contacts, *seen, taken))
                 stages("assembly")
                 # (11) the equations of all blocks
-                system, bearing = coupled_system(
-                    base, contacts, entered, seen, springs, at, context.model.fixed
-                )
+                system, bearing = coupled_system(context, base, contacts, entered, seen, at)
                 stages("solve")
                 # (12) one solve
-                unknowns = factor.solve(system, bearing)
+                unknowns = context.total(factor.solve(system, bearing))
                 found = pass_result(law, contacts, entered, seen, unknowns, taken)
                 solves += 1
                 if multipliers.enough(law, solves, contacts, found.gap):
@@ -246,20 +245,21 @@ class Bearing:
 
 
 def coupled_system(
+    context: StepContext,
     base: DiagonalTerms,
     contacts: Contacts,
     response: ContactResponse,
     seen: tuple[Floats, Floats],
-    springs: Springs | None,
     at: Floats,
-    fixed: Bools,
 ) -> tuple[BlockSystem, ContactResponse | Bearing]:
     """Return the system of a solve, and the forces in it.
 
-    The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs are
-    at the displacements ``at`` (n, 6).
+    The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs of
+    the step are at the displacements ``at`` (n, 6).
     """
+    springs, fixed = context.springs, context.model.fixed
     if springs is None:
+        seen = _beside(context.held, contacts, *seen)
         return assemble(base, contacts, response, *seen, fixed), response
     table, (of_contacts, of_springs) = merged(springs_of(contacts), (springs,))
     gap, slip = stretches(springs, at)
@@ -278,7 +278,18 @@ def coupled_system(
     # a link's slip in the equations counts from the start of the step, a spring's from its own
     own = gap, slip - springs.slip
     gaps, slips = (joined(one, other) for one, other in zip(seen, own, strict=True))
+    gaps, slips = _beside(context.held, table, gaps, slips)
     return assemble(base, table, bearing, gaps, slips, fixed), bearing
+
+
+def _beside(
+    held: Held | None, links: Contacts | Springs, gap: Floats, slip: Floats
+) -> tuple[Floats, Floats]:
+    """Return gaps and slips (m,), m, without what motions that are prescribed make of them."""
+    if held is None:
+        return gap, slip
+    opening, sliding = held.motions(links)
+    return gap - opening, slip - sliding
 
 
 def are_settled(springs: Springs | None, before: Floats, after: Floats) -> bool:

@@ -102,11 +102,9 @@ class OpenClose:
             stages("law")
             entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
             stages("assembly")
-            system, bearing = coupled_system(
-                base, contacts, entered, seen, springs, at, context.model.fixed
-            )
+            system, bearing = coupled_system(context, base, contacts, entered, seen, at)
             stages("solve")
-            unknowns = factor.solve(system, bearing)
+            unknowns = context.total(factor.solve(system, bearing))
             found = pass_result(law, contacts, entered, seen, unknowns, taken)
             settled = have_settled(entered, found.acting)
             if tried >= least and settled and are_settled(springs, at, unknowns):

@@ -14,6 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from clast.actions.acting import acceleration_of, add_shares, own_states, shares_of
 from clast.actions.action import Action, Contribution, StepStart
 from clast.block import equations
@@ -29,6 +31,7 @@ from clast.model.state import State
 from clast.step import stopping
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
+from clast.step.supports.prescribed import Held, held_by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,11 +65,17 @@ class StepContext:
     """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
     stages: Stages
     """Adds up the time of the stages of the step."""
+    held: Held | None = None
+    """Motions that are prescribed, None where none is."""
 
     @property
     def scheme(self) -> Scheme:
         """How blocks take the step that nothing stops."""
         return Scheme(theta=self.method.integrator.theta, step=self.step)
+
+    def total(self, unknowns: Floats) -> Floats:
+        """Return d (n, 6) of the unknowns of the equations, which count from prescribed motions."""
+        return unknowns if self.held is None else self.held.total(unknowns)
 
     def contacts(self, reach: SearchDistance, drift: Floats | None = None) -> Contacts:
         """Return the contacts within ``reach``; ``drift`` (n, 6) as ``detect`` has it."""
@@ -90,6 +99,7 @@ def begin(
         ahead=ahead * state.velocity if ahead > 0.0 else None,
         rotation=method.rotation,
         forces_at=forces_at(method.integrator),
+        support_stiffness=method.fixed_point_stiffness,
         clock=method.clock,
     )
     actions = workspace.acting.actions(model, method.fixed_point_stiffness, method.damping)
@@ -101,6 +111,13 @@ def begin(
         at = replace(at, forces_at=1.0)
         shares = shares_of(actions, at, own)
     velocity = carried * state.velocity
+    drift, held = step * velocity, held_by(shares, model)
+    if held is not None:
+        # no damping slows down what is driven; a static run knows of no momentum
+        held = held if method.dynamic_ratio > 0.0 else held.at_rest()
+        entering = state.velocity if method.dynamic_ratio > 0.0 else np.zeros_like(velocity)
+        velocity = held.put(velocity, entering)
+        drift = held.drift(step * velocity, velocity, method.integrator.theta * step)
     return StepContext(
         at=at,
         model=model,
@@ -113,15 +130,34 @@ def begin(
         actions=actions,
         own=own,
         shares=shares,
-        drift=step * velocity,
+        drift=drift,
         springs=springs_between(shares),
         acceleration=acceleration_of(shares),
         stages=stages,
+        held=held,
     )
 
 
+def again(context: StepContext, unknowns: Floats) -> StepContext | None:
+    """Return a step with other shares where an action is not content with d (n, 6), else None.
+
+    Such an action says so by ``again(start, share, d)``, which gives the share, or None.
+    """
+    shares = list(context.shares)
+    for k, action in enumerate(context.actions):
+        if hasattr(action, "again"):
+            share = action.again(context.at, shares[k], unknowns)
+            shares[k] = share or shares[k]
+    if all(one is other for one, other in zip(shares, context.shares, strict=True)):
+        return None
+    return replace(context, shares=tuple(shares))
+
+
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
-    """Return everything of a step but the coupling of blocks; ``drift`` (n, 6) is h v, m."""
+    """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m.
+
+    The equations are those of the unknowns that ``StepContext.total`` takes.
+    """
     model, frames, share = context.model, context.frames, context.at.forces_at
     matrix, force, momentum = equations.terms(
         (frames.mass_matrix, scheme.inertia, drift),
@@ -134,7 +170,10 @@ def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> Diago
         terms = matrix, force, momentum
         stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
     add_shares(context.shares, matrix, force)
-    return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
+    base = DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
+    if context.held is None:
+        return base
+    return context.held.terms(base, scheme.inertia * frames.mass_matrix)
 
 
 def springs_between(shares: Sequence[Contribution]) -> Springs | None:

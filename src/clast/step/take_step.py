@@ -9,8 +9,11 @@ from clast.model.model import Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.method import Method, StepResult, StepSolution, Workspace
-from clast.step.start import StepContext, begin
+from clast.step.start import StepContext, again, begin
 from clast.step.travel import ContactSearch, searched_again
+
+TRIES = 4
+"""Times that a step is solved once more for points that are led, at most."""
 
 
 class StepSolver(Protocol):
@@ -48,5 +51,11 @@ def take_step(
     solution = process.solve(context, contacts)
     while found := searched_again(context, search, contacts, solution.unknowns):
         search, contacts = found
+        solution = process.solve(context, contacts, solution)
+    for _ in range(TRIES):
+        renewed = again(context, solution.unknowns)
+        if renewed is None:
+            break
+        context = renewed
         solution = process.solve(context, contacts, solution)
     return finish(context, solution, search.depth)

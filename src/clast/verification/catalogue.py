@@ -68,6 +68,13 @@ from clast.verification.problems.slopes import (
     toppling,
     wet_slope,
 )
+from clast.verification.problems.supports import (
+    drawn_block,
+    hinges,
+    servo_press,
+    settling_pier,
+    yielding_beam,
+)
 from clast.verification.problems.underground import (
     bolted_stages,
     excavated_stack,
@@ -169,6 +176,13 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wall_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
+    ),
+    "supports": (
+        drawn_block.PROBLEM,
+        settling_pier.PROBLEM,
+        servo_press.PROBLEM,
+        hinges.PROBLEM,
+        yielding_beam.PROBLEM,
     ),
     "waves": (
         chain.PROBLEM,

@@ -110,6 +110,53 @@ kind = "bar"
 anchorage = "grouted"
 free_length = 0.1
 pretension_is = "jacked"
+[[motion]]
+name = "raised"
+blocks = ["wall"]
+x = 0.0
+y = {velocity = "ramp", scale = 0.1}
+rotation = 0.0
+about = [0.0, 0.0]
+ease = 0.1
+stage = "first"
+until = "later"
+[[motion]]
+block = "wall"
+stress = [0.0, -1e5]
+x = 0.0
+rotation = 0.0
+limit_speed = 0.1
+factor = "ramp"
+stage = "later"
+until = 0.001
+[[link]]
+name = "pin"
+at = [0.5, 0.0]
+blocks = ["wall", "base"]
+direction = [0.0, 1.0]
+x = "rigid"
+y = 1e8
+rotation = 1e6
+yield_force = 1e5
+yield_moment = 1e4
+rupture = 0.1
+rupture_rotation = 10.0
+gap = 1e-3
+damping = 1e3
+rotation_damping = 1e3
+contacts = true
+stage = "later"
+[[moment]]
+block = "wall"
+moment = 1.0
+factor = "ramp"
+[[measured_reaction]]
+name = "hinge"
+fixed_point = [2.0, -0.5]
+about = [0.0, 0.0]
+[[measured_reaction]]
+name = "wall"
+block = "wall"
 [[water]]
 name = "lake"
 level = 1.0
@@ -271,6 +318,50 @@ SETTINGS: dict[str, list[str]] = {
     "two surfaces": ["water.1.line=[[0, 1], [4, 1]]"],
     "water below": ["water.1.level=-5"],
     "water goes back": ["water.2.line=[[0, 1], [3, 1], [2, 1]]"],
+    "motion of no block": ["motion.1.blocks=['wal']"],
+    "motion of nothing": ["motion.1={name='raised', x=1}"],
+    "motion of no blocks": ["motion.1.blocks=[]"],
+    "motion twice of a block": ["motion.1.blocks=['wall', 'wall']"],
+    "motion of block and blocks": ["motion.1.block=wall"],
+    "motion of a fixed point that is none": ["motion.1={fixed_point=[9, 9], y=1}"],
+    "motion of a fixed point that turns": ["motion.1={fixed_point=[2, -0.5], rotation=1}"],
+    "motion nowhere": ["motion.1={block='wall'}"],
+    "motion about without rotation": ["motion.1={block='wall', x=1, about=[0, 0]}"],
+    "motion of several that turn": ["motion.1={blocks=['wall', 'base'], rotation=1}"],
+    "motion by no table": ["motion.1.y={velocity='rmap'}"],
+    "motion by two tables": ["motion.1.y={velocity='ramp', displacement='ramp'}"],
+    "motion by nothing": ["motion.1.y={scale=2}"],
+    "motion that begins with a jump": ["motion.1.y={displacement='ramp'}"],
+    "motion of no stage": ["motion.1.stage=late"],
+    "motion that ends with no stage": ["motion.1.until=late"],
+    "motion at once with another": ["motion.2.stage=first"],
+    "motion against a fixed point": ["motion.1.blocks=['base']"],
+    "motions of a name": ["motion.2.name=raised"],
+    "servo of force and stress": ["motion.2.force=[0, 1]"],
+    "servo without a speed": ["motion.2={block='wall', force=[0, 1]}"],
+    "servo of nothing": ["motion.2.stress=[0, 0]"],
+    "servo on what is moved": ["motion.2.stress=[1e5, 0]"],
+    "servo by no table": ["motion.2.factor=rmap"],
+    "speed of no servo": ["motion.1.limit_speed=1"],
+    "link with itself": ["link.1.blocks=['wall', 'wall']"],
+    "link of no block": ["link.1.blocks=['wall', 'bas']"],
+    "link of nothing": ["link.1={at=[0, 0], x=1e8}"],
+    "link twice": ["link.1.block=wall"],
+    "link that holds nothing": ["link.1={at=[0, 0], blocks=['wall', 'base']}"],
+    "link of no ground": ["link.1={at=[0, 0], block='wall', x=1e8}"],
+    "link of no direction": ["link.1.direction=[0, 0]"],
+    "link that yields nowhere": [
+        "link.1={at=[0, 0], blocks=['wall', 'base'], x=1e8, yield_moment=1}"
+    ],
+    "link of no stage": ["link.1.stage=late"],
+    "link rigidly misspelt": ["link.1.x=rigd"],
+    "moment on no block": ["moment.1.block=wal"],
+    "moment by no table": ["moment.1.factor=rmap"],
+    "reaction of nothing": ["measured_reaction.1={name='hinge'}"],
+    "reaction of a free block": ["measured_reaction.2.block=base"],
+    "reaction of no block": ["measured_reaction.2.block=bas"],
+    "reaction at no fixed point": ["measured_reaction.1.fixed_point=[9, 9]"],
+    "reactions of a name": ["measured_reaction.2.name=hinge"],
     "water in t/m3": ["water.1.density=1.0"],
     "water by table": ["water.2.factor=rampe"],
     "drain far away": ["water.1.drained_at=[[3.0, -0.5]]"],
@@ -471,7 +562,19 @@ CALLS: dict[str, dict[str, Any]] = {
         "name": "p",
     },
     "measured_point": {"name": "A", "at": (1, 2), "block": "wall"},
-    "measured_contact": {"name": "C", "at": (0, 0)},
+    "measured_reaction": {"name": "R", "block": "wall"},
+    "link": {"at": (0.5, 0), "blocks": ["wall", "base"], "x": "rigid", "rotation": 1e6},
+    "moment": {"block": "wall", "moment": 1.0, "factor": "ramp"},
+    "motion": {
+        "name": "m",
+        "block": "wall",
+        "x": 1.0,
+        "y": {"velocity": "ramp"},
+        "rotation": 1.0,
+        "about": (0, 0),
+        "ease": 0.1,
+        "until": 1.0,
+    },
     "add_bolt_kind": {
         "name": "k",
         "stiffness": 1e7,

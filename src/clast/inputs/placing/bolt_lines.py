@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,8 @@ import shapely
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
 from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
-from clast.model.model import Floats, Ints
+from clast.model.factors import Factor
+from clast.model.model import Bools, Floats, Ints, MaterialPoints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +37,17 @@ class Ground:
     """shapely.STRtree of their polygons."""
     moved: float = 0.0
     """How far vertices may have moved since they were drawn, m."""
+    factors: tuple[Factor, ...] = ()
+    """Tables of time."""
+    fixed: Bools = field(default_factory=lambda: np.zeros(0, np.bool_))
+    """Blocks that cannot move at all, shape (n,)."""
+    points: MaterialPoints = field(default_factory=MaterialPoints)
+    """The fixed points."""
+
+    def fixed_points_at(self, at: Floats) -> Ints:
+        """Return the numbers of the fixed points at a point (2,) about the origin, (k,)."""
+        near = TOUCHING * float(np.hypot(*np.ptp(self.outlines.vertices, axis=0)))
+        return np.flatnonzero(np.hypot(*(self.points.at - at).T) <= near)
 
     def text(self, at: Floats) -> str:
         """Return a point (2,) about the origin as messages write it."""

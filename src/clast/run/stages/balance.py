@@ -89,6 +89,8 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
         borne = bear.normal_force, bear.shear_force
         forces = with_contact_forces(forces, springs, graph, fixed, *borne)
     forces[fixed] = 0.0
+    if context.held is not None:
+        forces[context.held.components] = 0.0
     return forces
 
 
@@ -120,4 +122,7 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
             springs.levers,
             (bear.normal_force, bear.shear_force),
         )
+    if context.held is not None:
+        # what is out of balance there is the reaction
+        sums.force[context.held.components[:, :3]] = 0.0
     return sums.result()

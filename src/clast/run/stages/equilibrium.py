@@ -208,6 +208,8 @@ class EquilibriumCheck:
             return "the ground still moves"
         if time < released_at(state):
             return "support forces are still released"
+        if any(time < one.rest_from(self.model) for one in self.model.actions if _moves(one)):
+            return "blocks are still moved"
         return ""
 
     def _speeds(self, state: State, way: Floats, step: float) -> Floats:
@@ -331,6 +333,11 @@ class EquilibriumCheck:
         on &= np.hypot(*held.net.T) > STRAIGHT * held.path
         on &= held.path > CREEPING * self._limit * held.time
         return self.model.block_name[int(on.argmax())] if on.any() else ""
+
+
+def _moves(action: object) -> bool:
+    """Return whether an action knows from when on all that it moves rests (``rest_from``)."""
+    return hasattr(action, "rest_from")
 
 
 def _rows(known: Ints, wanted: Ints) -> tuple[Ints, Bools]:

@@ -157,11 +157,12 @@ def _check_ground_motion(stage: Stage, model: Model) -> None:
 
 
 def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse bolts and viscous edges that wait for a stage that does not come."""
+    """Refuse what waits for a stage that does not come: bolts, viscous edges, motions."""
     names = [stage.name for stage in stages]
     bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
     waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]
     waiting += [("viscous boundary", name) for name in dict.fromkeys(model.viscous_edges.stage)]
+    waiting += [pair for action in model.actions for pair in getattr(action, "waits", ())]
     for what, name in waiting:
         if name and name not in names:
             raise ModelError(

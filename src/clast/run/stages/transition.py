@@ -92,6 +92,7 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
         joint_table=with_strengths(model.joint_table, stage.joints),
         ground_motion=_motion(base.model.ground_motion, stages, starts),
         viscous_edges=model.viscous_edges.at_stage(stage.name, starts[-1]),
+        begun=tuple((one.name, at) for one, at in zip(stages, starts, strict=False)),
     )
     bolts = model.bolts if len(starts) == 1 else model.bolts.locked_by_now()
     return Setting(

@@ -1,0 +1,1 @@
+"""Links between blocks at a point: hinges, sliders, springs of every kind."""

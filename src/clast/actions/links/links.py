@@ -1,0 +1,323 @@
+"""Links: rows of clipped springs between two blocks at a point.
+
+    F = clip(-k (x - x_0 - p), -F_y, F_y)
+
+is the force on the first block of a component with the stretch x: a.(P_1 - P_2) along the link,
+t.(P_1 - P_2) across it, or the angle between the blocks.  P_1 and P_2 are the point of the link as
+each of its blocks carries it, a and t turn with the first block.  The plastic stretch p grows where
+F would exceed F_y, and beyond a stretch it breaks for good.  With a play g there is a spring for
+either side, each of which begins g away.  A dashpot has F = -c dx/dt.
+
+A spring against rotation is a row as well, at the end of arms that reach far out along t: there
+the blocks move apart by -L r along a, r being their angle, and by a part 1/L of what they do at P.
+What turns is the face across the link, which shears with its block.  Rigid components are as stiff
+as fixed points are.
+
+A step turns a block by an angle r about its centroid, and moves a point with the offset y by the
+chord 2 sin(r/2) J R(r/2) y: by T d with the offset that it has halfway, up to r^3.  So rows are
+taken there, with the velocities that the blocks have; else each step of a pendulum would begin with
+its hinge drawn apart by r^2 y/2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
+from clast.actions.links.link_states import COMPONENTS, LinkRows, LinkStates
+from clast.block import polygon
+from clast.block.displacement import movements
+from clast.contact.clipped_spring import Clipped, Springs, table
+from clast.linear.system import stretches
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import Ledger
+
+ARM = 1e5
+"""Length of the arms of rows against rotation, in units of the system."""
+ROTATION = COMPONENTS.index("rotation")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Links:
+    """The links of a case."""
+
+    rows: LinkRows
+    """What they consist of."""
+    apart: Ints
+    """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
+    support: ClassVar[str] = ""
+    """They hold blocks by each other."""
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return self.rows.name
+
+    @property
+    def waits(self) -> tuple[tuple[str, str], ...]:
+        """What waits for stages, and their names."""
+        pairs = zip(self.rows.name, self.rows.stage, strict=True)
+        return tuple((f"link '{name}'", stage) for name, stage in pairs if stage)
+
+    def begin(self, model: Model) -> LinkStates:
+        """Return the links at the start; those that wait for a stage are not installed."""
+        rows, count = self.rows, len(self.rows.link)
+        own = LinkStates(
+            at=np.repeat(rows.at[:, None], 2, axis=1),
+            angle=np.zeros(len(rows.at)),
+            rest=np.full(count, np.nan),
+            plastic=np.zeros(count),
+            force=np.zeros(count),
+            drag=np.zeros(count),
+            yielded=np.zeros(count, np.bool_),
+            broken=np.zeros(count, np.bool_),
+        )
+        return self._installed(model, own, np.zeros(count))
+
+    def share(self, start: StepStart, own: LinkStates) -> Contribution:
+        """Return the springs of all links that bear between blocks that can move."""
+        acting = self._acting(start, own)
+        if not len(acting.row):
+            return Contribution()
+        return Contribution(springs=self._springs(start, acting)[0])
+
+    def finish(
+        self, start: StepStart, own: LinkStates, share: Contribution, solution: Solution
+    ) -> ActionResult:
+        """Return what the links have done: they store energy, yield, break and damp."""
+        acting, rows = self._acting(start, own), self.rows
+        begun = acting.own
+        work, drag = 0.0, np.zeros(len(rows.link))
+        moved = np.zeros(len(rows.link))
+        if share.springs is not None:
+            work, _ = energy_of_springs(share.springs, solution)
+            _, order = self._springs(start, acting)
+            moved[acting.row] = self._moved(share.springs, solution, order, acting)
+            drag = -rows.damping * moved / start.step
+        pulled = self._stretched(acting, begun, acting.stretch + moved)
+        breaks = pulled.bears & (np.abs(acting.stretch + moved - begun.rest) > rows.rupture)
+        ended = replace(
+            pulled,
+            force=np.where(breaks, 0.0, pulled.force),
+            broken=pulled.broken | breaks,
+            at=self._carried(start, begun, solution),
+            angle=begun.angle + self._turned(moved),
+            drag=drag,
+        )
+        k = acting.stiffness
+        before, whole, after = (0.5 * one.force**2 / k for one in (begun, pulled, ended))
+        flow = np.abs(pulled.force * (pulled.plastic - begun.plastic))
+        return ActionResult(
+            work=work,
+            ledger=Ledger(
+                links=float(np.sum(after - before)),
+                yielding=float(np.sum(flow + whole - after)),
+                damping=float(-np.sum(drag * moved)),
+            ),
+            own=ended,
+        )
+
+    def events(
+        self, model: Model, before: LinkStates, after: LinkStates
+    ) -> Iterator[tuple[str, str, str]]:
+        """Give kind, name and sentence of what has happened to links in a step."""
+        for kind, said in (("yielded", "yields"), ("broken", "breaks")):
+            fresh = getattr(after, kind) & ~getattr(before, kind)
+            for row in np.flatnonzero(fresh):
+                name = self.rows.name[self.rows.link[row]]
+                what = COMPONENTS[self.rows.component[row]]
+                happened = "broke" if kind == "broken" else kind
+                yield happened, name, f"link '{name}' {said} ({what})"
+
+    def borne(self, own: LinkStates) -> Floats:
+        """Return force along and across, N/m, and moment, N, on the first blocks, (k, 3)."""
+        found = np.zeros((len(self.rows.name), 3))
+        found[self.rows.link, self.rows.component] = own.force + own.drag
+        return found
+
+    def condition(self, own: LinkStates) -> Ints:
+        """Return 0 not installed, 1 intact, 2 yielded, 3 broken: the worst of each link, (k,)."""
+        rows = np.where(np.isnan(own.rest), 0, 1)
+        rows = np.where(own.yielded, 2, rows)
+        rows = np.where(own.broken, 3, rows)
+        found = np.zeros(len(self.rows.name), np.int64)
+        np.maximum.at(found, self.rows.link, rows)
+        return found
+
+    # --- rows
+
+    def _acting(self, start: StepStart, own: LinkStates) -> _Acting:
+        """Return what acts in a step."""
+        rows, model = self.rows, start.model
+        ahead = _halfway(start)
+        turn = start.state.rotation[rows.block[:, 0]]
+        now = _turned_by(rows.along, turn)
+        along = _turned_by(rows.along, turn + ahead[rows.block[:, 0], 2])
+        offset = own.at - start.frames.centroid[rows.block]
+        apart = own.at[:, 0] - own.at[:, 1]
+        across = np.stack([-now[:, 1], now[:, 0]], axis=1)
+        parts = [(now * apart).sum(axis=1), (across * apart).sum(axis=1), own.angle]
+        stretch = np.stack(parts, axis=1)[rows.link, rows.component]
+        own = self._installed(model, own, stretch)
+        acts = own.bears & ~model.fixed[rows.blocks].all(axis=1)
+        size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
+        small = float(np.sqrt(model.smallest))
+        rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
+        return _Acting(
+            own=own,
+            row=np.flatnonzero(acts),
+            along=along,
+            offset=_turned_by(offset.reshape(-1, 2), ahead[rows.block.ravel(), 2]).reshape(
+                -1, 2, 2
+            ),
+            stretch=stretch,
+            stiffness=np.where(np.isinf(rows.stiffness), rigid, rows.stiffness),
+            arm=ARM * size,
+        )
+
+    def _installed(self, model: Model, own: LinkStates, stretch: Floats) -> LinkStates:
+        """Return the links with those installed that are there by now, and without lost ones."""
+        rows, begun = self.rows, dict(model.begun)
+        there = np.array([not stage or stage in begun for stage in rows.stage], np.bool_)[rows.link]
+        lost = there & model.gone[rows.blocks].any(axis=1)
+        fresh = there & np.isnan(own.rest) & ~lost
+        if not fresh.any() and not (lost & ~own.broken).any():
+            return own
+        return replace(
+            own,
+            rest=np.where(fresh, stretch, own.rest),
+            broken=own.broken | lost,
+            force=np.where(lost, 0.0, own.force),
+        )
+
+    def _springs(self, start: StepStart, acting: _Acting) -> tuple[Springs, Ints]:
+        """Return the table of springs, and which of its rows come first, second, third: (3 r,).
+
+        Each row that acts has a spring to one side, one to the other, and a dashpot.
+        """
+        rows, row, own = self.rows, acting.row, acting.own
+        link, turns = rows.link[row], rows.component[row] == ROTATION
+        along = acting.along[link]
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        way = np.where((rows.component[row] == 1)[:, None], across, along)
+        reach = np.where(turns, acting.arm, 0.0)[:, None] * across
+        offset = acting.offset[link] + reach[:, None]
+        levers = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
+        # at the end of the arms, along the link, angles are stretches -L r
+        scale = np.where(turns, -acting.arm, 1.0)
+        free = acting.stretch[row] - own.rest[row] - own.plastic[row]
+        stiffness = acting.stiffness[row] / scale**2
+        strength, play = rows.strength[row] / np.abs(scale), rows.gap[row] * np.abs(scale)
+        stretch, count = scale * free, len(row)
+        none, two_sided = np.zeros(count), play == 0.0
+        # what is rigid is no spring that swings: half of its way would be a force that grows
+        place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
+
+        def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:
+            held = Clipped(at_zero=stiffness * shift, stiffness=stiffness, low=low, high=high)
+            return held.taken_at(place, stretch)
+
+        drag = rows.damping[row] / scale**2 / start.step
+        endless = np.full(count, np.inf)
+        each = (
+            springs(-strength, np.where(two_sided, strength, 0.0), play),
+            springs(none, np.where(two_sided, 0.0, strength), -play),
+            Clipped(at_zero=drag * stretch, stiffness=drag, low=-endless, high=endless),
+        )
+        kept = [np.ones(count, np.bool_), ~two_sided, rows.damping[row] > 0.0]
+        chosen = np.concatenate([np.flatnonzero(one) + k * count for k, one in enumerate(kept)])
+        normal = Clipped(
+            **{
+                name: np.concatenate([getattr(one, name) for one in each])[chosen]
+                for name in ("at_zero", "stiffness", "low", "high")
+            }
+        )
+        at = chosen % count
+        nothing = np.zeros(len(at))
+        found, order = table(
+            vertex_block=rows.block[link, 0][at],
+            edge_block=rows.block[link, 1][at],
+            levers=levers[at],
+            gap=stretch[at],
+            slip=nothing,
+            normal=normal,
+            shear=Clipped(at_zero=nothing, stiffness=nothing, low=nothing, high=nothing),
+        )
+        places = np.full(3 * count, -1)
+        places[chosen] = order
+        return found, places
+
+    def _moved(self, springs: Springs, solution: Solution, places: Ints, acting: _Acting) -> Floats:
+        """Return by how much the rows that act were stretched, m or rad, shape (r,)."""
+        turns = self.rows.component[acting.row] == ROTATION
+        gap, _ = stretches(springs, solution.displacement)
+        first = places[: len(acting.row)]
+        return np.asarray((gap - springs.gap)[first] / np.where(turns, -acting.arm, 1.0))
+
+    def _turned(self, moved: Floats) -> Floats:
+        """Return the angles (k,) of rows that were stretched (m,)."""
+        found = np.zeros(len(self.rows.name))
+        turns = self.rows.component == ROTATION
+        found[self.rows.link[turns]] = moved[turns]
+        return found
+
+    def _stretched(self, acting: _Acting, own: LinkStates, stretch: Floats) -> LinkStates:
+        """Return the rows at their stretches (m,): their forces, and what yields."""
+        rows, k = self.rows, acting.stiffness
+        elastic = stretch - own.rest - own.plastic
+        beyond = np.sign(elastic) * np.maximum(np.abs(elastic) - rows.gap, 0.0)
+        straight = np.where(own.bears, -k * beyond, 0.0)
+        straight = np.nan_to_num(straight)
+        force = np.clip(straight, -rows.strength, rows.strength)
+        flow = np.where(force != straight, (force - straight) / k, 0.0)
+        return replace(
+            own,
+            force=force,
+            plastic=own.plastic + flow,
+            yielded=own.yielded | (force != straight),
+        )
+
+    def _carried(self, start: StepStart, own: LinkStates, solution: Solution) -> Floats:
+        """Return where the blocks carry the points, m, (k, 2, 2)."""
+        block, at = self.rows.block.ravel(), own.at.reshape(-1, 2)
+        offset = polygon.offsets(at, block, start.frames.centroid)
+        moved = movements(start.rotation, offset, solution.displacement, block)
+        return np.asarray((at + moved).reshape(-1, 2, 2))
+
+
+def _halfway(start: StepStart) -> Floats:
+    """Return half of what the velocities bring in the step, (n, 6); nothing in a static one."""
+    if start.clock is not None:
+        return np.zeros_like(start.state.velocity)
+    return np.asarray(0.5 * start.step * start.state.velocity)
+
+
+def _turned_by(vectors: Floats, angle: Floats) -> Floats:
+    """Return vectors (k, 2) turned by angles (k,), rad."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = vectors.T
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Acting:
+    """What acts in a step."""
+
+    own: LinkStates
+    """The links as it begins."""
+    row: Ints
+    """Rows that act, shape (r,)."""
+    along: Floats
+    """Direction of each link halfway through the step, shape (k, 2)."""
+    offset: Floats
+    """Offsets of its points from the centroids there, m, shape (k, 2, 2)."""
+    stretch: Floats
+    """Stretch of each row, m or rad, shape (m,)."""
+    stiffness: Floats
+    """Stiffness of each row, rigid ones with a number, shape (m,)."""
+    arm: float
+    """Length of the arms of rows against rotation, m."""

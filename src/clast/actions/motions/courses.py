@@ -1,0 +1,107 @@
+"""How far a prescribed motion goes: velocity and way over time, without shocks where wanted.
+
+The velocity is linear in pieces.  An ``ease`` e spreads each jump of it over a time,
+
+    x~(t) = 1/e int_{t-e}^{t} x,    v~(t) = (x(t) - x(t-e))/e,
+
+the mean of the way over the time e before: a constant velocity is reached with the acceleration
+v/e, and the way is e/2 behind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.model.factors import Factor
+from clast.model.model import Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course:
+    """The way x(t) of one component, 0 before t = 0; in k pieces with constant acceleration."""
+
+    time: Floats
+    """When each piece begins, s, rising from 0, shape (k,); the last one goes on for ever."""
+    way: Floats
+    """x where each begins, m or rad, shape (k,)."""
+    velocity: Floats
+    """Velocity where each begins, per s, shape (k,)."""
+    acceleration: Floats
+    """Acceleration in each, per s2, shape (k,)."""
+    ease: float = 0.0
+    """Time over which jumps of velocity are spread, s."""
+    table: str = ""
+    """Name of the table that it follows, "" for none."""
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Return way and velocity at a time, s, from its beginning."""
+        if self.ease == 0.0:
+            return self._way(time)[:2]
+        (now, _, area), (before, _, area_before) = self._way(time), self._way(time - self.ease)
+        return (area - area_before) / self.ease, (now - before) / self.ease
+
+    @property
+    def end(self) -> float:
+        """Time after which it rests, s; infinity where it does not."""
+        if self.velocity[-1] or self.acceleration[-1]:
+            return np.inf
+        return float(self.time[-1]) + self.ease
+
+    def _way(self, time: float) -> tuple[float, float, float]:
+        """Return x, its velocity and its integral from 0 at a time, s; 0 before 0."""
+        if time <= 0.0:
+            return 0.0, 0.0, 0.0
+        k = int(np.searchsorted(self.time, time, side="right")) - 1
+        x, v, a, since = self.way[k], self.velocity[k], self.acceleration[k], time - self.time[k]
+        area = self._areas[k] + since * (x + since * (v / 2.0 + since * a / 6.0))
+        return float(x + since * (v + since * a / 2.0)), float(v + since * a), float(area)
+
+    @property
+    def _areas(self) -> Floats:
+        """Integral of x from 0 to where each piece begins."""
+        since, x = np.diff(self.time), self.way[:-1]
+        v, a = self.velocity[:-1], self.acceleration[:-1]
+        pieces = since * (x + since * (v / 2.0 + since * a / 6.0))
+        return np.concatenate([[0.0], np.cumsum(pieces)])
+
+
+def at_constant_speed(velocity: float, ease: float) -> Course:
+    """Return a course with a constant velocity."""
+    none = np.zeros(1)
+    return Course(time=none, way=none, velocity=np.array([velocity]), acceleration=none, ease=ease)
+
+
+def along_displacements(table: Factor, scale: float, ease: float) -> Course:
+    """Return a course whose way is ``scale`` times a table."""
+    time, value = _from_zero(table)
+    way = scale * value
+    velocity = np.append(np.diff(way) / np.diff(time), 0.0)
+    none = np.zeros(len(time))
+    return Course(
+        time=time, way=way, velocity=velocity, acceleration=none, ease=ease, table=table.name
+    )
+
+
+def along_velocities(table: Factor, scale: float, ease: float) -> Course:
+    """Return a course whose velocity is ``scale`` times a table."""
+    time, value = _from_zero(table)
+    velocity, since = scale * value, np.diff(time)
+    acceleration = np.append(np.diff(velocity) / since, 0.0)
+    pieces = since * (velocity[:-1] + velocity[1:]) / 2.0
+    way = np.concatenate([[0.0], np.cumsum(pieces)])
+    return Course(
+        time=time,
+        way=way,
+        velocity=velocity,
+        acceleration=acceleration,
+        ease=ease,
+        table=table.name,
+    )
+
+
+def _from_zero(table: Factor) -> tuple[Floats, Floats]:
+    """Return instants from 0 on, s, and the values of a table there."""
+    time = np.concatenate([[0.0], table.time[table.time > 0.0]])
+    return time, np.interp(time, table.time, table.value)

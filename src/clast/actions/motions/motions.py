@@ -1,0 +1,275 @@
+"""Prescribed motions of blocks: support that settles, walls that are driven, presses, jacks.
+
+A block's centroid, or a point that goes with it, is where the course of the motion has it; the
+block turns about it.  With x_c the centroid and P the point where the motion begins,
+
+    x(t) = P + X(t) + R(phi(t)) (x_c - P),
+
+and the step has the displacement that leads from where the block is to x at its end.  A servo
+presses with a force F that it lacks the less the faster it goes, F (1 - v/v_limit): at rest the
+reaction is F, and nothing goes faster than v_limit that resists.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+
+from clast.actions.action import (
+    ActionResult,
+    Contribution,
+    Prescribed,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
+from clast.actions.motions.courses import Course
+from clast.model.factors import Factor
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import Ledger
+
+FREE = -1.0
+"""Time at which a motion began that has not begun."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Servo:
+    """A force on a body that gives way to what moves."""
+
+    force: tuple[float, float]
+    """Force (x, y) on each block, N/m."""
+    limit_speed: float
+    """Speed at which nothing of it is left, m/s."""
+    factor: Factor | None = None
+    """What it is multiplied by over time."""
+
+    def at(self, time: float) -> Floats:
+        """Return the force (2,), N/m, at a time, s, from its beginning."""
+        return np.array(self.force) * (1.0 if self.factor is None else self.factor.at(time))
+
+    @property
+    def resistance(self) -> Floats:
+        """Force that it lacks by velocity, N s/m2, shape (2,)."""
+        most = 1.0 if self.factor is None else float(np.abs(self.factor.value).max())
+        return np.abs(self.force) * most / self.limit_speed
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneMotion:
+    """A motion of some blocks."""
+
+    name: str
+    """Name."""
+    block: Ints
+    """Blocks that make it, shape (k,)."""
+    courses: tuple[Course | None, Course | None, Course | None]
+    """Of x, y, m, and rotation, rad; None: free."""
+    point: int | None = None
+    """Fixed point that it moves, in place of blocks."""
+    about: tuple[float, float] | None = None
+    """Point at the start, about the model's origin, that x and y are of and that the blocks turn
+    about, m; None: the centroid of each."""
+    servo: Servo | None = None
+    """Force that presses on the blocks."""
+    stage: str = ""
+    """Stage with which it begins, "": with the run."""
+    until: float = np.inf
+    """How long it lasts, s; the blocks are then free, or fixed as they were."""
+    last_stage: str = ""
+    """Stage with which it ends, "" for none."""
+
+    @property
+    def label(self) -> str:
+        """How messages call it."""
+        return self.name if self.name.startswith("motion ") else f"motion '{self.name}'"
+
+    def begins(self, model: Model) -> float:
+        """Return when it began, s; FREE: not yet."""
+        return dict(model.begun).get(self.stage, FREE) if self.stage else 0.0
+
+    def lasts(self, model: Model, time: float) -> bool:
+        """Return whether it acts in a step that ends at a time, s."""
+        begun, ended = self.begins(model), self.last_stage in dict(model.begun)
+        longer = time - begun <= self.until * (1.0 + 1e-9)
+        return begun != FREE and not ended and longer
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """Numbers of the components that have a course."""
+        return tuple(axis for axis in range(3) if self.courses[axis] is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionState:
+    """Where the motions began."""
+
+    begun: Floats
+    """When the motion of each block began, s, FREE: it has not, shape (k,)."""
+    origin: Floats
+    """Centroid, m, and rotation, rad, of the block then, shape (k, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motions:
+    """The prescribed motions of a case; k blocks in all."""
+
+    each: tuple[OneMotion, ...]
+    """The motions."""
+    support: ClassVar[str] = "motions"
+    """What its shares hold, row by row, for their reactions."""
+
+    @property
+    def moves(self) -> Ints:
+        """Block of each row, motion after motion, shape (k,)."""
+        return np.concatenate([one.block for one in self.each])
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables that motions follow."""
+        factors = [one.servo.factor for one in self.each if one.servo is not None]
+        named = [factor.name for factor in factors if factor is not None]
+        return (*named, *(c.table for one in self.each for c in one.courses if c is not None))
+
+    def anchors(self, model: Model, time: float) -> tuple[Ints, Floats]:
+        """Return which fixed points are moved at a time, s, and how far, m, (k,) and (k, 2)."""
+        found = [one for one in self.each if one.point is not None and one.begins(model) != FREE]
+        way = []
+        for one in found:
+            courses = [c for c in one.courses[:2] if c is not None]
+            since = min(time - one.begins(model), one.until)
+            if one.last_stage in dict(model.begun):
+                since = dict(model.begun)[one.last_stage] - one.begins(model)
+            way.append([course.at(since)[0] for course in courses])
+        points = np.array([one.point for one in found], np.int64)
+        return points, np.array(way, float).reshape(-1, 2)
+
+    @property
+    def waits(self) -> tuple[tuple[str, str], ...]:
+        """What waits for stages, and their names."""
+        pairs = [(one.label, name) for one in self.each for name in (one.stage, one.last_stage)]
+        return tuple((what, name) for what, name in pairs if name)
+
+    def begin(self, model: Model) -> MotionState:
+        """Return that no motion has begun."""
+        count = len(self.moves)
+        return MotionState(begun=np.full(count, FREE), origin=np.zeros((count, 3)))
+
+    def rest_from(self, model: Model) -> float:
+        """Return the time from which all motions that have begun rest, s."""
+        ends = [0.0]
+        for one in self.each:
+            begun = one.begins(model)
+            if begun == FREE or one.last_stage in dict(model.begun):
+                continue
+            moving = [course.end for course in one.courses if course is not None]
+            if one.servo is not None and one.servo.factor is not None:
+                moving.append(float(one.servo.factor.time[-1]))
+            ends.append(begun + min(one.until, max(moving, default=0.0)))
+        return max(ends)
+
+    def share(self, start: StepStart, own: MotionState) -> Contribution:
+        """Return the motions of the blocks in a step, and the forces of servos."""
+        own = self._begun(start, own)
+        rows, pushes = [], []
+        for one, (first, past) in zip(self.each, self._rows, strict=True):
+            if not one.lasts(start.model, start.end):
+                continue
+            begun = one.begins(start.model)
+            if one.held and len(one.block):
+                rows.append(_prescribed(one, start, own.origin[first:past], begun))
+            if one.servo is not None:
+                pushes.append((one, begun))
+        pushed = [_pushed(one, start, begun) for one, begun in pushes]
+        found = _joined(rows)
+        if not pushed:
+            return Contribution(prescribed=found)
+        block, force, stiffness = (np.concatenate(column) for column in zip(*pushed, strict=True))
+        return Contribution(block=block, force=force, stiffness=stiffness, prescribed=found)
+
+    def finish(
+        self, start: StepStart, own: MotionState, share: Contribution, solution: Solution
+    ) -> ActionResult:
+        """Return the work of the motions and servos, which comes from outside."""
+        work = energy_of_linear(share, solution.displacement)[0]
+        if share.prescribed is not None:
+            given = share.prescribed
+            moved = np.where(given.components, given.displacement, 0.0)[:, :3]
+            work += float(np.sum(moved * solution.holding[given.block]))
+        return ActionResult(work=work, ledger=Ledger(motions=work), own=self._begun(start, own))
+
+    @property
+    def _rows(self) -> list[tuple[int, int]]:
+        """First and past row of each motion."""
+        ends = np.cumsum([0, *(len(one.block) for one in self.each)]).tolist()
+        return list(pairwise(ends))
+
+    def _begun(self, start: StepStart, own: MotionState) -> MotionState:
+        """Return where those motions began, too, that begin with this step."""
+        begins = [one.begins(start.model) for one in self.each]
+        now = np.repeat(begins, [len(one.block) for one in self.each])
+        fresh = (own.begun == FREE) & (now != FREE)
+        if not fresh.any():
+            return own
+        blocks = self.moves
+        at = np.column_stack([start.frames.centroid[blocks], start.state.rotation[blocks]])
+        return replace(
+            own,
+            begun=np.where(fresh, now, own.begun),
+            origin=np.where(fresh[:, None], at, own.origin),
+        )
+
+
+def _prescribed(one: OneMotion, start: StepStart, origin: Floats, begun: float) -> Prescribed:
+    """Return what a motion that began at a time, s, makes of its blocks in a step.
+
+    ``origin`` (k, 3) is where they were then.
+    """
+    count = len(one.block)
+    at = [(0.0, 0.0) if c is None else c.at(start.end - begun) for c in one.courses]
+    (x, u), (y, v), (angle, spin) = at
+    centre = origin[:, :2] if one.about is None else np.array([one.about])
+    arm = origin[:, :2] - centre
+    sine, less = np.sin(angle), -2.0 * np.sin(0.5 * angle) ** 2
+    turned = arm @ np.array([[less, sine], [-sine, less]])  # (R - I) (x_c - P)
+    way = np.array([x, y]) + turned + origin[:, :2] - start.frames.centroid[one.block]
+    swung = arm + turned
+    displacement, velocity = np.zeros((count, 6)), np.zeros((count, 6))
+    displacement[:, :2] = way
+    left = origin[:, 2] + angle - start.state.rotation[one.block]
+    displacement[:, 2] = [start.rotation.unknown(float(turn)) for turn in left]
+    velocity[:, 0] = u - spin * swung[:, 1]
+    velocity[:, 1] = v + spin * swung[:, 0]
+    velocity[:, 2] = spin
+    components = np.zeros((count, 6), np.bool_)
+    components[:, one.held] = True
+    # what a course does not move stays, where a block is fixed
+    idle = [axis for axis in range(3) if axis not in one.held]
+    displacement[:, idle] = velocity[:, idle] = 0.0
+    return Prescribed(
+        block=one.block, components=components, displacement=displacement, velocity=velocity
+    )
+
+
+def _pushed(one: OneMotion, start: StepStart, begun: float) -> tuple[Ints, Floats, Floats]:
+    """Return blocks, forces (k, 6) and how these fall with the displacements (k, 6, 6)."""
+    servo, count = one.servo, len(one.block)
+    force, stiffness = np.zeros((count, 6)), np.zeros((count, 6, 6))
+    if servo is not None:
+        force[:, :2] = servo.at(start.time_of_forces - begun)
+        stiffness[:, (0, 1), (0, 1)] = servo.resistance / start.step
+    return one.block, force, stiffness
+
+
+def _joined(rows: list[Prescribed]) -> Prescribed | None:
+    """Return several motions as one record, None for none."""
+    if not rows:
+        return None
+    return Prescribed(
+        block=np.concatenate([one.block for one in rows]),
+        components=np.concatenate([one.components for one in rows]),
+        displacement=np.concatenate([one.displacement for one in rows]),
+        velocity=np.concatenate([one.velocity for one in rows]),
+    )

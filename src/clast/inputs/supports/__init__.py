@@ -1,0 +1,1 @@
+"""Supports that move, and what is recorded of them."""

@@ -1,0 +1,227 @@
+"""[[link]] and [[moment]]: hinges, rollers, sliders, springs, ties, struts; what turns blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
+
+from clast.actions.links.link_states import COMPONENTS, LinkRows
+from clast.actions.links.links import Links
+from clast.actions.loads import Moments
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.table import Force, Length, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.values import number_of
+from clast.model import ranges
+from clast.model.factors import NO_FACTOR
+
+
+def _kind_of_stiffness(value: Any) -> str:
+    """Return the tag of a stiffness: a word, or a number."""
+    return TABLE if isinstance(value, str) else PLAIN
+
+
+Stiffness = Annotated[
+    Annotated[Annotated[Positive, within(ranges.STIFFNESS)], Tag(PLAIN)]
+    | Annotated[Literal["rigid"], Tag(TABLE)],
+    Discriminator(_kind_of_stiffness),
+]
+Strength = Annotated[Positive, within(ranges.FORCE)]
+Stretch = Annotated[Positive, within(ranges.LENGTH)]
+Dashpot = Annotated[Number, Field(ge=0.0), within(ranges.STIFFNESS)]
+
+
+class Link(Table):
+    """Springs between two blocks at a point, in x and y (or along and across) and rotation.
+
+    Components that are left out are free: a hinge has x and y "rigid", a roller one of them.
+    """
+
+    name: StrictStr | None = None
+    """Name; its number if absent."""
+    at: Point
+    """Point [x, y], which both blocks carry with them, m."""
+    block: StrictStr | None = None
+    """Block that is linked with the ground, which is what fixed blocks are."""
+    blocks: tuple[StrictStr, StrictStr] | None = None
+    """Blocks that are linked, in place of block."""
+    direction: tuple[Number, Number] = (1.0, 0.0)
+    """Direction of x, which turns with the first block; y is 90 degrees to the left of it."""
+    x: Stiffness | None = None
+    """Stiffness along the direction, N/m per m, or "rigid"."""
+    y: Stiffness | None = None
+    """Stiffness across the direction, N/m per m, or "rigid"."""
+    rotation: Stiffness | None = None
+    """Stiffness against rotation, N per rad, or "rigid"."""
+    yield_force: Strength | None = None
+    """Force along, and across, at which it yields, N/m; it is elastic if absent."""
+    yield_moment: Strength | None = None
+    """Moment at which it yields, N; elastic if absent."""
+    rupture: Stretch | None = None
+    """Stretch along or across at which it breaks for good, m; never if absent."""
+    rupture_rotation: Annotated[Positive, Field(le=360.0)] | None = None
+    """Rotation at which it breaks for good, degrees; never if absent."""
+    gap: Length | None = None
+    """Play to either side before it acts along and across, m."""
+    damping: Dashpot = 0.0
+    """Force by velocity along and across, N s/m2."""
+    rotation_damping: Dashpot = 0.0
+    """Moment by angular velocity, N s."""
+    contacts: StrictBool = True
+    """False: the two blocks may overlap, and have no contacts with each other in the whole run."""
+    stage: StrictStr | None = None
+    """Stage that installs it, as the blocks lie then; it is there from the start if absent."""
+
+    @model_validator(mode="after")
+    def _links_two(self) -> Self:
+        if (self.block is None) == (self.blocks is None):
+            what = "names no block" if self.block is None else "has both block and blocks"
+            remedy = 'give blocks = ["1", "2"], or block = "1" for a link with the ground'
+            raise refusal(Fault(what=what, remedy=remedy))
+        if self.blocks is not None and self.blocks[0] == self.blocks[1]:
+            what = f"links block '{shortened(self.blocks[0])}' with itself"
+            remedy = "name two blocks, or one with block for a link with the ground"
+            raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
+        if not any(self.direction):
+            what, remedy = "has no direction", "give a vector, e.g. [1, 0]"
+            raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
+        return self
+
+    @model_validator(mode="after")
+    def _does_something(self) -> Self:
+        along = self.x is not None or self.y is not None
+        if not along and self.rotation is None and not self.damping and not self.rotation_damping:
+            remedy = 'give x, y or rotation a stiffness, or "rigid"; a hinge has x and y'
+            raise refusal(Fault(what="holds nothing", remedy=remedy))
+        needs = {
+            "yield_force": along,
+            "rupture": along,
+            "gap": along,
+            "yield_moment": self.rotation is not None,
+            "rupture_rotation": self.rotation is not None,
+        }
+        for key, there in needs.items():
+            if getattr(self, key) is not None and not there:
+                of = "rotation" if key.endswith(("moment", "rotation")) else "x or y"
+                what, remedy = (
+                    f"{key} is that of {of}, which is free",
+                    f"give {of}, or leave it out",
+                )
+                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+        return self
+
+    def components(self) -> dict[str, dict[str, float]]:
+        """Return the numbers of each component that is not free."""
+        found = {}
+        for name, key in zip(COMPONENTS, ("x", "y", "rotation"), strict=True):
+            given, turns = getattr(self, key), key == "rotation"
+            damping = self.rotation_damping if turns else self.damping
+            if given is None and not damping:
+                continue
+            strength = self.yield_moment if turns else self.yield_force
+            rupture = self.rupture_rotation if turns else self.rupture
+            limit = np.inf if rupture is None else float(np.radians(rupture) if turns else rupture)
+            found[name] = {
+                "stiffness": np.inf if given == "rigid" else float(given or 1e-12),
+                "strength": np.inf if strength is None else strength,
+                "rupture": limit,
+                "gap": 0.0 if turns else self.gap or 0.0,
+                "damping": damping,
+            }
+        return found
+
+    @classmethod
+    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+        """Return the action of all links."""
+        if not records:
+            return
+        names = [one.name or f"link {number}" for number, one in enumerate(records, 1)]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                what, where = f"there are two links '{shortened(name)}'", f"link {number + 1}, name"
+                raise ModelError(what, where=where, remedy="rename one of them")
+        block = np.array(
+            [_blocks(one, name, ground) for one, name in zip(records, names, strict=True)]
+        )
+        parts = [
+            (k, name, of) for k, one in enumerate(records) for name, of in one.components().items()
+        ]
+        direction = np.array([one.direction for one in records], float)
+        numbers = {
+            key: np.array([of[key] for _, _, of in parts], float)
+            for key in ("stiffness", "strength", "rupture", "gap", "damping")
+        }
+        rows = LinkRows(
+            name=tuple(names),
+            block=block,
+            at=np.array([one.at for one in records]) - ground.outlines.origin,
+            along=direction / np.hypot(*direction.T)[:, None],
+            stage=tuple(one.stage or "" for one in records),
+            link=np.array([k for k, _, _ in parts]),
+            component=np.array([COMPONENTS.index(name) for _, name, _ in parts]),
+            **numbers,
+        )
+        apart = np.array([not one.contacts for one in records], np.bool_)
+        yield Links(rows=rows, apart=np.unique(np.sort(block[apart], axis=1), axis=0))
+
+
+def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
+    """Return the blocks of a link; raises ModelError where they cannot be linked."""
+    where = name if name.startswith("link ") else f"link '{shortened(name)}'"
+    number = {called: k for k, called in enumerate(ground.outlines.names)}
+    if one.blocks is not None:
+        first, second = (number_of(b, number, "block", f"{where}, blocks") for b in one.blocks)
+    else:
+        first = number_of(one.block or "", number, "block", f"{where}, block")
+        fixed = [k for k in np.flatnonzero(ground.fixed).tolist() if k != first]
+        if not fixed:
+            what = "there is no ground to link with: no other block is fixed"
+            remedy = "give a block with fixed = true, or a [[fixed_point]]"
+            raise ModelError(what, where=f"{where}, block", remedy=remedy)
+        second = fixed[0]
+    if ground.fixed[first] and ground.fixed[second]:
+        what = "links blocks that are both fixed"
+        raise ModelError(what, where=where, remedy="leave it out, or fixed out of one of them")
+    return first, second
+
+
+class Moment(Table):
+    """A moment that turns a block, whichever way it lies."""
+
+    block: StrictStr
+    """Block."""
+    moment: Force
+    """Moment, N (N m per m of thickness), counter-clockwise."""
+    factor: StrictStr | None = None
+    """Table by whose value it is multiplied; none: it is constant."""
+
+    @classmethod
+    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+        """Return the action of all moments."""
+        if not records:
+            return
+        number = {called: k for k, called in enumerate(ground.outlines.names)}
+        tables = {one.name: k for k, one in enumerate(ground.factors)}
+        places = [f"moment {k}" for k in range(1, len(records) + 1)]
+        yield Moments(
+            block=np.array(
+                [
+                    number_of(one.block, number, "block", f"{at}, block")
+                    for one, at in zip(records, places, strict=True)
+                ]
+            ),
+            moment=np.array([one.moment for one in records], float),
+            factor=np.array(
+                [
+                    NO_FACTOR
+                    if one.factor is None
+                    else number_of(one.factor, tables, "table", f"{at}, factor")
+                    for one, at in zip(records, places, strict=True)
+                ]
+            ),
+            tables=tuple(one.factor for one in records if one.factor is not None),
+        )

@@ -1,0 +1,360 @@
+"""[[motion]]: what the motion of a block is, whatever acts on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Discriminator, StrictStr, Tag, model_validator
+
+from clast.actions.motions.courses import (
+    Course,
+    along_displacements,
+    along_velocities,
+    at_constant_speed,
+)
+from clast.actions.motions.motions import Motions, OneMotion, Servo
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.table import Force, Interval, Point, Positive, Speed, Stress, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.values import number_of
+from clast.model import ranges
+from clast.model.model import Floats, Ints
+
+AXES = ("x", "y", "rotation")
+"""Components of a motion."""
+Scale = Annotated[Number, within(ranges.FACTOR)]
+
+
+class CourseTable(Table):
+    """A component that follows a table of time."""
+
+    displacement: StrictStr | None = None
+    """Table whose value is the displacement since the motion began, m or degrees."""
+    velocity: StrictStr | None = None
+    """Table whose value is the velocity, m/s or degrees/s."""
+    scale: Scale = 1.0
+    """Factor on all values of the table."""
+
+    @model_validator(mode="after")
+    def _follows_one(self) -> Self:
+        if (self.displacement is None) == (self.velocity is None):
+            given = "nothing" if self.velocity is None else "both displacement and velocity"
+            remedy = 'give one of them: y = {displacement = "settlement"}'
+            raise refusal(Fault(what=f"follows {given}", remedy=remedy))
+        return self
+
+
+Component = Annotated[
+    Annotated[Speed, Tag(PLAIN)] | Annotated[CourseTable, Tag(TABLE)], Discriminator(kind_of)
+]
+
+
+class Motion(Table):
+    """A motion that blocks make whatever acts on them; its reaction is recorded.
+
+    Components that are left out stay free, or fixed where the block is fixed.  Time counts from
+    where the motion begins.
+    """
+
+    name: StrictStr | None = None
+    """Name, which its reaction has, too; "motion" and its number if absent."""
+    block: StrictStr | None = None
+    """Block that moves, fixed or free."""
+    blocks: list[StrictStr] | None = None
+    """Blocks that move alike, in place of block."""
+    fixed_point: Point | None = None
+    """Coordinates [x, y] of a [[fixed_point]] that moves, in place of block, m; it has x and y
+    alone, and does not move in the one that is left out."""
+    x: Component | None = None
+    """Velocity to the right, m/s, or a table: {displacement = "NAME"}, {velocity = "NAME"}."""
+    y: Component | None = None
+    """Velocity upwards, m/s, or a table."""
+    rotation: Component | None = None
+    """Spin counter-clockwise, degrees/s, or a table in degrees or degrees/s."""
+    about: Point | None = None
+    """Point [x, y] at the start that goes with the blocks: x and y are its own, 0 if absent, and
+    the blocks turn about it; the centroid of each block if absent, m."""
+    force: tuple[Force, Force] | None = None
+    """Force [x, y] with which a servo presses on each block, N per metre of thickness."""
+    stress: tuple[Stress, Stress] | None = None
+    """The same over the width of each block across x and across y, Pa."""
+    limit_speed: Annotated[Positive, within(ranges.SPEED)] | None = None
+    """Speed of the servo without resistance, m/s; the force falls to 0 there."""
+    factor: StrictStr | None = None
+    """Table by whose value force or stress is multiplied; none: it is constant."""
+    ease: Interval | None = None
+    """Time over which every jump of velocity is spread, s; jumps are shocks if absent."""
+    stage: StrictStr | None = None
+    """Stage with which it begins; the start of the run if absent."""
+    until: (
+        Annotated[
+            Annotated[Interval, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
+            Discriminator(lambda value: TABLE if isinstance(value, str) else PLAIN),
+        ]
+        | None
+    ) = None
+    """How long it lasts, s, or the stage with which it ends; then free blocks are let go and fixed
+    ones stand still."""
+
+    @model_validator(mode="after")
+    def _says_what_moves(self) -> Self:
+        keys = ("block", "blocks", "fixed_point")
+        given = [key for key in keys if getattr(self, key) is not None]
+        if len(given) != 1:
+            what = f"names {' and '.join(given) or 'nothing that moves'}"
+            remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
+            raise refusal(Fault(what=what, remedy=remedy))
+        if self.fixed_point is not None:
+            self._moves_a_point()
+            return self
+        names = self.named
+        if not names:
+            raise refusal(Fault(place=("blocks",), what="is empty", remedy='give ["1", "2"]'))
+        twice = next((one for k, one in enumerate(names) if one in names[:k]), None)
+        if twice is not None:
+            what = f"names block '{shortened(twice)}' twice"
+            raise refusal(Fault(place=("blocks",), what=what, remedy="name it once"))
+        return self
+
+    def _moves_a_point(self) -> None:
+        """Refuse what a fixed point cannot do."""
+        for key in ("rotation", "about", "force", "stress"):
+            if getattr(self, key) is not None:
+                what, remedy = f"a fixed point has no {key}", "give x and y, or move the block"
+                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+
+    @model_validator(mode="after")
+    def _moves_somehow(self) -> Self:
+        if not any(self.courses) and self.force is None and self.stress is None:
+            remedy = "give x, y or rotation, or force or stress for a servo"
+            raise refusal(Fault(what="says nothing of how the block moves", remedy=remedy))
+        if self.about is not None and self.rotation is None:
+            what, remedy = "about is a point to turn about", "give rotation, or leave about out"
+            raise refusal(Fault(place=("about",), what=what, remedy=remedy))
+        if self.rotation is not None and len(self.named) > 1 and self.about is None:
+            what = "several blocks have no common point to turn about"
+            remedy = "give about = [x, y], or a motion for each block"
+            raise refusal(Fault(place=("rotation",), what=what, remedy=remedy))
+        return self
+
+    @model_validator(mode="after")
+    def _servo_is_whole(self) -> Self:
+        given = [key for key in ("force", "stress") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise refusal(Fault(what="has both force and stress", remedy="give one of them"))
+        if given and self.limit_speed is None:
+            remedy = "give the speed at which the servo goes where nothing resists, m/s"
+            raise refusal(Fault(what="limit_speed is missing", remedy=remedy))
+        for key in ("limit_speed", "factor"):
+            if not given and getattr(self, key) is not None:
+                what, remedy = f"{key} is that of a servo", "give force or stress, or leave it out"
+                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+        if not given:
+            return self
+        pressed = getattr(self, given[0])
+        if not any(pressed):
+            what, remedy = "presses with nothing", "give a force, or leave the motion out"
+            raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
+        for axis, size in zip(AXES, pressed, strict=False):
+            if size and (getattr(self, axis) is not None or self.about is not None):
+                what = f"{axis} is moved and pressed at once"
+                remedy = f"leave {axis} out, or 0 in {given[0]} where it moves"
+                raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
+        return self
+
+    @property
+    def named(self) -> list[str]:
+        """Names of its blocks."""
+        return [self.block] if self.block is not None else list(self.blocks or ())
+
+    @property
+    def courses(self) -> tuple[Any, ...]:
+        """What x, y and rotation follow."""
+        return self.x, self.y, self.rotation
+
+    def own_name(self, number: int) -> str:
+        """Return its name; its number is from 1."""
+        return f"motion {number}" if self.name is None else self.name
+
+    @classmethod
+    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+        """Return the action of all motions."""
+        if not records:
+            return
+        names = [one.own_name(number) for number, one in enumerate(records, 1)]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                where = f"motion {number + 1}, name"
+                what = f"there are two motions '{shortened(name)}'"
+                raise ModelError(what, where=where, remedy="rename one of them")
+        each = tuple(_motion(one, name, ground) for name, one in zip(names, records, strict=True))
+        _check_apart(each, ground)
+        yield Motions(each=each)
+
+
+def called(name: str) -> str:
+    """Return how messages call a motion of this name."""
+    return name if name.startswith("motion ") else f"motion '{shortened(name)}'"
+
+
+def _motion(one: Motion, name: str, ground: Any) -> OneMotion:
+    """Return a motion of blocks of the ground."""
+    where = called(name)
+    number = {called: k for k, called in enumerate(ground.outlines.names)}
+    point = None if one.fixed_point is None else _point(one.fixed_point, where, ground)
+    key = "block" if one.block is not None else "blocks"
+    blocks = np.array(
+        [number_of(called, number, "block", f"{where}, {key}") for called in one.named], np.int64
+    )
+    about = None
+    if one.about is not None:
+        about = (
+            float(one.about[0] - ground.outlines.origin[0]),
+            float(one.about[1] - ground.outlines.origin[1]),
+        )
+    courses = [
+        _course(given, axis, one, where, ground)
+        for axis, given in zip(AXES, one.courses, strict=True)
+    ]
+    if about is not None or point is not None:
+        courses[:2] = [at_constant_speed(0.0, 0.0) if c is None else c for c in courses[:2]]
+    until = one.until
+    return OneMotion(
+        name=name,
+        block=blocks,
+        point=point,
+        courses=(courses[0], courses[1], courses[2]),
+        about=about,
+        servo=_servo(one, blocks, where, ground),
+        stage=one.stage or "",
+        until=math.inf if until is None or isinstance(until, str) else until,
+        last_stage=until if isinstance(until, str) else "",
+    )
+
+
+def _point(place: Point, where: str, ground: Any) -> int:
+    """Return the number of the fixed point at a place."""
+    at = np.array(place) - ground.outlines.origin
+    near = ground.fixed_points_at(at)
+    if not len(near):
+        what = f"there is no fixed point at {ground.text(at)}"
+        remedy = "give the coordinates of a [[fixed_point]]"
+        raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
+    return int(near[0])
+
+
+def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Course | None:
+    """Return how far a component goes, None where it is free."""
+    unit = math.pi / 180.0 if axis == "rotation" else 1.0
+    ease = one.ease or 0.0
+    if given is None:
+        return None
+    if not isinstance(given, CourseTable):
+        return at_constant_speed(unit * given, ease)
+    quantity = "velocity" if given.displacement is None else "displacement"
+    place = f"{where}, {axis}.{quantity}"
+    table = _table(getattr(given, quantity), place, ground)
+    if quantity == "velocity":
+        return along_velocities(table, unit * given.scale, ease)
+    if table.at(0.0) != 0.0:
+        what = f"table '{table.name}' is {table.at(0.0):g} where the motion begins: that is a jump"
+        raise ModelError(what, where=place, remedy="let it be 0 at the time 0")
+    return along_displacements(table, unit * given.scale, ease)
+
+
+def _table(name: str, where: str, ground: Any) -> Any:
+    """Return a table by its name."""
+    names = {one.name: k for k, one in enumerate(ground.factors)}
+    return ground.factors[number_of(name, names, "table", where)]
+
+
+def _servo(one: Motion, blocks: Ints, where: str, ground: Any) -> Servo | None:
+    """Return the servo of a motion, None where it has none."""
+    if one.limit_speed is None:
+        return None
+    factor = None if one.factor is None else _table(one.factor, f"{where}, factor", ground)
+    force = one.force
+    if one.stress is not None:
+        sizes = np.array([_size(ground, int(block)) for block in blocks])
+        if np.ptp(sizes, axis=0).max() > 1e-9 * sizes.max():
+            what = "its blocks are not equally wide"
+            remedy = "give a motion for each, or force in place of stress"
+            raise ModelError(what, where=f"{where}, stress", remedy=remedy)
+        width, height = sizes[0]
+        force = float(one.stress[0] * height), float(one.stress[1] * width)
+    fixed = [int(block) for block in blocks if ground.fixed[block]]
+    if fixed:
+        raise ModelError(
+            f"block '{shortened(ground.outlines.names[fixed[0]])}' is fixed, and gives way to "
+            "no force",
+            where=where,
+            remedy="leave fixed out and hold what shall not move, e.g. x = 0, rotation = 0",
+        )
+    return Servo(force=force or (0.0, 0.0), limit_speed=one.limit_speed, factor=factor)
+
+
+def _size(ground: Any, block: int) -> Floats:
+    """Return width and height of a block, m, shape (2,)."""
+    first, past = ground.outlines.start[block : block + 2]
+    return np.asarray(np.ptp(ground.outlines.vertices[first:past], axis=0))
+
+
+def _check_apart(each: tuple[OneMotion, ...], ground: Any) -> None:
+    """Refuse what cannot be moved as is asked: held by a fixed point, or moved twice."""
+    names = ground.outlines.names
+    since: dict[tuple[int, int], OneMotion] = {}
+    _check_points(each, ground)
+    for one in each:
+        where = one.label
+        for block in one.block.tolist():
+            if one.held and block in ground.points.block:
+                raise ModelError(
+                    f"block '{shortened(names[block])}' is held by a fixed point, too",
+                    where=where,
+                    remedy="remove the fixed point, or the motion; components that shall not "
+                    "move are given as 0",
+                )
+            for axis in _pressed_or_held(one):
+                other = since.get((block, axis))
+                if other is not None and not _one_after_the_other(other, one):
+                    raise ModelError(
+                        f"{AXES[axis]} of block '{shortened(names[block])}' is moved by "
+                        f"{other.label}, too",
+                        where=where,
+                        remedy="leave it to one of them, or let one end (until) with the stage "
+                        "with which the other begins",
+                    )
+                since[block, axis] = one
+
+
+def _check_points(each: tuple[OneMotion, ...], ground: Any) -> None:
+    """Refuse fixed points that are moved twice, or that cannot move with their block."""
+    moved: dict[int, OneMotion] = {}
+    for one in each:
+        if one.point is None:
+            continue
+        where, block = one.label, int(ground.points.block[one.point])
+        if one.point in moved:
+            what = f"{moved[one.point].label} moves the same fixed point"
+            raise ModelError(what, where=where, remedy="leave it to one of them")
+        if ground.fixed[block]:
+            what = f"its block '{shortened(ground.outlines.names[block])}' is fixed"
+            raise ModelError(what, where=where, remedy="move the block, or leave fixed out")
+        moved[one.point] = one
+
+
+def _pressed_or_held(one: OneMotion) -> Iterator[int]:
+    """Give the components that a motion has to itself."""
+    yield from one.held
+    if one.servo is not None:
+        yield from (axis for axis in (0, 1) if one.servo.force[axis])
+
+
+def _one_after_the_other(one: OneMotion, other: OneMotion) -> bool:
+    """Return whether one of two motions ends with the stage with which the other begins."""
+    pairs = ((one, other), (other, one))
+    return any(a.last_stage != "" and a.last_stage == b.stage for a, b in pairs)

@@ -1,0 +1,1 @@
+"""What holds and moves blocks from outside, and whose reactions are recorded."""

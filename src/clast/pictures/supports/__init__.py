@@ -1,0 +1,1 @@
+"""What supports bear, drawn on a picture."""

@@ -1,0 +1,1 @@
+"""Motions that are prescribed to blocks, and what supports bear."""

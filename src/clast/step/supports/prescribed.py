@@ -1,0 +1,142 @@
+"""Motions that are prescribed to blocks: they are taken out of the equations of a step.
+
+With d = D + d', D being the motion where it is prescribed and 0 elsewhere, K d = F becomes
+
+    K d' = F - K D,    gaps + n.D,    slips + t.D,    d' = 0 where D is prescribed,
+
+so that springs, contacts and friction know of the motion and no stiffness stands for it.  Blocks
+that are fixed have d' = 0 anyway.  In the equations of a free block the prescribed unknowns, which
+are axes of its own, get a diagonal so large that d' is less than the last digit of d.
+
+The scheme of the step would make of D whatever velocity agrees with it; that at its end is
+prescribed, too.  What the block's mass resists with is M (v+ - v)/h if its drift is taken as
+D - theta h (v+ - v).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.actions.action import Contribution
+from clast.contact.clipped_spring import Springs
+from clast.linear.system import DiagonalTerms, Links, contact_motions
+from clast.model.model import Bools, Floats, Ints, Model
+
+STIFF = 1e16
+"""Diagonal of prescribed unknowns, in units of what they have."""
+HEAVY = 1e8
+"""Mass of a body with a prescribed motion in an impact, in units of its own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """What is prescribed in a step."""
+
+    components: Bools
+    """Unknowns with a prescribed value, all six of fixed blocks that move, shape (n, 6)."""
+    displacement: Floats
+    """Their values D, 0 elsewhere, shape (n, 6)."""
+    velocity: Floats
+    """Their velocities at the end of the step, 0 elsewhere, shape (n, 6)."""
+    free: Bools
+    """Unknowns with a prescribed value of blocks that are not fixed, shape (n, 6)."""
+
+    @property
+    def blocks(self) -> Bools:
+        """Blocks with a prescribed motion, shape (n,)."""
+        return np.asarray(self.components.any(axis=1))
+
+    def at_rest(self) -> Held:
+        """Return the same motions without velocities."""
+        return replace(self, velocity=np.zeros_like(self.velocity))
+
+    def put(self, values: Floats, others: Floats) -> Floats:
+        """Return ``values`` (n, 6) with ``others`` where motions are prescribed."""
+        return np.where(self.components, others, values)
+
+    def drift(self, drift: Floats, velocity: Floats, share: float) -> Floats:
+        """Return the drift (n, 6), m, with which prescribed motions end at their velocities.
+
+        ``velocity`` (n, 6) enters the step, ``share`` is theta h, s.
+        """
+        return self.put(drift, self.displacement - share * (self.velocity - velocity))
+
+    def total(self, unknowns: Floats) -> Floats:
+        """Return d (n, 6) of d' (n, 6)."""
+        return self.put(unknowns, self.displacement)
+
+    def beside(self, unknowns: Floats) -> Floats:
+        """Return d' (n, 6) of d (n, 6)."""
+        return self.put(unknowns, np.zeros_like(unknowns))
+
+    def terms(self, base: DiagonalTerms, inertia: Floats) -> DiagonalTerms:
+        """Return the equations of d' without springs; ``inertia`` (n, 6, 6) is M/(theta h2)."""
+        rows = np.flatnonzero(self.blocks)
+        moved = self.displacement[rows]
+        force, momentum = base.force.copy(), base.momentum.copy()
+        force[rows] -= np.einsum("kij,kj->ki", base.diagonal[rows], moved)
+        momentum[rows] -= np.einsum("kij,kj->ki", inertia[rows], moved)
+        matrix = base.diagonal.copy()
+        block, axis = np.nonzero(self.free)
+        matrix[block, axis, axis] *= STIFF
+        return replace(base, diagonal=matrix, force=force, momentum=momentum)
+
+    def springs(self, springs: Springs) -> Springs:
+        """Return springs with gaps and slips that count from the prescribed motions."""
+        opening, slip = self.motions(springs)
+        return replace(springs, gap=springs.gap + opening, slip=springs.slip + slip)
+
+    def motions(self, links: Links) -> tuple[Floats, Floats]:
+        """Return by how much links open and slip by the prescribed motions, m, (m,) each."""
+        return contact_motions(links, self.displacement)
+
+    def unstopped(self, stopped: tuple[Ints, Floats, Floats]) -> tuple[Ints, Floats, Floats]:
+        """Return motions that contacts stop (step/stopping.py) without what is prescribed."""
+        count, motions, momenta = stopped
+        for block in np.flatnonzero(self.free.any(axis=1)):
+            motions[block][:, self.free[block]] = 0.0
+            momenta[block][:, self.free[block]] = 0.0
+        return count, motions, momenta
+
+    def heavy(self, mobility: Floats, mass_matrix: Floats) -> tuple[Floats, Floats]:
+        """Return mobilities (n, 3, 3) and masses (n, 6, 6) with which impacts move no such body.
+
+        It is heavy, and not of no mobility, so that what it brings into an impact is known.
+        """
+        mobility, mass = mobility.copy(), mass_matrix.copy()
+        for block in np.flatnonzero(self.blocks):
+            for axis in np.flatnonzero(self.components[block, :3]):
+                mobility[block, axis] = mobility[block, :, axis] = 0.0
+                mass[block, axis, axis] *= HEAVY
+                mobility[block, axis, axis] = 1.0 / mass[block, axis, axis]
+        return mobility, mass
+
+    def driven(self, mass_matrix: Floats, before: Floats, after: Floats) -> Floats:
+        """Return the impulses of heavy bodies on what they strike, N s/m, shape (n, 6)."""
+        found = np.zeros_like(before)
+        block, axis = np.nonzero(self.components[:, :3])
+        change = after[block, axis] - before[block, axis]
+        found[block, axis] = -HEAVY * mass_matrix[block, axis, axis] * change
+        return found
+
+
+def held_by(shares: Sequence[Contribution], model: Model) -> Held | None:
+    """Return what actions prescribe in a step, None where they prescribe nothing."""
+    given = [one.prescribed for one in shares if one.prescribed is not None]
+    if not given:
+        return None
+    count = model.block_count
+    components = np.zeros((count, 6), np.bool_)
+    displacement, velocity = np.zeros((count, 6)), np.zeros((count, 6))
+    for one in given:
+        rows, axes = np.nonzero(one.components)
+        at = one.block[rows], axes
+        components[at] = True
+        displacement[at], velocity[at] = one.displacement[rows, axes], one.velocity[rows, axes]
+    free = components & ~model.fixed[:, None]
+    whole = np.asarray(components.any(axis=1)) & model.fixed
+    components[whole] = True
+    return Held(components=components, displacement=displacement, velocity=velocity, free=free)

@@ -1,0 +1,182 @@
+"""Reactions: what holds the blocks of a step, and what moves those whose motion is prescribed.
+
+The equations say it: on a block that cannot move, or moves as is prescribed, they leave the force
+
+    R = M (v+ - v)/h + A sigma - weight - loads - contacts - springs
+
+which its support bears.  The weight and the inertia of fixed blocks are nobody's: the reaction of
+such a block is what others do to it.  So the sum of all reactions, loads and weights of free blocks
+is the sum of their masses times accelerations, to the last digits of the equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from clast.actions.action import Contribution, Solution
+from clast.compute.jit import kernel
+from clast.linear.system import Links
+from clast.model.model import Floats, Ints
+from clast.step.method import StepSolution
+from clast.step.start import StepContext
+
+
+class _End(Protocol):
+    """The end of a step."""
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity, shape (n, 6)."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holding:
+    """What holds s blocks in a step."""
+
+    block: Ints
+    """The blocks, shape (s,)."""
+    borne: Floats
+    """Force (x, y), N/m, and moment about the centroid, N, that hold it against others, (s, 3)."""
+    whole: Floats
+    """The same of all blocks with their weight and inertia, where motions are prescribed, (n, 3);
+    (0, 6) where none is."""
+
+
+def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
+    """Return what holds the blocks whose reactions are recorded, or whose motion is prescribed."""
+    model, held = context.model, context.held
+    wanted = model.reactions.of_block[:, 1]
+    nothing = np.zeros((0, 6))
+    if held is None and not len(wanted):
+        return Holding(block=wanted, borne=np.zeros((0, 3)), whole=nothing)
+    asked = np.zeros(model.block_count, np.bool_)
+    asked[wanted] = True
+    if held is not None:
+        asked |= held.blocks
+    block = np.flatnonzero(asked)
+    number = np.full(model.block_count, -1)
+    number[block] = np.arange(len(block))
+    borne = -_of_links(number, len(block), solution.contacts, solution.applied)
+    if context.springs is not None:
+        of = Solution(
+            displacement=solution.unknowns,
+            points=nothing,
+            linearised_at=solution.linearised_at,
+        )
+        forces = of.spring_forces(context.springs)
+        borne -= _of_links(number, len(block), context.springs, forces)
+    for share in context.shares:
+        rows = np.flatnonzero(asked[share.block]) if len(share.block) else share.block
+        if len(rows):
+            force = forces_in(share, solution.unknowns, rows)
+            np.subtract.at(borne, number[share.block[rows]], force[:, :3])
+    if held is None:
+        borne[~model.fixed[block]] = 0.0
+        return Holding(block=block, borne=borne, whole=nothing)
+    own = _of_mass(context, solution, end, block)
+    whole = np.zeros((model.block_count, 3))
+    whole[block] = np.where(held.components[block, :3], borne + own, 0.0)
+    free = ~model.fixed[block]
+    borne[free] = whole[block[free]]
+    return Holding(block=block, borne=borne, whole=whole)
+
+
+def reactions_of(context: StepContext, solution: StepSolution, held: Holding) -> Floats:
+    """Return the reactions of a step (k, 3): forces (x, y), N/m, and moments, N."""
+    wanted = context.model.reactions
+    found = np.zeros((len(wanted), 3))
+    if not len(wanted):
+        return found
+    centroid = context.frames.centroid
+    if len(wanted.of_block):
+        row = np.searchsorted(held.block, wanted.of_block[:, 1])
+        _add(found, wanted.about, wanted.of_block, held.borne[row], centroid)
+        if solution.driven is not None:
+            rows = wanted.of_block[:, 1]
+            struck = solution.driven[rows, :3] / context.step
+            _add(found, wanted.about, wanted.of_block, struck, centroid)
+    kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
+    for action, share in zip(context.actions, context.shares, strict=True):
+        support = getattr(action, "support", "")
+        if support == "motions" and len(share.block):
+            _add_servos(found, context, wanted.of_block, share, solution.unknowns)
+        pairs = kinds.get(support)
+        if pairs is not None and len(pairs):
+            force = forces_in(share, solution.unknowns, pairs[:, 1])[:, :3]
+            at = np.column_stack([pairs[:, 0], share.block[pairs[:, 1]]])
+            _add(found, wanted.about, at, force, centroid)
+    return found
+
+
+def _add_servos(
+    found: Floats, context: StepContext, of_block: Ints, share: Contribution, unknowns: Floats
+) -> None:
+    """Add the forces of servos to the reactions of their blocks, in place."""
+    force = forces_in(share, unknowns, np.arange(len(share.block)))[:, :3]
+    sums = np.zeros((context.model.block_count, 3))
+    np.add.at(sums, share.block, force)
+    centroid = context.frames.centroid
+    _add(found, context.model.reactions.about, of_block, sums[of_block[:, 1]], centroid)
+
+
+def _add(found: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Floats) -> None:
+    """Add forces and moments (b, 3) of blocks to those of reactions (k, 3), in place.
+
+    ``pairs`` (b, 2) are reactions and blocks; moments are taken about points of the reactions.
+    """
+    arm = centroid[pairs[:, 1]] - about[pairs[:, 0]]
+    moved = force.copy()
+    moved[:, 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+    np.add.at(found, pairs[:, 0], moved)
+
+
+def forces_in(share: Contribution, unknowns: Floats, rows: Ints) -> Floats:
+    """Return the generalised forces f - K d of some rows of a share, shape (r, 6)."""
+    force = share.force[rows]
+    if share.stiffness is None:
+        return force
+    bent = np.einsum("kij,kj->ki", share.stiffness[rows], unknowns[share.block[rows]])
+    return np.asarray(force - bent)
+
+
+def _of_mass(context: StepContext, solution: StepSolution, end: _End, block: Ints) -> Floats:
+    """Return what moves some blocks against their inertia and weight, shape (s, 3)."""
+    gained = end.velocity[block] - solution.velocity[block]
+    force = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step
+    force[:, :2] -= context.model.mass[block, None] * context.acceleration
+    return np.asarray(force[:, :3])
+
+
+def _of_links(number: Ints, count: int, links: Links, forces: tuple[Floats, Floats]) -> Floats:
+    """Return force and moment (count, 3) of links on the blocks that have a ``number`` (n,)."""
+    found: Floats = _sums(number, count, links.vertex_block, links.edge_block, links.levers, forces)
+    return found
+
+
+@kernel()
+def _sums(number, count, vertex_block, edge_block, levers, forces):
+    """Return force (x, y), N/m, and moment, N, of links on blocks with a number >= 0, (count, 3).
+
+    Moments are about the centroids; ``forces`` are N and T (m,), N/m, on the first block.
+    """
+    found = np.zeros((count, 3))
+    normal, shear = forces
+    for c in range(len(vertex_block)):
+        i, j = number[vertex_block[c]], number[edge_block[c]]
+        if i < 0 and j < 0:
+            continue
+        nx, ny = levers[c, 0], levers[c, 1]
+        fx, fy = normal[c] * nx - shear[c] * ny, normal[c] * ny + shear[c] * nx
+        if i >= 0:
+            found[i, 0] += fx
+            found[i, 1] += fy
+            found[i, 2] += levers[c, 2] * fy - levers[c, 3] * fx
+        if j >= 0:
+            found[j, 0] -= fx
+            found[j, 1] -= fy
+            found[j, 2] -= levers[c, 4] * fy - levers[c, 5] * fx
+    return found

@@ -1,0 +1,1 @@
+"""Supports: prescribed motions and reactions, links, linings."""

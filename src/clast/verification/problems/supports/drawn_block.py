@@ -1,0 +1,132 @@
+"""A block is drawn over a floor: the reaction is friction, and inertia while it gets faster.
+
+With the velocity v reached over the time e the acceleration is a = v/e, and
+
+    R = mu N + m a,    R = mu N later,    N = m g.
+
+The floor bears -mu N along and N across.  Where the floor is one block or several, whichever way
+the whole is turned and however long the steps are, none of this changes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.inputs.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+DENSITY, GRAVITY, ANGLE = 2500.0, 9.8, 30.0
+WIDTH, HEIGHT = 2.0, 1.0
+"""Block, m."""
+SPEED, EASE, END, STEP = 0.5, 0.1, 0.3, 1e-3
+MASS = DENSITY * WIDTH * HEIGHT
+NORMAL = MASS * GRAVITY
+FRICTION = NORMAL * float(np.tan(np.radians(ANGLE)))
+PUSH = MASS * SPEED / EASE
+ROUGH = "the block lands on its springs at first: the floor bears more than its weight, and less"
+EXACT = "equations solved to 1e-10"
+
+
+def scene(turns: int = 0, pieces: int = 1) -> Model:
+    """Return block and floor, turned by so many quarter turns; the floor in so many pieces."""
+    across = _turned((0.0, -GRAVITY), turns)
+    builder = ModelBuilder(title="Drawn block", gravity=(across[0], across[1]))
+    builder.add_rock("stone", young=5e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=ANGLE)
+    length = 12.0 / pieces
+    for k in range(pieces):
+        left = -4.0 + k * length
+        builder.block(vertices=_box((left, -1.0), (length, 1.0), turns), fixed=True)
+    builder.block(name="box", vertices=_box((0.0, 0.0), (WIDTH, HEIGHT), turns))
+    way = _turned((SPEED, 0.0), turns)
+    axis = int(np.abs(way).argmax())
+    moves = {"xy"[axis]: way[axis]}
+    builder.motion(name="winch", block="box", ease=EASE, **moves)
+    return builder.build()
+
+
+def pulled(variant: Variant, turns: int = 0, pieces: int = 1, step: float = STEP) -> Run:
+    """Return the run."""
+    model = scene(turns, pieces)
+    method = variant.method(model, normal_stiffness=5e9, max_displacement=0.02)
+    return simulate(model, method, Schedule(step=step, end=END, every=END))
+
+
+def along(run: Run, name: str, turns: int = 0) -> Floats:
+    """Return a reaction over time as it is before the scene is turned, N/m, (t, 2)."""
+    return np.array([_turned(force, -turns) for force in run.reaction(name).force])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the reactions, and where the block is."""
+    run = pulled(variant)
+    time = run.reaction("winch").time
+    winch, floor = along(run, "winch"), along(run, "fixed blocks")
+    eased = (time > 0.5 * STEP) & (time < EASE - 0.5 * STEP)
+    later = time > EASE + 0.5 * STEP
+    sums = (winch + floor)[:, 0]
+    moved = run.vertices(-1)[-4:].mean(axis=0)[0] - 0.5 * WIDTH
+    rows: list[Comparison] = [
+        relative(
+            "R - mu N while eased, largest", "N/m", float(sums[eased].max()), PUSH, 1e-9, EXACT
+        ),
+        absolute("R - mu N later", "N/m", float(np.abs(sums[later]).max()), 0.0, 1e-5, EXACT),
+        relative("R at the end", "N/m", float(winch[-1, 0]), FRICTION, 1e-6, ROUGH),
+        relative("floor along", "N/m", float(floor[-1, 0]), -FRICTION, 1e-6, ROUGH),
+        relative("floor across", "N/m", float(floor[-1, 1]), NORMAL, 1e-6, ROUGH),
+        absolute(
+            "way beyond v (t - e/2)", "m", moved - SPEED * (END - 0.5 * EASE), 0.0, 2e-12, EXACT
+        ),
+    ]
+    ways = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))
+    for name, turns, pieces, step in (*ways, ("steps of 2.5 ms", 0, 1, 2.5e-3)):
+        other = along(pulled(variant, turns, pieces, step), "winch", turns)
+        rows.append(relative(f"R, {name}", "N/m", float(other[-1, 0]), FRICTION, 1e-6, ROUGH))
+    corners = np.array([0.0, EASE, EASE, END])
+    exact = np.array([FRICTION + PUSH, FRICTION + PUSH, FRICTION, FRICTION])
+    chart = Chart(
+        title="reaction of the winch",
+        x_label="time, s",
+        y_label="force, kN/m",
+        curves=(
+            exact_curve("mu N + m a", corners, 1e-3 * exact),
+            curve(variant.name, time[1::4], 1e-3 * winch[1::4, 0]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def _turned(vector: tuple[float, float] | Floats, turns: int) -> tuple[float, float]:
+    """Return a vector turned by quarter turns, to the last digit."""
+    x, y = float(vector[0]), float(vector[1])
+    for _ in range(turns % 4):
+        x, y = -y, x
+    return x, y
+
+
+def _box(
+    corner: tuple[float, float], size: tuple[float, float], turns: int
+) -> list[tuple[float, float]]:
+    """Return the corners of a turned rectangle, m."""
+    (x, y), (w, h) = corner, size
+    return [_turned(one, turns) for one in ((x, y), (x + w, y), (x + w, y + h), (x, y + h))]
+
+
+PROBLEM = Problem(
+    name="drawn-block",
+    title="A block that is drawn over a floor",
+    text="A block of 2 x 1 m, 2500 kg/m3, phi = 30 degrees, is drawn at 0.5 m/s, eased over "
+    "0.1 s; also turned by a quarter, on a floor in pieces, and in other steps.",
+    formula="R = mu N + m v/e while eased, mu N later",
+    source="Newton's second law and Coulomb's",
+    set_up=scene,
+    examine=examine,
+    variants=(CONVEX, OPEN_CLOSE),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,117 @@
+"""A press with a servo closes the joints of a sample under a stress that it holds.
+
+Layers of height t with joints of the normal stiffness k_n between them shorten under the stress
+sigma by
+
+    u = sigma (j/k_n + n t/E)
+
+of j joints and n layers, without Poisson's effect.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.inputs.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+STRESS, YOUNG, STIFFNESS = 1e6, 2e10, 2e10
+"""Pa, Pa, Pa/m."""
+LAYERS, THICKNESS, WIDTH = 4, 0.25, 0.5
+SPEED, STEP, END = 0.02, 1e-3, 0.4
+REASON = "faces are integrated by points; strains are finite"
+
+
+def scene(layers: int = LAYERS, turned: int = 0) -> Model:
+    """Return base, sample of so many layers and platen; lying on its side where ``turned``."""
+    builder = ModelBuilder(title="Servo press", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2500.0)
+    builder.add_joint(
+        "default", friction_angle=30.0, normal_stiffness=STIFFNESS, shear_stiffness=STIFFNESS
+    )
+    tall = LAYERS * THICKNESS / layers
+    heights = [-0.1, *(tall * np.arange(layers + 1)), LAYERS * THICKNESS + 0.1]
+    names = ["base", *(f"layer {k}" for k in range(layers)), "platen"]
+    for name, low, high in zip(names, heights[:-1], heights[1:], strict=True):
+        corners = [(0.0, low), (WIDTH, low), (WIDTH, high), (0.0, high)]
+        if turned:
+            corners = [(-y, x) for x, y in corners]
+        builder.block(name=name, vertices=corners, fixed=name == "base")
+    held, pressed = ("y", (STRESS, 0.0)) if turned else ("x", (0.0, -STRESS))
+    builder.motion(
+        name="press",
+        block="platen",
+        rotation=0.0,
+        stress=pressed,
+        limit_speed=SPEED,
+        **{held: 0.0},
+    )
+    top = (0.5 * WIDTH, LAYERS * THICKNESS)
+    builder.measured_point("head", (-top[1], top[0]) if turned else top, block="platen")
+    return builder.build()
+
+
+def pressed(variant: Variant, layers: int = LAYERS, turned: int = 0) -> Run:
+    """Return the run."""
+    model = scene(layers, turned)
+    method = variant.method(model, normal_stiffness=YOUNG, max_displacement=0.01)
+    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
+
+
+def closure(layers: int) -> float:
+    """Return the shortening at the platen, m: joints at both ends of the sample close, too."""
+    joints = (layers + 1) / STIFFNESS
+    # the platen strains by half its height below its centroid
+    return STRESS * (joints + LAYERS * THICKNESS / YOUNG)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the stress of the press and the shortening."""
+    rows: list[Comparison] = []
+    runs = {
+        "4 layers": (LAYERS, pressed(variant)),
+        "turned": (LAYERS, pressed(variant, turned=1)),
+        "8 layers": (8, pressed(variant, 8)),
+    }
+    for name, (layers, run) in runs.items():
+        force = float(np.hypot(*run.reaction("press").force[-1]))
+        way = float(np.hypot(*run.history("head").displacement[-1]))
+        rows.append(relative(f"stress, {name}", "Pa", force / WIDTH, STRESS, 1e-2, REASON))
+        rows.append(relative(f"closure, {name}", "m", way, closure(layers), 1e-2, REASON))
+    run = runs["4 layers"][1]
+    press, head = run.reaction("press"), run.history("head")
+    most = closure(LAYERS)
+    chart = Chart(
+        title="stress and closure",
+        x_label="closure, mm",
+        y_label="stress, MPa",
+        curves=(
+            exact_curve("sigma/u", 1e3 * np.array([0.0, most]), 1e-6 * np.array([0.0, STRESS])),
+            curve(
+                variant.name,
+                -1e3 * head.displacement[1::8, 1],
+                -1e-6 * press.force[1::8, 1] / WIDTH,
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="servo-press",
+    title="A press with a servo on a jointed sample",
+    text="A platen with x and rotation held presses with 1 MPa, at 20 mm/s at most, on 4 layers of "
+    "0.25 m, E = 20 GPa, joints of 20 GPa/m; also turned, and of 8 layers; no gravity, h = 1 ms.",
+    formula="u = sigma (j/k_n + H/E)",
+    source="springs in series",
+    set_up=scene,
+    examine=examine,
+    variants=(CONVEX, OPEN_CLOSE),
+    quick=(CONVEX,),
+)

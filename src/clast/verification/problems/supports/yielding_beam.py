@@ -1,0 +1,133 @@
+"""A beam that is clamped at both ends and loaded in the middle collapses where hinges yield.
+
+Links against rotation that yield at M_p, at both ends and in the middle, make a mechanism whose
+collapse load is 8 M_p/L; with a short piece of the width w in the middle, between two links,
+
+    P = 4 M_p/l,    l = (L - w)/2.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from clast.inputs.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
+
+HALF, WIDTH, HEIGHT = 2.0, 0.2, 0.2
+"""Length of a half, width of the middle, height, m."""
+MOMENT, STIFFNESS = 1e5, 1e8
+"""Yield moment, N, and stiffness, N per rad, of each link."""
+SPEED, STEP, END = 0.01, 1e-2, 1.2
+COLLAPSE = 4.0 * MOMENT / HALF
+REASON = "small rotations; a static step at 10 mm/s has the momentum of the halves to bring up"
+
+
+def scene(turns: int = 0, pieces: int = 1) -> Model:
+    """Return the beam turned by quarter turns; its halves of so many pieces, rigidly linked."""
+    builder = ModelBuilder(title="Yielding beam", gravity=(0.0, 0.0))
+    builder.add_rock("steel", young=2e11, poisson=0.0, density=2500.0)
+    builder.add_joint("default", friction_angle=0.0)
+    end = 2.0 * HALF + WIDTH
+    marks = [*np.linspace(0.0, HALF, pieces + 1), *np.linspace(HALF + WIDTH, end, pieces + 1)]
+    builder.block(name="left", vertices=_box(-1.0, 0.0, 5.0, turns), fixed=True)
+    names = ["left"]
+    for k, (low, high) in enumerate(pairwise(marks)):
+        names.append("middle" if k == pieces else f"piece {k}")
+        builder.block(name=names[-1], vertices=_box(low, high, 1.0, turns))
+    builder.block(name="right", vertices=_box(end, end + 1.0, 5.0, turns), fixed=True)
+    names.append("right")
+    hinges = {0.0, HALF, HALF + WIDTH, end}
+    for k, x in enumerate(marks):
+        yields = {"yield_moment": MOMENT} if x in hinges else {}
+        at = _turned((x, 0.0), turns)
+        free = {} if k == len(marks) - 1 else {"x": "rigid"}
+        builder.link(
+            at,
+            blocks=(names[k + 1], names[k]),
+            direction=_turned((1.0, 0.0), turns),
+            y="rigid",
+            rotation=STIFFNESS if yields else "rigid",
+            contacts=False,
+            name=f"at {k}",
+            **yields,
+            **free,
+        )
+    way = _turned((0.0, -SPEED), turns)
+    axis = int(np.abs(way).argmax())
+    builder.motion(name="press", block="middle", ease=0.1, **{"xy"[axis]: way[axis]})
+    return builder.build()
+
+
+def pressed(variant: Variant, turns: int = 0, pieces: int = 1) -> Run:
+    """Return the run."""
+    model = scene(turns, pieces)
+    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.01, dynamic_ratio=0.0)
+    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the collapse load and the moments."""
+    rows: list[Comparison] = []
+    runs = {
+        "": pressed(variant),
+        ", turned": pressed(variant, 1),
+        ", in pieces": pressed(variant, 0, 2),
+    }
+    for name, run in runs.items():
+        load = float(np.hypot(*run.reaction("press").force[-1]))
+        rows.append(relative(f"collapse load{name}", "N/m", load, COLLAPSE, 1e-2, REASON))
+        moment = abs(float(np.asarray(run.link("at 0").moment)[-1]))
+        rows.append(relative(f"moment at the end{name}", "N", moment, MOMENT, 1e-6, REASON))
+    press = runs[""].reaction("press")
+    chart = Chart(
+        title="load and way of the middle",
+        x_label="way, mm",
+        y_label="load, kN/m",
+        curves=(
+            exact_curve("8 M_p/L", np.array([0.0, 11.5]), np.full(2, 1e-3 * COLLAPSE)),
+            curve(
+                variant.name,
+                1e3 * SPEED * np.maximum(press.time[1::4] - 0.05, 0.0),
+                -1e-3 * press.force[1::4, 1],
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def _turned(point: tuple[float, float], turns: int) -> tuple[float, float]:
+    """Return a point turned by quarter turns."""
+    x, y = point
+    for _ in range(turns % 4):
+        x, y = -y, x
+    return x, y
+
+
+def _box(low: float, high: float, tall: float, turns: int) -> list[tuple[float, float]]:
+    """Return the corners of a piece ``tall`` times as high as the beam, m."""
+    y = 0.5 * tall * HEIGHT
+    corners = [(low, -y), (high, -y), (high, y), (low, y)]
+    return [_turned((float(a), float(b)), turns) for a, b in corners]
+
+
+PROBLEM = Problem(
+    name="yielding-beam",
+    title="A clamped beam whose hinges yield",
+    text="A beam of 4.2 m has links that yield at 100 kN at its ends and both sides of its middle, "
+    "which is pushed down at 10 mm/s; static (dynamic_ratio = 0), h = 10 ms; also turned, and with "
+    "halves of two pieces.",
+    formula="P = 4 M_p/l",
+    source="plastic analysis: work of the mechanism",
+    set_up=scene,
+    examine=examine,
+    variants=(CONVEX, OPEN_CLOSE, PASSES),
+    quick=(CONVEX,),
+)
