@@ -562,6 +562,7 @@ CALLS: dict[str, dict[str, Any]] = {
         "name": "p",
     },
     "measured_point": {"name": "A", "at": (1, 2), "block": "wall"},
+    "measured_contact": {"name": "C", "at": (0, 0)},
     "measured_reaction": {"name": "R", "block": "wall"},
     "link": {"at": (0.5, 0), "blocks": ["wall", "base"], "x": "rigid", "rotation": 1e6},
     "moment": {"block": "wall", "moment": 1.0, "factor": "ramp"},
