@@ -115,7 +115,7 @@ def draw_cumulative(band: Band, label: str, path: Path) -> Path:
 
 def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> Path:
     """Draw how far a measure goes with each parameter; return the picture's path."""
-    axes = _axes(path, name, "", left=0.42)
+    axes = _axes(path, name, "", left=0.42, height=0.72)
     for row, bar in enumerate(reversed(bars)):
         for value, colour, said in ((bar.low, BLUE, "least"), (bar.high, RED, "largest")):
             label = f"parameter {said}" if row == 0 else None
@@ -124,8 +124,15 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
-    axes.set_ylim(-0.6, len(bars) + 0.1)
-    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="upper right", ncols=2)
+    axes.set_ylim(-0.6, len(bars) - 0.4)
+    axes.legend(
+        fontsize=SMALL_SIZE,
+        frameon=False,
+        labelcolor=INK,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.99),
+        ncols=2,
+    )
     return _saved(axes, path)
 
 
@@ -225,10 +232,10 @@ def _coloured(axes: Axes, drawn: ScalarMappable, label: str, path: Path) -> Path
     return canvas.save(figure, path)
 
 
-def _axes(path: Path, x_label: str, y_label: str, left: float = 0.14) -> Axes:
+def _axes(path: Path, x_label: str, y_label: str, left: float = 0.14, height: float = 0.78) -> Axes:
     """Return empty axes of a figure of their own."""
     figure = canvas.new_figure(SIZE, DOTS)
-    axes = figure.add_axes((left, 0.16, 0.96 - left, 0.78))
+    axes = figure.add_axes((left, 0.16, 0.96 - left, height))
     axes.set_xlabel(canvas.literal(x_label), fontsize=TEXT_SIZE, color=INK)
     axes.set_ylabel(canvas.literal(y_label), fontsize=TEXT_SIZE, color=INK)
     axes.grid(color="#e2e2e2", lw=0.5)
