@@ -89,6 +89,14 @@ def test_any_two_faces_share_their_common_length(offset, width, flats, others):
     assert shared_length(contacts, 0, 1) == pytest.approx(max(0.0, common), abs=near)
 
 
+@pytest.mark.parametrize("width", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("offset", [0.005, -0.005])
+def test_corners_just_critdis_apart_share_the_length_of_their_faces(offset, width):
+    contacts = contacts_of(system([box(0, 0), box(offset, 1, width)]))
+    common = min(1.0, offset + width) - max(0.0, offset)
+    assert shared_length(contacts, 0, 1) == pytest.approx(common, abs=0.0051)
+
+
 def test_bed_joints_of_a_wall():
     """Half a brick rests on each of the two below; every head joint is as high as a brick."""
     contacts = contacts_of(system(bricks(3, 4)))

@@ -16,6 +16,12 @@ from clast.model.model import Floats, Ints, Model
 
 LEAST = 1e-3
 """Least length of joint that springs stand for, in units of critdis: corners that only coincide."""
+COINCIDE = 1.01
+"""Distance along an edge up to which corners coincide, in units of critdis.
+
+A little more than that up to which they are contacts: seen from either side the distance differs
+by rounding and by the cosine of the angle between the faces, and both must say the same.
+"""
 
 
 def joints_of(
@@ -83,7 +89,7 @@ def _overlap(p, w, e, others, outlines, critdis):
     if high <= low:
         return 0.0
     at_end = here > there
-    coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
+    coincide = abs(here - (length[e] if at_end else 0.0)) <= COINCIDE * critdis
     if coincide:
         corner = vertex_after(e, first, last) if at_end else e
         for c in range(start, stop):
