@@ -41,7 +41,7 @@ CLOSING = (0.1e6, 1e6, 10e6)
 """Normal stresses of shearing and of closing, Pa."""
 FARTHEST = 2.5
 """Slip at the end, in units of u_peak, at least."""
-PRESSED, DRAWN, END, STEPS = 1.0, 8.0, 8.5, 300
+PRESSED, DRAWN, END, STEPS = 1.0, 8.0, 8.5, 400
 """When the block is pressed and drawn, s, and steps; in the end the load stays."""
 LATE = "strength beyond the peak is that of the start of a step: some per cent of u_peak"
 
