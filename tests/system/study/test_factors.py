@@ -24,7 +24,7 @@ def written(path: Path, builder: clast.ModelBuilder, **keys: object) -> Path:
 
 def wet(path: Path, slope: wet_slope.Slope, water: float, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Write the case of a slope of Hoek and Bray with water in its crack."""
-    monkeypatch.setattr(wet_slope, "ModelBuilder", clast.ModelBuilder)
+    monkeypatch.setattr(wet_slope, "InputBuilder", clast.ModelBuilder)
     builder = wet_slope.dry_slope(slope)
     if water > 0.0:
         level = float(slope.foot[1]) + water
