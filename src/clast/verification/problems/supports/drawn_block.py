@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -36,7 +36,7 @@ EXACT = "equations solved to 1e-10"
 def scene(turns: int = 0, pieces: int = 1) -> Model:
     """Return block and floor, turned by so many quarter turns; the floor in so many pieces."""
     across = _turned((0.0, -GRAVITY), turns)
-    builder = ModelBuilder(title="Drawn block", gravity=(across[0], across[1]))
+    builder = InputBuilder(title="Drawn block", gravity=(across[0], across[1]))
     builder.add_rock("stone", young=5e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=ANGLE)
     length = 12.0 / pieces

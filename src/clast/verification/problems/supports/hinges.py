@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -51,7 +51,7 @@ def scene(bars: int = 1, mode: int = 0, turn: float = 0.0) -> Model:
     shape = frequencies(bars)[1][:, mode]
     angles = SMALL * shape / np.abs(shape).max()
     down = (GRAVITY * np.sin(turn), -GRAVITY * np.cos(turn))
-    builder = ModelBuilder(title="Hinges", gravity=down)
+    builder = InputBuilder(title="Hinges", gravity=down)
     builder.add_rock("steel", young=2e11, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=0.0)
     ground = [(20.0, 0.0), (21.0, 0.0), (21.0, 1.0), (20.0, 1.0)]

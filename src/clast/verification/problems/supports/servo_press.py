@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -30,7 +30,7 @@ REASON = "faces are integrated by points; strains are finite"
 
 def scene(layers: int = LAYERS, turned: int = 0) -> Model:
     """Return base, sample of so many layers and platen; lying on its side where ``turned``."""
-    builder = ModelBuilder(title="Servo press", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Servo press", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2500.0)
     builder.add_joint(
         "default", friction_angle=30.0, normal_stiffness=STIFFNESS, shear_stiffness=STIFFNESS

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -29,7 +29,7 @@ TILT = "the middle of the lintel is 0.25 m above the edges, and moves by 1.5 mm 
 
 def scene(side: float = 1.0) -> Model:
     """Return lintel and piers; the right pier settles, or the left one where ``side`` is -1."""
-    builder = ModelBuilder(title="Settling pier", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Settling pier", gravity=(0.0, -GRAVITY))
     builder.add_rock("stone", young=5e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=30.0)
     # else friction holds a thrust, which has an arm as soon as the edges are not level

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -32,7 +32,7 @@ REASON = "small rotations; a static step at 10 mm/s has the momentum of the halv
 
 def scene(turns: int = 0, pieces: int = 1) -> Model:
     """Return the beam turned by quarter turns; its halves of so many pieces, rigidly linked."""
-    builder = ModelBuilder(title="Yielding beam", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Yielding beam", gravity=(0.0, 0.0))
     builder.add_rock("steel", young=2e11, poisson=0.0, density=2500.0)
     builder.add_joint("default", friction_angle=0.0)
     end = 2.0 * HALF + WIDTH
