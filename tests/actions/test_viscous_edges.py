@@ -245,12 +245,12 @@ def test_a_script_writes_its_viscous_boundaries():
 def test_doubtful_viscous_boundaries_are_warned_of():
     builder = column(rock(9.8))
     builder.viscous_boundary(side="bottom")
-    assert any("bear no weight" in text for text in builder.case().examine().warnings)
+    assert any("carry no weight" in text for text in builder.case().examine().warnings)
     builder = column(rock(9.8))
     builder.viscous_boundary(side="bottom", begins=2.0)
     said = builder.case(end=1.0).examine().warnings
     assert any("springs hold it all the time" in text for text in said)
-    assert not any("bear no weight" in text for text in said)
+    assert not any("carry no weight" in text for text in said)
 
 
 def test_dashpots_may_begin_with_a_stage(tmp_path):

@@ -93,7 +93,7 @@ def test_laws_that_hold(law):
         ("energy", 0.9, "energy does not belong to normal_force"),
         ("normal_force", -1.0, "pull"),
         ("shear_force", 1.1, "exceeds N tan"),
-        ("shear_force", 0.9, r"bear only 0\.9 of N tan"),
+        ("shear_force", 0.9, r"carry only 0\.9 of N tan"),
         ("shear_force", -1.0, "T must be"),
         ("dissipation", 0.0, "T must be"),
         ("dissipation", -1.0, "friction gives energy"),

@@ -140,7 +140,7 @@ def test_what_is_not_plain_is_refused_with_its_place(value: Any, tmp_path: Path)
 def test_classes_of_scripts_must_be_handed_in(tmp_path: Path):
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Held(1)))
-    with pytest.raises(CaseError, match=r"(?s)what this clast does not know: Held.*model=\.\.\."):
+    with pytest.raises(CaseError, match=r"(?s)holds data unknown to this clast: Held.*model=\.\.\."):
         read_checkpoint(path, {})
 
 
@@ -149,7 +149,7 @@ def test_a_file_makes_nothing_but_dataclasses(name: str, tmp_path: Path, monkeyp
     monkeypatch.setattr("clast.results.checkpoints.encode.name_of", lambda kind: name)
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Ledger()))
-    with pytest.raises(CaseError, match="what this clast does not know"):
+    with pytest.raises(CaseError, match="holds data unknown to this clast"):
         read_checkpoint(path, {})
 
 

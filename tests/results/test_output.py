@@ -319,7 +319,7 @@ def test_what_is_in_the_place_of_a_hidden_file_stays(tmp_path: Path, how: str):
     victim.write_text("precious")
     part = hidden(output)
     in_the_way(part, victim, how)
-    with pytest.raises(CaseError, match="is in the place of the file that results are written to"):
+    with pytest.raises(CaseError, match="is in the place of the temporary file of results, and no run has left it"):
         claimed(output)
     assert victim.read_text() == "precious"
     assert part.is_symlink() == (how == "link")

@@ -300,7 +300,7 @@ def shorter(path: Path) -> None:
     ("change", "words"),
     [
         (broken, "is damaged"),
-        (of_another_run, "its frames are those of another run"),
+        (of_another_run, "its frames are those of another, later run"),
         (of_other_blocks, "it has other blocks"),
         (shorter, "frames, the checkpoint goes on from"),
     ],
@@ -359,7 +359,7 @@ def test_a_script_gives_its_model_again(tmp_path: Path):
     run = clast.simulate(
         with_closer(), output=output, contact_law=law, progress=pressed_at(7), **keys
     )
-    refused("what a script has added must be given again", run.checkpoint)
+    refused("objects of a script must be given again", run.checkpoint)
     refused("model=...)", run.checkpoint)
     bare = clast.simulate(
         shaken(), output=tmp_path / "c.vtkhdf", contact_law=law, progress=pressed_at(3), **keys

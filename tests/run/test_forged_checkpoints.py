@@ -114,7 +114,7 @@ def test_the_same_case_again_is_another_run(part: Path):
     older = part.with_name("older.checkpoint.h5")
     shutil.copy(part, older)
     run = the_case().run(output=part.with_name("a.vtkhdf"))
-    refused("those of another run", older)
+    refused("those of another, later run", older)
     assert clast.resume(run.checkpoint).report.finished
 
 
@@ -134,7 +134,7 @@ def test_checkpoints_of_a_course_that_was_left_are_refused(part: Path):
     kept = part.with_name("end.checkpoint.h5")
     shutil.copy(part, kept)
     clast.resume(part, ["point_load.1.force=[2e6, 0]"], stage="push")
-    refused("those of another run", kept)
+    refused("those of another, later run", kept)
     # the end of the stage before is now that of the changed run, and still that of the results
     again = clast.resume(checkpoint_path(output, "rest"))
     whole = the_case("2e6").run(output=part.with_name("whole.vtkhdf"))
@@ -190,7 +190,7 @@ def test_a_case_file_that_has_changed_is_said(tmp_path: Path):
     result = clast_command("resume", part, "-o", tmp_path / "b.vtkhdf")
     assert result.exit_code == 0
     said = " ".join(result.stderr.split())
-    assert said.count("a.toml is not what it was when the run began") == 1
+    assert said.count("a.toml has changed since the run began") == 1
 
 
 # forged ones ------------------------------------------------------------------------------------
@@ -217,7 +217,7 @@ def test_results_elsewhere_are_never_cut_back(part: Path):
     assert foreign.read_bytes() == before
     # a run of the same case that is not the checkpoint's
     the_case().run(output=part.with_name("mine.vtkhdf"))
-    refused("another run", forge(part, part.with_name("f.h5"), other_file("mine.vtkhdf")))
+    refused("those of another, later run", forge(part, part.with_name("f.h5"), other_file("mine.vtkhdf")))
 
 
 def named(*files: str) -> Callable[[Any, Any], None]:
@@ -305,7 +305,7 @@ def test_only_data_of_a_run_are_made(part: Path):
         def change(written: Any, arrays: Any, name: str = name) -> None:
             written["with"]["run"] = {"is": name, "with": {}}
 
-        refused("holds what this clast does not know", forge(part, part, change))
+        refused("holds data unknown to this clast", forge(part, part, change))
 
 
 def array_of(written: Any, *keys: str) -> str:
