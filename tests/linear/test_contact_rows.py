@@ -30,7 +30,8 @@ SYSTEMS = {
 def displaced(model, state, rule, unknowns):
     """Return the vertices after the displacements of the blocks."""
     frames = block_frames(model, state)
-    return move(rule, state.vertices, model.vertex_block, frames.centroid, unknowns)
+    gradient = rule.gradient(unknowns)
+    return move(state.vertices, model.vertex_block, frames.centroid, unknowns, gradient)
 
 
 def measured(model, contacts, vertices):
