@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks, draw_bolts
-from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE
+from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE, UPRIGHT
 from clast.pictures.fields import SCALARS, check_field
 from clast.pictures.figure_options import CM, DEFAULT, Look
 from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
@@ -49,6 +49,8 @@ def plot_two_frames(
     ]
     bars = int(field in SCALARS or field in JOINT_FIELDS)
     size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, 0)
+    if size[1] < UPRIGHT:  # the colour bar lies below both
+        size, keys, narrowest = canvas.sizes(part, _half(look, 0), title, handles, bars, 0)
     sheet = canvas.sheet_for(size, title, keys.lines, bars, narrowest)
     shift = size[0] + BETWEEN
     wide = replace(
@@ -96,7 +98,10 @@ def plot_two_frames(
 
 
 def _half(look: Look, bars: int) -> Look:
-    """Return the look of one of two, which together are as wide as asked for."""
+    """Return the look of one of two, which together are as wide as asked for.
+
+    ``bars`` is the number of colour bars that stand beside them.
+    """
     if look.size is None:
         return look
     beside = LEFT + RIGHT + (BAR + BAR_LABELS) * bars
