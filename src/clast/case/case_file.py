@@ -143,8 +143,9 @@ class Case(BaseModel):
     ground_motion: GroundMotionTable | None = None
     """Earthquake or shaking table."""
     measured_point: list[MeasuredPoint] = []
-    measured_contact: list[MeasuredContact] = []
     """Points recorded every step."""
+    measured_contact: list[MeasuredContact] = []
+    """Contacts recorded every step."""
     measured_reaction: list[MeasuredReaction] = []
     """Reactions of supports recorded every step, beside the totals."""
     reference: list[Reference] = []
