@@ -112,7 +112,7 @@ MUTATIONS = (
     Mutation(
         "actions/in_situ.py", "xx * nx + xy * ny, xy * nx + yy", "xx * nx - xy * ny, xy * nx + yy"
     ),
-    Mutation("actions/supports.py", "force=-k * np.add.reduce", "force=k * np.add.reduce"),
+    Mutation("actions/supports.py", "pull = -k * drift", "pull = k * drift"),
     # step: time scheme, energy balance
     Mutation(
         "step/integration.py", "return (1.0 - 1.0 / self.theta)", "return (1.0 / self.theta - 1.0)"
