@@ -63,11 +63,14 @@ def command(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def laid_over(tables: dict[str, Any], content: dict[str, Any]) -> dict[str, Any]:
-    """Return the content with tables of a fragment in the place of its own."""
+    """Return the content with tables of a fragment in the place of its own.
+
+    A table with a law of its own stands in the place of a whole one: other laws have other keys.
+    """
     both = dict(content)
     for key, value in tables.items():
         old = content.get(key)
-        nested = isinstance(old, dict) and isinstance(value, dict)
+        nested = isinstance(old, dict) and isinstance(value, dict) and "law" not in value
         both[key] = laid_over(value, old) if nested else value
     return both
 
