@@ -19,7 +19,7 @@ from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 DENSITY, GRAVITY, ANGLE = 2500.0, 9.8, 30.0
 WIDTH, HEIGHT = 2.0, 1.0
@@ -127,6 +127,6 @@ PROBLEM = Problem(
     source="Newton's second law and Coulomb's",
     set_up=scene,
     examine=examine,
-    variants=(CONVEX, OPEN_CLOSE),
+    variants=(CONVEX, OPEN_CLOSE, PASSES),
     quick=(CONVEX,),
 )

@@ -23,7 +23,7 @@ from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 LENGTH, HEIGHT, GRAVITY, DENSITY = 1.0, 0.1, 9.8, 2500.0
 """Bars, m, m/s2, kg/m3."""
@@ -129,6 +129,6 @@ PROBLEM = Problem(
     source="mechanics of rigid bodies",
     set_up=scene,
     examine=examine,
-    variants=(CONVEX, OPEN_CLOSE),
+    variants=(CONVEX, OPEN_CLOSE, IMPLICIT),
     quick=(CONVEX,),
 )

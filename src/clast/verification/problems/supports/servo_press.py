@@ -114,4 +114,6 @@ PROBLEM = Problem(
     examine=examine,
     variants=(CONVEX, OPEN_CLOSE),
     quick=(CONVEX,),
+    left_out="modified: one pass and four throw the layers in the first step, which ends with more "
+    "energy than the press has given",
 )

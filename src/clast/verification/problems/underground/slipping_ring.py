@@ -283,4 +283,6 @@ PROBLEM = Problem(
     examine=partial(examine, CASES),
     variants=(CONVEX,),
     quick=(CONVEX,),
+    left_out="modified and open-close: a static step goes part of the way on which friction gives "
+    "in, so that with 25 degrees the ring has come 2.1 to 3.4 mm inwards without pressure, not 5.5",
 )
