@@ -217,7 +217,10 @@ def test_results_elsewhere_are_never_cut_back(part: Path):
     assert foreign.read_bytes() == before
     # a run of the same case that is not the checkpoint's
     the_case().run(output=part.with_name("mine.vtkhdf"))
-    refused("those of another, later run", forge(part, part.with_name("f.h5"), other_file("mine.vtkhdf")))
+    refused(
+        "those of another, later run",
+        forge(part, part.with_name("f.h5"), other_file("mine.vtkhdf")),
+    )
 
 
 def named(*files: str) -> Callable[[Any, Any], None]:
@@ -319,12 +322,13 @@ def array_of(written: Any, *keys: str) -> str:
     ("keys", "change", "words"),
     [
         (("run", "state", "vertices"), lambda a: a[:-1], "it has vertices of other blocks"),
+        (("run", "state", "vertices"), lambda a: a * 0.0, "it has blocks without an area"),
         (("run", "state", "velocity"), lambda a: a * np.nan, "its velocity are not finite"),
         (("run", "state", "memory", "vertex"), lambda a: a + 1000, "a vertex that does not exist"),
         (("run", "state", "memory", "edge"), lambda a: a - 9, "a edge that does not exist"),
         (("run", "state", "memory", "mode"), lambda a: a + 7, "a mode that does not exist"),
         (("run", "state", "memory", "gap"), lambda a: a[1:], "as many numbers each"),
-        (("run", "state", "memory", "bonded"), lambda a: a * 1.0, "does not say what it should"),
+        (("run", "state", "memory", "bonded"), lambda a: a * 1.0, "its content is not as expected"),
         (("run", "seen", "least"), lambda a: a[:2], "energies that were seen"),
     ],
 )

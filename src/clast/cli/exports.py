@@ -87,7 +87,13 @@ def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) ->
     written = write_csv(results, path, frames, tables or None)
     missing = {*(tables or TABLES)} - {file.stem for file in written}
     # most systems have none of these, and nobody misses them
-    present = {"bolts": results.bolt_name, "stages": results.frame_stages, "events": results.events}
+    present = {
+        "bolts": results.bolt_name,
+        "links": results.link_name,
+        "measured_contacts": results.measured_contact_name,
+        "stages": results.frame_stages,
+        "events": results.events,
+    }
     missing -= {name for name, found in present.items() if not found}
     if missing:
         tell(f"left out, nothing is recorded of: {', '.join(sorted(missing))}")

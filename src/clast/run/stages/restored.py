@@ -14,7 +14,7 @@ import numpy as np
 from clast.actions.acting import actions_of
 from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
-from clast.model.model import Model
+from clast.model.model import Floats, Model
 from clast.model.state import POINTS, ContactMemory, State
 from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
@@ -85,6 +85,20 @@ def _of_blocks(state: State, model: Model) -> Iterator[str]:
             yield f"it has {name} of other blocks"
         elif not np.isfinite(array).all():
             yield f"its {name} are not finite"
+        elif name == "vertices" and not _have_areas(array, model):
+            yield "it has blocks without an area"
+
+
+def _have_areas(vertices: Floats, model: Model) -> bool:
+    """Return whether all blocks have an area; kernels divide by it."""
+    first = np.repeat(model.block_start[:-1], np.diff(model.block_start))
+    after = np.arange(len(vertices)) + 1
+    ends = model.block_start[1:] - 1
+    after[ends] = model.block_start[:-1]
+    with np.errstate(all="ignore"):
+        x, y = (vertices - vertices[first]).T
+        area = np.add.reduceat(x * y[after] - x[after] * y, model.block_start[:-1])
+        return bool((area > 0.0).all())
 
 
 def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
