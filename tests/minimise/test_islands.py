@@ -210,7 +210,7 @@ def test_who_asks_for_a_solver_has_everything_solved_by_it():
 def test_numbers_that_are_none_are_left_as_they_are():
     one = caught(heap(30, 10), 5e8, 5e-3, 0.3)[-1]
     before = at_rest(one)
-    odd = replace(before, residual=np.where(one.fixed[:, None], 0.0, np.nan))
+    odd = replace(before, residual=np.where(one.fixed[:, None], 0.0, np.full((10, 6), np.nan)))
     odd = replace(odd, distances=np.where(one.fixed, 0.0, np.nan))
     found, left = SmallIslands().minimise(one, odd, 1e-9, work())
     assert np.array_equal(found.unknowns, before.unknowns)

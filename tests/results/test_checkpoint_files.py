@@ -140,7 +140,9 @@ def test_what_is_not_plain_is_refused_with_its_place(value: Any, tmp_path: Path)
 def test_classes_of_scripts_must_be_handed_in(tmp_path: Path):
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Held(1)))
-    with pytest.raises(CaseError, match=r"(?s)holds data unknown to this clast: Held.*model=\.\.\."):
+    with pytest.raises(
+        CaseError, match=r"(?s)holds data unknown to this clast: Held.*model=\.\.\."
+    ):
         read_checkpoint(path, {})
 
 

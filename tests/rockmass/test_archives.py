@@ -64,7 +64,11 @@ def test_an_array_that_says_more_than_it_has(tmp_path: Path):
 @pytest.mark.parametrize(
     ("name", "array", "words"),
     [
-        ("vertices", np.array([[1, None]], object), "the array vertices does not match its header|damaged"),
+        (
+            "vertices",
+            np.array([[1, None]], object),
+            "the array vertices does not match its header|damaged",
+        ),
         ("vertices", SQUARE * 1j, "the array vertices does not hold numbers"),
         ("vertices", SQUARE.astype("U4"), "the array vertices does not hold numbers"),
         ("block_start", np.array([0.0, 4.0]), "the array block_start does not hold numbers"),
