@@ -47,7 +47,7 @@ class StepStart:
     forces_at: float = 1.0
     """Where in the step its forces are taken: 1 at the end, 1/2 half way."""
     support_stiffness: float = 1e12
-    """Stiffness of what holds rigidly, fixed points among them, N/m per m."""
+    """Stiffness of rigid supports, fixed points among them, N/m per m."""
     clock: float | None = None
     """By how much time goes on in a static step, s; None: by h."""
 

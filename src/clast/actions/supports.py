@@ -37,7 +37,7 @@ class Supports:
     stiffness: float
     """Stiffness of the springs, N/m per m."""
     support: ClassVar[str] = "fixed points"
-    """What its shares hold, row by row, for their reactions."""
+    """Kind of support in its shares, row by row, for their reactions."""
 
     def begin(self, model: Model) -> Floats | None:
         """Return the forces on the points, (k, 2), where some may be led.
@@ -67,7 +67,7 @@ class Supports:
     ) -> Contribution | None:
         """Return the share with other multipliers where points that are led miss their anchors.
 
-        ``displacement`` (n, 6) is what the last solution moves the blocks by; None: none misses it.
+        ``displacement`` (n, 6) is the motion of blocks in the last solution; None: none misses it.
         """
         rows, drift, led = self._rows(start)
         missed = drift + self._followed(rows, share, displacement)
@@ -80,7 +80,7 @@ class Supports:
     def finish(
         self, start: StepStart, own: Floats | None, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the work of the springs, what they store, and what a moving ground has done.
+        """Return work and energy of the springs, and the work of a moving ground.
 
         The ground moves the anchors by u under the forces of the step; that alone stretches a
         spring, by -u, if its block does not move.

@@ -65,7 +65,7 @@ class BoundaryDashpots:
     stiffness: float
     """Stiffness of springs at each Gauss point before dashpots begin, N/m per m."""
     support: ClassVar[str] = "viscous edges"
-    """What its shares hold, row by row, for their reactions."""
+    """Kind of support in its shares, row by row, for their reactions."""
 
     def begin(self, model: Model) -> Reaction:
         """Return that nothing is carried yet, and springs hold."""

@@ -1,4 +1,4 @@
-"""What contacts carry from step to step, handed from the memory to the contacts of a step."""
+"""Memory of contacts from step to step, handed from that of a state to the contacts of a step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def carried_by(
     memory: ContactMemory,
     turns: tuple[Ints, Floats],
 ) -> dict[str, Any]:
-    """Return what contacts remember, (m,) each by its name.
+    """Return the memory of contacts, (m,) each by its name.
 
     ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
     bonded where the gap is within ``bond_reach``, m.  ``turns`` are the edge of each contact (m,)
@@ -97,7 +97,7 @@ def taken_along(
     direction: Floats,
     model: Model,
 ) -> tuple[dict[str, Any], Floats]:
-    """Return what contacts carry, and speeds of sliding (m,), with those of new ones.
+    """Return the memory of contacts, and speeds of sliding (m,), with those of new ones.
 
     Where a face slides on, a contact that comes up has slid, opens and slides as the face does.
     """

@@ -224,7 +224,7 @@ def renew(
 ) -> ContactMemory:
     """Return the memory after a step; ``gap`` (m,) at its end and ``slip`` (m,) in it, m.
 
-    ``wear`` is what sliding in the step leaves.
+    ``wear`` is that by sliding in the step.
 
     Slip adds up from the step on in which a contact is made, also while it is open for a while; the
     length of sliding only while it slides, without the elastic part of its shear spring.  A contact

@@ -143,7 +143,7 @@ NEEDED = {
     "jcs": "give the compressive strength of its walls, Pa, e.g. 100e6",
     "residual_friction_angle": "give the friction angle that is left without roughness, degrees",
 }
-"""What a rough joint needs, and what to do where it is missing."""
+"""Needs of a rough joint, and the remedy where one is missing."""
 OF_COULOMB = {
     "friction_angle": "friction follows from jrc, jcs and residual_friction_angle",
     "cohesion": "what looks like cohesion is the curved strength of the roughness",
@@ -163,7 +163,7 @@ WEAKEST_WALL, WIDEST, LONGEST = 1e5, 5e-3, 10.0
 
 
 def _faults_of_law(joint: Joint) -> Iterator[Fault]:
-    """Give what is wrong with the keys of a joint for its law."""
+    """Give the faults in the keys of a joint for its law."""
     given = joint.model_fields_set
     if joint.law == "coulomb":
         for key in sorted((ROUGHNESS - {"law"}) & given):

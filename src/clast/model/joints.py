@@ -88,7 +88,7 @@ class BartonBandis:
 
     @property
     def closure(self) -> float:
-        """V_m, m: -0.296 - 0.0056 JRC + 2.241 (JCS/a_j)^-0.245, mm, or what is given.
+        """V_m, m: -0.296 - 0.0056 JRC + 2.241 (JCS/a_j)^-0.245, mm, or as given.
 
         Of the first cycle of loading (Bandis et al. 1983).
         """
@@ -130,7 +130,7 @@ class Joint:
     """Roughness of a joint after Barton and Bandis, whose friction angle is then the residual one;
     None: the joint has Coulomb's strength."""
     strength_reduction: float = 1.0
-    """What the tangent of the mobilised friction angle of a rough joint is divided by."""
+    """Divisor of the tangent of the mobilised friction angle of a rough joint."""
     restitution: float | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
     normal_stiffness: float | None = None
@@ -156,7 +156,7 @@ class RoughnessTable:
     closure: Floats
     """V_m, m."""
     reduction: Floats
-    """What tan(phi) is divided by."""
+    """Divisor of tan(phi)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,7 +239,7 @@ class JointTable:
 
     @kept_property
     def kinetic_friction(self) -> Floats:
-        """tan(phi) of what slides, nan where it is that of what stands, shape (joints,)."""
+        """tan(phi) in sliding, nan where it is that at rest, shape (joints,)."""
         angles = np.array([one.kinetic_friction_angle for one in self.joints], float)
         return np.tan(np.radians(angles))
 

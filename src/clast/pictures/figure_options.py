@@ -35,7 +35,7 @@ class Look:
     zoom: tuple[float, float, float, float] | None = None
     """Part that is shown: xmin, ymin, xmax, ymax, m."""
     layers: tuple[str, ...] = ()
-    """What is drawn above the blocks as well, some of LAYERS."""
+    """Layers drawn above the blocks as well, some of LAYERS."""
 
     def __post_init__(self) -> None:
         for name in ("limits", "size", "zoom"):

@@ -33,7 +33,7 @@ class _Line:
     """A quantity over time."""
 
     quantity: str
-    """What the panel is called."""
+    """Title of the panel."""
     unit: str
     label: str
     time: Floats
@@ -95,7 +95,7 @@ def plot_histories(
 
 
 def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats], Floats]]:
-    """Return the label of the abscissa, and what gives its values at some times."""
+    """Return the label of the abscissa, and the function of its values at some times."""
     if against == "time":
         return "Time (s)", lambda time: time
     name, _, part = against.rpartition(":")

@@ -265,7 +265,7 @@ class Recording:
         return BoltHistory(self._rows_called(BOLT_TABLE, name))
 
     def measured_contact(self, name: str) -> ContactHistory:
-        """Return what the measured contact ``name`` bore and did, a row per step, as a table.
+        """Return the history of the measured contact ``name``, a row per step, as a table.
 
         Raises CaseError for one that does not exist.
         """
@@ -279,7 +279,7 @@ class Recording:
         return ReactionHistory(self._rows_called(REACTION_TABLE, name))
 
     def link(self, name: str) -> Columns:
-        """Return what a link bore, a row per instant: time, force, moment, state.
+        """Return the history of a link, a row per instant: time, force, moment, state.
 
         Raises CaseError for one that does not exist.
         """

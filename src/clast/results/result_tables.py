@@ -217,7 +217,7 @@ class BoltHistory(Columns):
 
 
 class ContactHistory(Columns):
-    """What a measured contact bore and did, a row after every step; t rows.
+    """History of a measured contact, a row after every step; t rows.
 
     Columns: time, normal, shear (Pa), opening, opening_least, opening_most, slip, slip_least,
     slip_most (m; NaN while there is no contact), sliding (share of the length).
@@ -232,7 +232,7 @@ class ContactHistory(Columns):
 
 
 class ReactionHistory(Columns):
-    """What a support bore, a row at the start and after every step; t rows.
+    """Reaction of a support, a row at the start and after every step; t rows.
 
     Columns: time, force, moment, position.  The first row is zero: nothing is borne yet.
     """

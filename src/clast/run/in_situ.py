@@ -231,7 +231,7 @@ def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) 
 
 
 def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
-    """Return the forces on the contacts that there are with what bears now."""
+    """Return the forces on the contacts that there are with those that carry now."""
     known = replace(balance.state, memory=_begun(model, method, balance).memory)
     return replace(balance, contacts=_contacts_of(model, method, known, step))
 
@@ -369,7 +369,7 @@ def _centroids(model: Model, state: State) -> Floats:
 
 
 def _begun(model: Model, method: Method, balance: Balance) -> State:
-    """Return the state with the contacts in its memory, and in its ledger what they hold."""
+    """Return the state with the contacts in its memory, and their energy in its ledger."""
     state, law = balance.state, method.contact_law
     springs = Penalty(law.normal_stiffness, getattr(law, "shear_stiffness", None))
     contacts, response = _bearing(springs, balance.contacts)

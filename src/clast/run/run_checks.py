@@ -194,7 +194,7 @@ class Watch:
         )
 
     def _cause_of_imbalance(self) -> str:
-        """Return what is likely to have left energy unaccounted for, and what to do."""
+        """Return the likely cause of energy unaccounted for, and the remedy."""
         others = [one for one in self.model.actions if not type(one).__module__.startswith(OWN)]
         if others:
             kinds = ", ".join(sorted({type(one).__name__ for one in others}))

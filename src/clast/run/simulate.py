@@ -163,7 +163,7 @@ class Stepping:
         return after, result
 
     def _happened(self, now: RunState, result: StepResult) -> Iterator[Event]:
-        """Give what has happened in a step, to what acts on blocks and to joints."""
+        """Give the events of a step, of actions on blocks and of joints."""
         yield from self.listener.heard(now.state, result.state)
         if len(result.worn):
             yield from joints_wear(self.model, self.listener.stage, result)

@@ -78,7 +78,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
 def _after_sliding(
     context: StepContext, solution: StepSolution, end: StepEnd
 ) -> tuple[StepSolution, Wear]:
-    """Return the solution with the energies of joints that open, and what sliding leaves of all."""
+    """Return the solution with the energies of joints that open, and the wear of all by sliding."""
     table, law = context.model.joint_table, context.method.contact_law
     contacts, response = solution.contacts, solution.response
     rate = context.method.dynamic_ratio / context.step

@@ -81,7 +81,7 @@ class ImpactResult:
     fastest: float
     """Largest closing velocity after them, m/s, 0 where none closes."""
     driven: Floats | None = None
-    """Impulses of bodies with a prescribed motion on what they struck, N s/m, (n, 6)."""
+    """Impulses of bodies with a prescribed motion on bodies they struck, N s/m, (n, 6)."""
 
 
 def after_impacts(

@@ -117,7 +117,7 @@ class StepSolution:
     lost: float = 0.0
     """Kinetic energy that impacts took before it entered, J/m."""
     driven: Floats | None = None
-    """Impulses of bodies with a prescribed motion on what they struck, N s/m, (n, 6)."""
+    """Impulses of bodies with a prescribed motion on bodies they struck, N s/m, (n, 6)."""
     bonded: Bools | None = None
     """Which contacts had their bonds when the step began, shape (m,); None: as the contacts say."""
     counts: dict[str, int] = field(default_factory=dict)

@@ -285,7 +285,7 @@ def coupled_system(
 def _beside(
     held: Held | None, links: Contacts | Springs, gap: Floats, slip: Floats
 ) -> tuple[Floats, Floats]:
-    """Return gaps and slips (m,), m, without what motions that are prescribed make of them."""
+    """Return gaps and slips (m,), m, without the part of prescribed motions."""
     if held is None:
         return gap, slip
     opening, sliding = held.motions(links)

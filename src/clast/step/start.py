@@ -154,7 +154,7 @@ def again(context: StepContext, unknowns: Floats) -> StepContext | None:
 
 
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
-    """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m.
+    """Return everything of a step but the coupling of blocks; ``drift`` (n, 6) is h v, m.
 
     The equations are those of the unknowns that ``StepContext.total`` takes.
     """

@@ -1,4 +1,4 @@
-"""What links consist of, and what they have been through."""
+"""Rows of links, and their history."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class LinkRows:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkStates:
-    """Where k links are, and what their m rows have been through."""
+    """Where k links are, and the history of their m rows."""
 
     at: Floats
     """Their points on the first and the second block, m, shape (k, 2, 2)."""

@@ -9,8 +9,8 @@ F would exceed F_y, and beyond a stretch it breaks for good.  With a play g ther
 either side, each of which begins g away.  A dashpot has F = -c dx/dt.
 
 A spring against rotation is a row as well, at the end of arms that reach far out along t: there
-the blocks move apart by -L r along a, r being their angle, and by a part 1/L of what they do at P.
-What turns is the face across the link, which shears with its block.  Rigid components are as stiff
+the blocks move apart by -L r along a, r being their angle, and by a part 1/L of their motion at P.
+The face across the link turns, which shears with its block.  Rigid components are as stiff
 as fixed points are.
 
 A step turns a block by an angle r about its centroid, and moves a point with the offset y by the
@@ -46,7 +46,7 @@ class Links:
     """The links of a case."""
 
     rows: LinkRows
-    """What they consist of."""
+    """Their components."""
     apart: Ints
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
     support: ClassVar[str] = ""
@@ -59,7 +59,7 @@ class Links:
 
     @property
     def waits(self) -> tuple[tuple[str, str], ...]:
-        """What waits for stages, and their names."""
+        """Links that wait for stages, and names of these."""
         pairs = zip(self.rows.name, self.rows.stage, strict=True)
         return tuple((f"link '{name}'", stage) for name, stage in pairs if stage)
 
@@ -88,7 +88,7 @@ class Links:
     def finish(
         self, start: StepStart, own: LinkStates, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return what the links have done: they store energy, yield, break and damp."""
+        """Return the work of the links: they store energy, yield, break and damp."""
         acting, rows = self._acting(start, own), self.rows
         begun = acting.own
         work, drag = 0.0, np.zeros(len(rows.link))
@@ -124,7 +124,7 @@ class Links:
     def events(
         self, model: Model, before: LinkStates, after: LinkStates
     ) -> Iterator[tuple[str, str, str]]:
-        """Give kind, name and sentence of what has happened to links in a step."""
+        """Give kind, name and sentence of each event of links in a step."""
         for kind, said in (("yielded", "yields"), ("broken", "breaks")):
             fresh = getattr(after, kind) & ~getattr(before, kind)
             for row in np.flatnonzero(fresh):
@@ -151,7 +151,7 @@ class Links:
     # --- rows
 
     def _acting(self, start: StepStart, own: LinkStates) -> _Acting:
-        """Return what acts in a step."""
+        """Return the rows that act in a step."""
         rows, model = self.rows, start.model
         ahead = _halfway(start)
         turn = start.state.rotation[rows.block[:, 0]]
@@ -266,7 +266,7 @@ class Links:
         return found
 
     def _stretched(self, acting: _Acting, own: LinkStates, stretch: Floats) -> LinkStates:
-        """Return the rows at their stretches (m,): their forces, and what yields."""
+        """Return the rows at their stretches (m,): their forces, and which yield."""
         rows, k = self.rows, acting.stiffness
         elastic = stretch - own.rest - own.plastic
         beyond = np.sign(elastic) * np.maximum(np.abs(elastic) - rows.gap, 0.0)
@@ -290,7 +290,7 @@ class Links:
 
 
 def _halfway(start: StepStart) -> Floats:
-    """Return half of what the velocities bring in the step, (n, 6); nothing in a static one."""
+    """Return half of the way by velocities in the step, (n, 6); nothing in a static one."""
     if start.clock is not None:
         return np.zeros_like(start.state.velocity)
     return np.asarray(0.5 * start.step * start.state.velocity)
@@ -305,7 +305,7 @@ def _turned_by(vectors: Floats, angle: Floats) -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class _Acting:
-    """What acts in a step."""
+    """Rows that act in a step."""
 
     own: LinkStates
     """The links as it begins."""

@@ -1,1 +1,1 @@
-"""Prescribed motions: how far they go, and what they make blocks do."""
+"""Prescribed motions: how far they go, and how blocks follow."""

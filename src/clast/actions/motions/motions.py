@@ -37,14 +37,14 @@ FREE = -1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Servo:
-    """A force on a body that gives way to what moves."""
+    """A force on a body that gives way as it moves."""
 
     force: tuple[float, float]
     """Force (x, y) on each block, N/m."""
     limit_speed: float
     """Speed at which nothing of it is left, m/s."""
     factor: Factor | None = None
-    """What it is multiplied by over time."""
+    """Factor of it over time."""
 
     def at(self, time: float) -> Floats:
         """Return the force (2,), N/m, at a time, s, from its beginning."""
@@ -119,7 +119,7 @@ class Motions:
     each: tuple[OneMotion, ...]
     """The motions."""
     support: ClassVar[str] = "motions"
-    """What its shares hold, row by row, for their reactions."""
+    """Kind of support in its shares, row by row, for their reactions."""
 
     @property
     def moves(self) -> Ints:
@@ -148,7 +148,7 @@ class Motions:
 
     @property
     def waits(self) -> tuple[tuple[str, str], ...]:
-        """What waits for stages, and their names."""
+        """Motions that wait for stages, and names of these."""
         pairs = [(one.label, name) for one in self.each for name in (one.stage, one.last_stage)]
         return tuple((what, name) for what, name in pairs if name)
 
@@ -223,7 +223,7 @@ class Motions:
 
 
 def _prescribed(one: OneMotion, start: StepStart, origin: Floats, begun: float) -> Prescribed:
-    """Return what a motion that began at a time, s, makes of its blocks in a step.
+    """Return the course, in a step, of blocks of a motion that began at a time, s.
 
     ``origin`` (k, 3) is where they were then.
     """

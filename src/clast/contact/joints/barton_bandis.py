@@ -1,4 +1,4 @@
-"""Rough joints after Barton and Bandis: closure, strength, and what sliding mobilises of them.
+"""Rough joints after Barton and Bandis: closure, strength, and their mobilisation by sliding.
 
 Closure under the normal stress sigma is a hyperbola (Bandis, Lumsden & Barton 1983)
 

@@ -35,7 +35,7 @@ def had_by_faces(
     direction: Floats,
     block_start: Ints,
 ) -> tuple[Floats, ...]:
-    """Return what the faces of contacts had elsewhere, (k,) each, nan where neither has borne.
+    """Return the earlier values of the faces of contacts, (k,) each, nan where neither has borne.
 
     ``kept`` are numbers of the rows of the ``memory``, (r,) each; where contacts of a face differ,
     the largest by size counts.  ``ends`` are vertex and edge of the contacts (k,).

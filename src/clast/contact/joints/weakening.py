@@ -1,4 +1,4 @@
-"""Peak and residual strength, static and kinetic friction: what sliding leaves of strength.
+"""Peak and residual strength, static and kinetic friction: strength after sliding.
 
     tan(phi) = tan(phi_p) + s (tan(phi_r) - tan(phi_p))        s = min(1, slid / slip_weakening)
 

@@ -1,6 +1,6 @@
-"""What a step of sliding leaves of joints: slides, their speeds, openings, and where work went.
+"""Wear of joints by a step of sliding: slides, their speeds, openings, and where work went.
 
-A joint opens by tan(psi) of what it slides, and closes as it slides back:
+A joint opens by tan(psi) of its slide, and closes as it slides back:
 
     u = tan(psi) min(|s|, until)                  psi = m(s/u_peak) i/2 of a rough one
 
@@ -28,7 +28,7 @@ SEEN = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Wear:
-    """What contacts have slid in a step and how far they are opened by it."""
+    """Slides of contacts in a step, and how far these open them."""
 
     way: Floats
     """Length of the way of sliding in the step, m, shape (m,)."""
@@ -41,7 +41,7 @@ class Wear:
 
 
 def at_rest(contacts: Contacts) -> Wear:
-    """Return what a step leaves in which nothing slides."""
+    """Return the wear of a step in which nothing slides."""
     none = np.zeros(len(contacts))
     return Wear(way=none, slid=none, speed=none, dilation=contacts.dilation)
 
@@ -66,7 +66,7 @@ def borne_already(table: JointTable, contacts: Contacts, response: ContactRespon
 def wear_of(
     table: JointTable, contacts: Contacts, response: ContactResponse, slip: Floats, rate: float
 ) -> Wear:
-    """Return what a step of sliding leaves; ``slip`` (m,) is that of the step, m.
+    """Return the wear of a step of sliding; ``slip`` (m,) is that of the step, m.
 
     ``rate`` is 1/h, 1/s, of a step in which blocks have velocities, 0 in statics.
     """
@@ -96,7 +96,7 @@ def _speeds(contacts: Contacts, way: Floats, slip: Floats, rate: float) -> Float
 def _slides(first, last, slip, forces, known, way, slid):
     """Write ways and slides of contacts ``first`` to ``last`` - 1, m: slip that no spring keeps.
 
-    What is open for a while wears nothing, but it has other places in front of it when it closes.
+    An open contact does not wear, but it has other places in front of it when it closes.
     """
     mode, shear, loss = forces
     mobilises, made = known
@@ -113,7 +113,7 @@ def _slides(first, last, slip, forces, known, way, slid):
 
 
 def opening(table: JointTable, contacts: Contacts, normal: Floats, slid: Floats) -> Floats:
-    """Return what contacts open by as they slide, m, (m,), negative where they close again.
+    """Return how far contacts open as they slide, m, (m,), negative where they close again.
 
     ``normal`` (m,) are the forces that they bear, N/m, ``slid`` (m,) is the slide of the step, m.
     """
@@ -149,7 +149,7 @@ def with_work_of_joints(
     sheared: tuple[Floats, Floats],
     opened: Floats,
 ) -> ContactResponse:
-    """Return what a law answers with the energies of rough joints, and of those that open, J/m.
+    """Return the answer of a law with the energies of rough joints, and of those that open, J/m.
 
     ``stiffness`` (m,) are those of normal springs, N/m per m, 0 where multipliers stand in for
     them; ``sheared`` are the shear forces of the equations, N/m, and slips, m, (m,) each, and

@@ -18,7 +18,7 @@ def contacts_measured(
 ) -> MeasuredContacts:
     """Return the contacts to be recorded; raises ModelError for names that cannot be.
 
-    ``origin`` (2,), m, is what the coordinates of the model are relative to.
+    ``origin`` (2,), m, is the origin of the model's coordinates.
     """
     joints = [joint.name for joint in table.joints]
     names: list[str] = []

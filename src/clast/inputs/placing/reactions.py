@@ -1,4 +1,4 @@
-"""Which reactions of supports are recorded: totals by kind, those of motions, and what is asked."""
+"""Which reactions of supports are recorded: totals by kind, of motions, and others asked for."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from clast.model.supports.reactions import Reactions
 
 @dataclass(frozen=True)
 class Supported:
-    """What holds and moves the blocks."""
+    """Supports and motions of the blocks."""
 
     ground: Ground
     """The blocks."""
     viscous_edges: int
     """How many viscous edges there are."""
     actions: tuple[Any, ...]
-    """What acts on the blocks."""
+    """Actions on the blocks."""
 
     @property
     def motions(self) -> dict[str, OneMotion]:
@@ -45,7 +45,7 @@ class Supported:
 
 @dataclass(frozen=True)
 class _Part:
-    """A reaction: its name, what it is of, and the point of its moment."""
+    """A reaction: its name, its supports, and the point of its moment."""
 
     name: str
     blocks: Ints
@@ -94,7 +94,7 @@ def _totals(supports: Supported) -> Iterable[_Part]:
 
 
 def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
-    """Return a reaction that is asked for; raises ModelError for what is neither held nor moved."""
+    """Return a reaction that is asked for; raises ModelError where nothing is held or moved."""
     ground, none = supports.ground, np.zeros(0, np.int64)
     where = f"measured reaction '{shortened(one.name)}'"
     blocks, points = none, none

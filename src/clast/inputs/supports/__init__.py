@@ -1,1 +1,1 @@
-"""Supports that move, and what is recorded of them."""
+"""Supports that move, and the records of them."""

@@ -1,4 +1,4 @@
-"""[[motion]]: what the motion of a block is, whatever acts on it."""
+"""[[motion]]: the motion of a block is given, whatever acts on it."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Motion(Table):
         return self
 
     def _moves_a_point(self) -> None:
-        """Refuse what a fixed point cannot do."""
+        """Refuse motions that a fixed point cannot make."""
         for key in ("rotation", "about", "force", "stress"):
             if getattr(self, key) is not None:
                 what, remedy = f"a fixed point has no {key}", "give x and y, or move the block"
@@ -173,7 +173,7 @@ class Motion(Table):
 
     @property
     def courses(self) -> tuple[Any, ...]:
-        """What x, y and rotation follow."""
+        """Courses of x, y and rotation."""
         return self.x, self.y, self.rotation
 
     def own_name(self, number: int) -> str:
@@ -304,7 +304,7 @@ def _size(ground: Any, block: int) -> Floats:
 
 
 def _check_apart(each: tuple[OneMotion, ...], ground: Any) -> None:
-    """Refuse what cannot be moved as is asked: held by a fixed point, or moved twice."""
+    """Refuse blocks that cannot be moved so: held by a fixed point, or moved twice."""
     names = ground.outlines.names
     since: dict[tuple[int, int], OneMotion] = {}
     _check_points(each, ground)

@@ -31,7 +31,7 @@ class Contradiction:
 
 
 def contradiction(joint: Joint, *, is_small_meant: bool) -> Contradiction | None:
-    """Return what the strengths of a joint cannot be; None: all is well.
+    """Return the fault in the strengths of a joint; None: all is well.
 
     ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
     """
@@ -50,7 +50,7 @@ def contradiction(joint: Joint, *, is_small_meant: bool) -> Contradiction | None
 
 
 def _of_roughness(joint: Joint) -> Contradiction | None:
-    """Return what a stage has made of a rough joint that it cannot be."""
+    """Return the fault in a rough joint that a stage has changed."""
     for key in ("friction_angle", "cohesion", "tensile_strength", "dilation_angle"):
         if getattr(joint, key) != 0.0:
             return Contradiction(
@@ -69,7 +69,7 @@ def _of_roughness(joint: Joint) -> Contradiction | None:
 
 
 def _of_sliding(joint: Joint) -> Contradiction | None:
-    """Return what is wrong with kinetic friction, and with what a rough joint alone has."""
+    """Return the fault in kinetic friction, and in keys of rough joints alone."""
     kinetic = joint.kinetic_friction_angle
     if kinetic is not None and kinetic > joint.friction_angle:
         return Contradiction(
@@ -97,7 +97,7 @@ SMALL_DILATION = 0.35
 
 
 def _of_dilation(joint: Joint) -> Contradiction | None:
-    """Return what is wrong with dilation: more than what friction can lift."""
+    """Return the fault in dilation: more than friction can lift."""
     angle = joint.dilation_angle
     if 0.0 < angle < SMALL_DILATION:
         return Contradiction(
@@ -125,7 +125,7 @@ def _of_dilation(joint: Joint) -> Contradiction | None:
 
 
 def _of_residual(joint: Joint) -> Contradiction | None:
-    """Return what is wrong with residual strengths: above the peak, or not there to fall to."""
+    """Return the fault in residual strengths: above the peak, or not there to fall to."""
     cohesion, angle = joint.residual_cohesion, joint.residual_friction_angle
     if cohesion is not None and cohesion > joint.cohesion:
         return Contradiction(

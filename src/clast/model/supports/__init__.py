@@ -1,1 +1,1 @@
-"""What holds and moves blocks from outside, and whose reactions are recorded."""
+"""Supports and motions of blocks from outside, and whose reactions are recorded."""

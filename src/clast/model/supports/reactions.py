@@ -17,7 +17,7 @@ def _none() -> Ints:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Reactions:
-    """The reactions of a model, k of them, each the sum of what some supports bear."""
+    """The reactions of a model, k of them, each the sum over some supports."""
 
     name: tuple[str, ...] = ()
     """Name of each."""

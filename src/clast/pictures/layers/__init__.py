@@ -1,1 +1,1 @@
-"""What is drawn above the blocks of a still picture where it is asked for."""
+"""Layers above the blocks of a still picture, drawn where they are asked for."""

@@ -31,16 +31,16 @@ LONGEST = 0.12
 
 @dataclass(frozen=True)
 class StillLayer:
-    """A layer: what its legend says, and how it is drawn."""
+    """A layer: the text of its legend, and how it is drawn."""
 
     handles: Callable[[Recording, int], list[Any]]
-    """Returns what the legend explains, nothing where there is nothing to draw."""
+    """Returns the entries of the legend, nothing where there is nothing to draw."""
     draw: Callable[[Axes, Recording, int], None]
     """Draws it on axes that show their part already."""
 
 
 def layer_handles(names: tuple[str, ...], results: Recording, frame: int) -> list[Any]:
-    """Return what the legend explains of some layers."""
+    """Return the entries of the legend for some layers."""
     return [handle for name in names for handle in LAYERS[name].handles(results, frame)]
 
 

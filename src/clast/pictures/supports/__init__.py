@@ -1,1 +1,1 @@
-"""What supports bear, drawn on a picture."""
+"""Reactions of supports, drawn on a picture."""

@@ -1,4 +1,4 @@
-"""What measured contacts bear, and how far they have opened and slipped, at the end of a step."""
+"""Forces of measured contacts, and how far they have opened and slipped, at the end of a step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NONE = np.array([0.0, 0.0, *[np.nan] * 6, 0.0])
 
 
 def contact_rows(model: Model) -> Callable[[StepResult, float], tuple[Any, ...]]:
-    """Return what gives the row of the measured contacts of a model after a step."""
+    """Return the function of the row of the measured contacts of a model after a step."""
     measured = model.measured_contacts
     size = float(np.ptp(model.vertices, axis=0).max(initial=0.0))
 

@@ -157,7 +157,7 @@ def _check_ground_motion(stage: Stage, model: Model) -> None:
 
 
 def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse what waits for a stage that does not come: bolts, viscous edges, motions."""
+    """Refuse bolts, viscous edges and motions that wait for a stage that does not come."""
     names = [stage.name for stage in stages]
     bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
     waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]

@@ -1,1 +1,1 @@
-"""Motions that are prescribed to blocks, and what supports bear."""
+"""Motions that are prescribed to blocks, and reactions of supports."""

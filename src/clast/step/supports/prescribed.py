@@ -26,14 +26,14 @@ from clast.linear.system import DiagonalTerms, Links, contact_motions
 from clast.model.model import Bools, Floats, Ints, Model
 
 STIFF = 1e16
-"""Diagonal of prescribed unknowns, in units of what they have."""
+"""Diagonal of prescribed unknowns, in units of their own."""
 HEAVY = 1e8
 """Mass of a body with a prescribed motion in an impact, in units of its own."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Held:
-    """What is prescribed in a step."""
+    """Motions prescribed in a step."""
 
     components: Bools
     """Unknowns with a prescribed value, all six of fixed blocks that move, shape (n, 6)."""
@@ -94,7 +94,7 @@ class Held:
         return contact_motions(links, self.displacement)
 
     def unstopped(self, stopped: tuple[Ints, Floats, Floats]) -> tuple[Ints, Floats, Floats]:
-        """Return motions that contacts stop (step/stopping.py) without what is prescribed."""
+        """Return motions that contacts stop (step/stopping.py) without those prescribed."""
         count, motions, momenta = stopped
         for block in np.flatnonzero(self.free.any(axis=1)):
             motions[block][:, self.free[block]] = 0.0
@@ -104,7 +104,7 @@ class Held:
     def heavy(self, mobility: Floats, mass_matrix: Floats) -> tuple[Floats, Floats]:
         """Return mobilities (n, 3, 3) and masses (n, 6, 6) with which impacts move no such body.
 
-        It is heavy, and not of no mobility, so that what it brings into an impact is known.
+        It is heavy, and not of no mobility, so that its impulse in an impact is known.
         """
         mobility, mass = mobility.copy(), mass_matrix.copy()
         for block in np.flatnonzero(self.blocks):
@@ -115,7 +115,7 @@ class Held:
         return mobility, mass
 
     def driven(self, mass_matrix: Floats, before: Floats, after: Floats) -> Floats:
-        """Return the impulses of heavy bodies on what they strike, N s/m, shape (n, 6)."""
+        """Return the impulses of heavy bodies on others they strike, N s/m, shape (n, 6)."""
         found = np.zeros_like(before)
         block, axis = np.nonzero(self.components[:, :3])
         change = after[block, axis] - before[block, axis]
@@ -124,7 +124,7 @@ class Held:
 
 
 def held_by(shares: Sequence[Contribution], model: Model) -> Held | None:
-    """Return what actions prescribe in a step, None where they prescribe nothing."""
+    """Return the motions that actions prescribe in a step, None where there are none."""
     given = [one.prescribed for one in shares if one.prescribed is not None]
     if not given:
         return None

@@ -1,12 +1,12 @@
-"""Reactions: what holds the blocks of a step, and what moves those whose motion is prescribed.
+"""Reactions: forces that hold blocks of a step, or move those whose motion is prescribed.
 
 The equations say it: on a block that cannot move, or moves as is prescribed, they leave the force
 
     R = M (v+ - v)/h + A sigma - weight - loads - contacts - springs
 
 which its support bears.  The weight and the inertia of fixed blocks are nobody's: the reaction of
-such a block is what others do to it.  So the sum of all reactions, loads and weights of free blocks
-is the sum of their masses times accelerations, to the last digits of the equations.
+such a block balances the forces of others on it.  So the sum of all reactions, loads and weights
+of free blocks is the sum of their masses times accelerations, to the last digits of the equations.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _End(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Holding:
-    """What holds s blocks in a step."""
+    """Forces that hold s blocks in a step."""
 
     block: Ints
     """The blocks, shape (s,)."""
@@ -47,7 +47,7 @@ class Holding:
 
 
 def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
-    """Return what holds the blocks whose reactions are recorded, or whose motion is prescribed."""
+    """Return the forces on blocks whose reactions are recorded, or whose motion is prescribed."""
     model, held = context.model, context.held
     wanted = model.reactions.of_block[:, 1]
     nothing = np.zeros((0, 6))
@@ -144,7 +144,7 @@ def forces_in(share: Contribution, unknowns: Floats, rows: Ints) -> Floats:
 
 
 def _of_mass(context: StepContext, solution: StepSolution, end: _End, block: Ints) -> Floats:
-    """Return what moves some blocks against their inertia and weight, shape (s, 3)."""
+    """Return the forces that move some blocks against their inertia and weight, shape (s, 3)."""
     gained = end.velocity[block] - solution.velocity[block]
     force = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step
     force[:, :2] -= context.model.mass[block, None] * context.acceleration

@@ -24,7 +24,7 @@ ANGLES = ("friction_angle", "residual_friction_angle", "kinetic_friction_angle")
 DILATION = "dilation_angle"
 """Angle at which a joint opens as it slides."""
 ROUGH = "strength_reduction"
-"""Key of a rough joint: what the tangent of its mobilised friction angle is divided by."""
+"""Key of a rough joint: divisor of the tangent of its mobilised friction angle."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS = 300
