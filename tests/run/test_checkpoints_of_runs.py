@@ -364,11 +364,11 @@ def test_a_script_gives_its_model_again(tmp_path: Path):
     bare = clast.simulate(
         shaken(), output=tmp_path / "c.vtkhdf", contact_law=law, progress=pressed_at(3), **keys
     )
-    refused("must give again what no text can hold", bare.checkpoint)
+    refused("must give again the objects that no text can hold", bare.checkpoint)
     refused("clast.resume('c.checkpoint.h5', model=...)", bare.checkpoint)
     other = shaken()
     other.actions.append(Closer("falls", 1e3))
-    with pytest.raises(CaseError, match=r"these parts are not what they were: model\.actions$"):
+    with pytest.raises(CaseError, match=r"these parts have changed: model\.actions$"):
         try:
             clast.resume(run.checkpoint, model=other.build())
         except CaseError as error:
