@@ -69,6 +69,8 @@ class Supports:
 
         ``displacement`` (n, 6) is the motion of blocks in the last solution; None: none misses it.
         """
+        if not start.model.actions:
+            return None
         rows, drift, led = self._rows(start)
         missed = drift + self._followed(rows, share, displacement)
         size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
@@ -86,6 +88,9 @@ class Supports:
         spring, by -u, if its block does not move.
         """
         work, stored = energy_of_linear(share, solution.displacement)
+        ground = start.model.ground_motion
+        if own is None and isinstance(ground, Still):
+            return ActionResult(work=work, ledger=Ledger(fixed_points=stored), own=own)
         rows, drift, led = self._rows(start)
         motions, forces = 0.0, own
         if own is not None:
@@ -96,7 +101,6 @@ class Supports:
             by_springs = _rows_of(share, ~led)
             stored = energy_of_linear(by_springs, solution.displacement)[1]
             motions = float(np.sum((forces * followed)[led]))
-        ground = start.model.ground_motion
         change = Ledger(fixed_points=stored, motions=motions)
         if isinstance(ground, Still):
             return ActionResult(work=work, ledger=change, own=forces)

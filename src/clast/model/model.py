@@ -25,7 +25,7 @@ from clast.model.in_situ import InSituStress
 from clast.model.joints import JointTable
 from clast.model.openings import Opening, blocks_called
 from clast.model.repairs import Repair
-from clast.model.supports.reactions import Reactions
+from clast.model.supports.reactions import Reactions, numbered
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 from clast.read_only import kept_property, seal
@@ -352,6 +352,13 @@ class Model:
         of_blocks = np.sort(np.arange(self.block_count)[block][pairs], axis=1)
         key = of_blocks[:, 0] * self.block_count + of_blocks[:, 1]
         return np.ascontiguousarray(pairs[~np.isin(key, self.apart)])
+
+    @kept_property
+    def reacting(self) -> tuple[Ints, Ints]:
+        """Blocks whose reactions are recorded, (s,), and the number of each or -1, (n,)."""
+        asked = np.zeros(self.block_count, np.bool_)
+        asked[self.reactions.of_block[:, 1]] = True
+        return numbered(asked)
 
     @kept_property
     def links(self) -> tuple[str, ...]:

@@ -173,6 +173,10 @@ class PointTracker:
         return state.time, at - self._start, velocity, rotation
 
 
+ACROSS = np.array([1.0, -1.0])
+"""Signs of (y, x) of a vector that is turned by a quarter, clockwise."""
+
+
 class ReactionTracker:
     """Follows the reactions of a model through its states."""
 
@@ -182,12 +186,13 @@ class ReactionTracker:
 
     def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
         """Return time, and force (k, 2), moment (k,) and point of application (k, 2) of each."""
-        found = state.reactions if len(state.reactions) else np.zeros((len(self._about), 3))
+        found = state.reactions if state.reactions.size else np.zeros((len(self._about), 3))
         force, moment = found[:, :2], found[:, 2]
-        square = (force**2).sum(axis=1)
-        arm = np.stack([force[:, 1], -force[:, 0]], axis=1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            arm = np.where(square[:, None] > 0.0, arm * (moment / square)[:, None], np.nan)
+        square = np.add.reduce(force**2, axis=1)
+        ratio = np.empty(square.shape)
+        ratio.fill(np.nan)
+        np.divide(moment, square, out=ratio, where=square > 0.0)
+        arm = force[:, ::-1] * ACROSS * ratio[:, None]
         return state.time, force, moment, self._about + self._origin + arm
 
 

@@ -138,7 +138,7 @@ class Convex:
         base_of_friction = first_friction_base(context, contacts, impacts, largest)
         contacts = changed(contacts, friction_base=base_of_friction)
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        at = before.unknowns if before else np.zeros_like(context.velocity)
+        at = before.unknowns if before else np.zeros(context.velocity.shape)
         begins = impacts.drift, at
         if held is not None:
             begins = held.beside(impacts.drift), held.beside(at)

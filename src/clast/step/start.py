@@ -143,14 +143,13 @@ def again(context: StepContext, unknowns: Floats) -> StepContext | None:
 
     Such an action says so by ``again(start, share, d)``, which gives the share, or None.
     """
-    shares = list(context.shares)
+    shares = context.shares
     for k, action in enumerate(context.actions):
         if hasattr(action, "again"):
             share = action.again(context.at, shares[k], unknowns)
-            shares[k] = share or shares[k]
-    if all(one is other for one, other in zip(shares, context.shares, strict=True)):
-        return None
-    return replace(context, shares=tuple(shares))
+            if share is not None and share is not shares[k]:
+                shares = *shares[:k], share, *shares[k + 1 :]
+    return None if shares is context.shares else replace(context, shares=shares)
 
 
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:

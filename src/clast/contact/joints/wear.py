@@ -17,11 +17,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.compute.parallel import CONTACTS, shared
+from clast.compute.reductions import is_any
 from clast.contact.contacts import LOCK, OPEN, SLIDE, ContactResponse, Contacts
 from clast.contact.joints.barton_bandis import mobilised, rough_contacts, stress_on
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints
+from clast.read_only import read_only
 
+NONE = read_only(np.zeros(0, np.int64))
+"""Rows of no contact."""
 SEEN = 1e-6
 """Least slip of a step that counts as sliding, in units of that at the peak."""
 
@@ -87,7 +91,7 @@ def _speeds(contacts: Contacts, way: Floats, slip: Floats, rate: float) -> Float
     may catch up with its bound for a step, and friction would be static in the midst of a slide.
     """
     goes_on = (contacts.slide_speed > 0.0) & (contacts.shear_force * slip < 0.0)
-    if not goes_on.any():
+    if not is_any(goes_on):
         return rate * way
     return rate * np.where(goes_on, np.maximum(way, np.abs(slip)), way)
 
@@ -181,7 +185,7 @@ def reaches_residual(table: JointTable, contacts: Contacts, way: Floats) -> Ints
     ``way`` (m,) is the way of sliding of the step, m.
     """
     if not table.weakens:
-        return np.zeros(0, np.int64)
+        return NONE
     worn_after: Floats = table.worn_after.take(contacts.joint)
     wears: Bools = _wears(table).take(contacts.joint)
     before = contacts.slide_length

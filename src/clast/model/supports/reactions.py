@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -35,3 +36,14 @@ class Reactions:
 
     def __repr__(self) -> str:
         return f"Reactions({', '.join(self.name)})"
+
+
+def numbered(asked: Bools) -> tuple[Ints, Ints]:
+    """Return the blocks (s,) that are ``asked`` for (n,), and the number of each among them.
+
+    Others have the number -1, shape (n,).
+    """
+    block = np.flatnonzero(asked)
+    number = np.full(len(asked), -1)
+    number[block] = np.arange(len(block))
+    return block, number

@@ -20,8 +20,15 @@ from clast.actions.action import Contribution, Solution
 from clast.compute.jit import kernel
 from clast.linear.system import Links
 from clast.model.model import Floats, Ints
+from clast.model.supports.reactions import numbered
+from clast.read_only import read_only
 from clast.step.method import StepSolution
 from clast.step.start import StepContext
+
+NOBODY = read_only(np.zeros((0, 3)))
+"""Forces on no block."""
+NOTHING = read_only(np.zeros((0, 6)))
+"""Generalised forces on no block, or positions of no point."""
 
 
 class _End(Protocol):
@@ -39,6 +46,8 @@ class Holding:
 
     block: Ints
     """The blocks, shape (s,)."""
+    number: Ints
+    """Number of each block among them, -1 for others, shape (n,)."""
     borne: Floats
     """Force (x, y), N/m, and moment about the centroid, N, that hold it against others, (s, 3)."""
     whole: Floats
@@ -49,66 +58,67 @@ class Holding:
 def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
     """Return the forces on blocks whose reactions are recorded, or whose motion is prescribed."""
     model, held = context.model, context.held
-    wanted = model.reactions.of_block[:, 1]
-    nothing = np.zeros((0, 6))
-    if held is None and not len(wanted):
-        return Holding(block=wanted, borne=np.zeros((0, 3)), whole=nothing)
-    asked = np.zeros(model.block_count, np.bool_)
-    asked[wanted] = True
+    block, number = model.reacting
     if held is not None:
-        asked |= held.blocks
-    block = np.flatnonzero(asked)
-    number = np.full(model.block_count, -1)
-    number[block] = np.arange(len(block))
+        asked = held.blocks
+        asked[block] = True
+        block, number = numbered(asked)
+    elif not block.size:
+        return Holding(block=block, number=number, borne=NOBODY, whole=NOTHING)
     borne = -_of_links(number, len(block), solution.contacts, solution.applied)
     if context.springs is not None:
         of = Solution(
             displacement=solution.unknowns,
-            points=nothing,
+            points=NOTHING,
             linearised_at=solution.linearised_at,
         )
         forces = of.spring_forces(context.springs)
         borne -= _of_links(number, len(block), context.springs, forces)
     for share in context.shares:
-        rows = np.flatnonzero(asked[share.block]) if len(share.block) else share.block
-        if len(rows):
+        rows = share.block
+        if rows.size:
+            rows = (number[rows] >= 0).nonzero()[0]
+        if rows.size:
             force = forces_in(share, solution.unknowns, rows)
             np.subtract.at(borne, number[share.block[rows]], force[:, :3])
     if held is None:
         borne[~model.fixed[block]] = 0.0
-        return Holding(block=block, borne=borne, whole=nothing)
+        return Holding(block=block, number=number, borne=borne, whole=NOTHING)
     own = _of_mass(context, solution, end, block)
     whole = np.zeros((model.block_count, 3))
     whole[block] = np.where(held.components[block, :3], borne + own, 0.0)
     free = ~model.fixed[block]
     borne[free] = whole[block[free]]
-    return Holding(block=block, borne=borne, whole=whole)
+    return Holding(block=block, number=number, borne=borne, whole=whole)
 
 
 def reactions_of(context: StepContext, solution: StepSolution, held: Holding) -> Floats:
     """Return the reactions of a step (k, 3): forces (x, y), N/m, and moments, N."""
     wanted = context.model.reactions
-    found = np.zeros((len(wanted), 3))
-    if not len(wanted):
+    found = np.zeros((len(wanted.name), 3))
+    if not found.size:
         return found
     centroid = context.frames.centroid
-    if len(wanted.of_block):
-        row = np.searchsorted(held.block, wanted.of_block[:, 1])
+    if wanted.of_block.size:
+        row = held.number[wanted.of_block[:, 1]]
         _add(found, wanted.about, wanted.of_block, held.borne[row], centroid)
         if solution.driven is not None:
             rows = wanted.of_block[:, 1]
             struck = solution.driven[rows, :3] / context.step
             _add(found, wanted.about, wanted.of_block, struck, centroid)
+    if not (wanted.of_fixed_point.size or wanted.of_viscous_edge.size or context.model.actions):
+        return found
     kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
     for action, share in zip(context.actions, context.shares, strict=True):
         support = getattr(action, "support", "")
-        if support == "motions" and len(share.block):
+        if support == "motions" and share.block.size:
             _add_servos(found, context, wanted.of_block, share, solution.unknowns)
-        pairs = kinds.get(support)
-        if pairs is not None and len(pairs):
-            force = forces_in(share, solution.unknowns, pairs[:, 1])[:, :3]
-            at = np.column_stack([pairs[:, 0], share.block[pairs[:, 1]]])
-            _add(found, wanted.about, at, force, centroid)
+        if support in kinds and kinds[support].size:
+            pairs = kinds[support].copy()
+            row = pairs[:, 1]
+            force = forces_in(share, solution.unknowns, row)[:, :3]
+            pairs[:, 1] = share.block[row]
+            _add(found, wanted.about, pairs, force, centroid)
     return found
 
 
