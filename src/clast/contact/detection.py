@@ -25,6 +25,7 @@ from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.barton_bandis import with_roughness
+from clast.contact.joints.bonded_corners import without_points_in_bonds
 from clast.contact.joints.bonds import Bonds, bonds_of
 from clast.contact.joints.faces import Places, with_faces
 from clast.contact.memory import first_rows, pair_penetration, recall
@@ -232,10 +233,13 @@ def _contacts(
     pair, touching = _that_touch(pair, pairs)
     ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
     corners = _at_vertices(model, state, centroid, (ends, gap, touching, row), edges, critdis)
-    places = with_faces(corners, model, state, centroid, edges)
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = critdis if state.time == 0.0 else -1.0
     joints = model.joint_table
+    if joints.binds:
+        bonded = np.append(state.memory.bonded, False)[row] | (row < 0) & (gap <= bond_reach)
+        corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
+    places = with_faces(corners, model, state, centroid, edges)
     carried = carried_by(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
     bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
     slid, speed = carried.pop("slide_length"), carried.pop("slide_speed")
