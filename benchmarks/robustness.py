@@ -266,7 +266,7 @@ evenly over the corners that stand on the base. In units of it are given the mea
 second, because an undamped wall on soft springs still bounces. In a bond the load is not even,
 so the largest exceeds the mean; in columns it does not. From p = E up all penetration is within
 20 % of W/(n_c p) and all drift below 0.05 mm. Columns are held together by nothing but friction at
-their feet; they stand because a corner that is flush with the face beside it does not bear on it
+their feet; they stand because a corner that is flush with the face beside it does not rest on it
 (docs/decisions/0020): before that 990 bricks at p = E, h = 0.2 ms swayed by 0.16 mm and drifted by
 0.05 mm. Softer walls bounce by millimetres and drift more. *Failed* counts steps that did not
 converge or let a vertex through, *cut* those in which something moved or turned too far for one
@@ -278,7 +278,7 @@ TAIL = """## Heaps
 
 Random polygons of 4 to 7 corners and up to 1.1 m, every second one not convex, fall into a trough
 (E 5 GPa, friction angle 30 degrees, restitution 0) and come to rest. *Created* is the largest
-energy ever held beyond that of the start, *unaccounted* what the ledger cannot explain, both over
+energy ever held beyond that of the start, *unaccounted* the energy that the ledger cannot explain, both over
 the energy turned over.
 """
 
@@ -294,7 +294,7 @@ Random systems of 2 to 11 blocks (`tests/scenes/random_systems.py`: sizes 1:100,
 convex, tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with
 cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon
 clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 two
-blocks overlap by more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92
+blocks overlap by more than 1.5 times the penetration that their contacts know, 29 by micrometres, three by 1 to 92
 mm, and each is warned of.
 
 Random rock masses (`python -m benchmarks.networks`, drawn by `tests/scenes/networks.py`: one to 3

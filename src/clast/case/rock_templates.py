@@ -4,7 +4,8 @@ from __future__ import annotations
 
 SLOPE = """\
 # Bedding that dips out of a slope: dry it stands; when water rises in its joints, cables hold it.
-# Plane failure on the lowest bed (Hoek & Bray): F = 1.12 dry, 0.88 wet, 1.05 wet with pretension.
+# Plane failure of all beds as one block (Hoek & Bray): F = 1.12 dry, 0.88 wet, 1.05 wet with
+# pretension. Cut into blocks, which lean on each other, the beds have 1.01 dry (clast study fos).
 # Try:
 #   bolt = []                  nothing holds the beds: they slide when the water comes
 #   water.line                 [[0,15],[26,6]], a lower level: no cables are needed

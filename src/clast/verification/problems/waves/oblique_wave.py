@@ -36,8 +36,6 @@ C_P = C_S * float(np.sqrt((2.0 - 2.0 * POISSON) / (1.0 - 2.0 * POISSON)))
 """Speeds of the waves, m/s."""
 WAVE_LENGTH = 10.0
 """Ten rows of triangles, m."""
-WAVES = 4.0
-"""Height of the strip, in wave lengths."""
 STEPS_OF_PERIOD = 100
 STIFF = 5e11
 """Normal stiffness of the contacts, N/m per m."""
@@ -53,6 +51,8 @@ class Incidence:
 
     kind: str
     angle: float
+    waves: float = 4.0
+    """Height of the strip, in wave lengths."""
 
     @property
     def speed(self) -> float:
@@ -73,7 +73,7 @@ class Incidence:
     @property
     def height(self) -> float:
         """Height of the strip, m: whole rows."""
-        return float(round(WAVES * WAVE_LENGTH))
+        return float(round(self.waves * WAVE_LENGTH))
 
     @property
     def crossing(self) -> float:
