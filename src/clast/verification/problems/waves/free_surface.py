@@ -7,9 +7,9 @@ degrees; from 35.3 degrees on, sin a > c_s/c_p, P clings to the surface.
 A packet of waves runs up a strip between rollers (see "oblique-wave"), whose lower end is viscous:
 from a free one P would come back before the packet has passed, for waves that turn from SV to P at
 a free end are faster.  The motion of the surface is compared with that of the rock at the same
-height where it goes on above, both by their Fourier amplitudes at the wave's frequency, so that the
-speed of waves in triangles matters as little as it can.  Near the critical angle it matters: at 30
-degrees the surface goes along itself by 1.84 instead of 1.73 times the wave, as it should at 32.
+height where it goes on above, both by their Fourier amplitudes at the wave's frequency.  A packet
+has neighbouring angles, too: near the critical angle and beyond it one of four wave lengths is 6 %
+off, with any mesh, and one of eight is not.
 """
 
 from __future__ import annotations
@@ -23,13 +23,12 @@ from clast.model.model import Model, PlaneStrain
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
 from clast.verification.problems.waves.oblique_wave import (
     C_P,
     C_S,
     DENSITY,
     POISSON,
-    STIFF,
     VISCOUS,
     WAVE_LENGTH,
     YOUNG,
@@ -40,10 +39,18 @@ from clast.verification.problems.waves.oblique_wave import (
 )
 from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, Variant
 
-CASES = (Incidence("SV", 20.0), Incidence("SV", 25.0))
+CASES = (
+    Incidence("SV", 20.0),
+    Incidence("SV", 25.0),
+    Incidence("SV", 30.0, waves=8.0),
+    Incidence("SV", 45.0, waves=8.0),
+)
+STIFF = 5e12
+"""Normal stiffness of the contacts, N/m per m; with a tenth of it waves are 1 % slower."""
 STEPS_OF_PERIOD = 40
 MESH = "waves in triangles strained evenly, ten rows a wave, are 2 to 3 % off in speed and angle"
-TOLERANCE = 0.03
+TOLERANCE = 0.04
+"""Of the motion of the surface, in units of that of the wave."""
 
 
 def surface_by_wave(angle: float) -> tuple[float, float]:
@@ -132,7 +139,7 @@ def examine(variant: Variant) -> Outcome:
         exact = surface_by_wave(case.angle)
         for name, one, other in zip(("along", "across"), found[-1], exact, strict=True):
             quantity = f"surface by wave, {name}, SV at {case.angle:g} degrees"
-            rows.append(relative(quantity, "", one, other, TOLERANCE, MESH))
+            rows.append(absolute(quantity, "", one, other, TOLERANCE, MESH))
     angles, places = np.linspace(0.0, 60.0, 241), [case.angle for case in CASES]
     exact_along, exact_across = zip(*map(surface_by_wave, angles), strict=True)
     chart = Chart(
@@ -152,10 +159,10 @@ def examine(variant: Variant) -> Outcome:
 PROBLEM = Problem(
     name="free-surface",
     title="SV waves at a free surface",
-    text="A strip of rock of triangles of 1 m between rollers, four wave lengths of 10 m high, "
-    "with a free upper and a viscous lower end, carries a packet of SV waves at 20 or 25 degrees "
-    "from the normal; the wave alone is that of a strip twice as high. E = 20 GPa, nu = 0.25, "
-    "plane strain, 40 steps a period, forces half way.",
+    text="A strip of rock of triangles of 1 m between rollers, four or eight wave lengths of "
+    "10 m high, with a free upper and a viscous lower end, carries a packet of SV waves at 20 to "
+    "45 degrees from the normal; the wave alone is that of a strip twice as high. E = 20 GPa, "
+    "nu = 0.25, plane strain, 40 steps a period, forces half way.",
     formula="v and t of the incoming SV wave and of the SV and P waves that leave fulfil t = 0",
     source="Aki & Richards (2002); plane waves solved",
     set_up=lambda: running(CASES[0], round(CASES[0].height)),
