@@ -278,8 +278,8 @@ TAIL = """## Heaps
 
 Random polygons of 4 to 7 corners and up to 1.1 m, every second one not convex, fall into a trough
 (E 5 GPa, friction angle 30 degrees, restitution 0) and come to rest. *Created* is the largest
-energy ever held beyond that of the start, *unaccounted* the energy that the ledger cannot explain, both over
-the energy turned over.
+energy ever held beyond that of the start, *unaccounted* the energy that the ledger cannot explain,
+both over the energy turned over.
 """
 
 END = """## What else is shown
@@ -294,8 +294,8 @@ Random systems of 2 to 11 blocks (`tests/scenes/random_systems.py`: sizes 1:100,
 convex, tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with
 cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon
 clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 two
-blocks overlap by more than 1.5 times the penetration that their contacts know, 29 by micrometres, three by 1 to 92
-mm, and each is warned of.
+blocks overlap by more than 1.5 times the penetration that their contacts know, 29 by micrometres,
+three by 1 to 92 mm, and each is warned of.
 
 Random rock masses (`python -m benchmarks.networks`, drawn by `tests/scenes/networks.py`: one to 3
 joint sets of all six models, with or without traces, an opening and a bed of another rock, 6 cm to

@@ -9,6 +9,10 @@ joint, whose sides part by d_n and slip by d_t,
 
 and s and t of both joints, those towards the rock around and the pressure p balance.  The equations
 are integrated here along the joints and by decrements of p, apart from all of clast.
+
+The integration is for small displacements.  Rings that are close to giving way without pressure end
+where a little load makes a long way, and there a change of shape of 0.3 % counts: one that leans by
+5 degrees with 10 degrees of friction comes 3.4 % less far, and 0.6 % under a tenth of the stress.
 """
 
 from __future__ import annotations
@@ -69,7 +73,7 @@ CASES = (Ring(15.0, 25.0), Ring(10.0, 10.0))
 """The quantity."""
 SHARES = (0.8, 0.6, 0.4, 0.2, 0.0)
 """Pressures at which convergence is compared, in units of the first."""
-WHY = "a joint bears at three points, friction bounds agree within 0.2 % of the forces"
+WHY = "small displacements are integrated; friction bounds agree within 0.2 % of the forces"
 
 
 @dataclass(frozen=True)
