@@ -30,6 +30,7 @@ from clast.inputs.declaring.validation_messages import Fault, error_of, faults_o
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
+from clast.inputs.linings.lining_table import Lining
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import (
@@ -126,6 +127,8 @@ class Case(BaseModel):
     """Motions that blocks make whatever acts on them: settlements, presses, driven walls."""
     link: list[Link] = []
     """Links between blocks at points: hinges, sliders, springs."""
+    lining: list[Lining] = []
+    """Linings: shotcrete, rings, arches of steel."""
     moment: list[Moment] = []
     """Moments on blocks."""
     bolt_kind: dict[str, BoltKind] = {}
@@ -205,7 +208,7 @@ class Case(BaseModel):
                 what=f"there is no stage '{one.stage}'",
                 remedy=spelling.advice(one.stage, stages, kind="stage"),
             )
-            for key in ("bolt", "bolt_pattern", "motion", "link")
+            for key in ("bolt", "bolt_pattern", "motion", "link", "lining")
             for number, one in enumerate(getattr(self, key))
             if one.stage is not None and one.stage not in stages
         ]

@@ -40,6 +40,8 @@ from clast.inputs.declaring.values import (
 )
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
+from clast.inputs.linings import place_linings
+from clast.inputs.linings.lining_table import Lining
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredContact, MeasuredPoint, MeasuredReaction
 from clast.inputs.placing.bolt_lines import Ground
@@ -124,6 +126,7 @@ class InputBuilder(Inputs):
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
     _count: int = field(default=0, init=False)
+    _placed: tuple[place_linings.PlacedLining, ...] = field(default=(), init=False)
 
     add_rock = gives_named("rock", materials.Rock)
     """Add a rock, ``[rock.NAME]``, and return its name."""
@@ -171,6 +174,8 @@ class InputBuilder(Inputs):
     """Move blocks, whatever acts on them: ``[[motion]]``."""
     link = gives("link", Link, "at")
     """Link two blocks, or a block and the ground, at a point: ``[[link]]``."""
+    lining = gives("lining", Lining, "name")
+    """Line an opening, an outer edge or a polyline: ``[[lining]]``."""
     moment = gives("moment", Moment, "block", "moment")
     """Turn a block by a moment: ``[[moment]]``."""
     water = gives("water", Water, "level")
@@ -238,6 +243,7 @@ class InputBuilder(Inputs):
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
+        self._cut_linings()
         self._check_names()
         rocks = tuple(one.rock(name) for name, one in self.named(materials.Rock).items())
         for rock in rocks:
@@ -248,14 +254,19 @@ class InputBuilder(Inputs):
         mended, polygons = self._mended(drawn, clockwise)
         outlines, edge = mended.outlines, edge[mended.edge]
         edge_joint = self._edge_joint_names(drawn)[edge]
-        block_rock = rocks_of(self._labelled(outlines), [rock.name for rock in rocks])
+        block_rock = rocks_of(
+            self._labelled(outlines), [rock.name for rock in rocks], len(self._placed)
+        )
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(rocks)}
         factors = tuple(one.factor(name) for name, one in self.named(FactorOverTime).items())
         factor_number = {factor.name: index for index, factor in enumerate(factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
-        table = joint_table(self.named(materials.Joint), rock_number, block_number, along)
-        overlaps = model_checks.check_overlaps(outlines, polygons)
+        joints = place_linings.with_bonds(self.named(materials.Joint), self._placed)
+        table = joint_table(joints, rock_number, block_number, along)
+        waits = place_linings.waiting_of(self._placed, outlines.names)
+        there = np.where(waits, shapely.Polygon(), polygons)
+        overlaps = model_checks.check_overlaps(outlines, there)
 
         fixed, measured, points, lines = (
             located(entries, block_number, factor_number, outlines, polygons, mended.moved)
@@ -264,7 +275,7 @@ class InputBuilder(Inputs):
         held = self._fixed(outlines)
         ground = Ground(
             outlines=outlines,
-            tree=shapely.STRtree(polygons),
+            tree=shapely.STRtree(there),
             moved=mended.moved,
             factors=factors,
             fixed=held,
@@ -292,7 +303,8 @@ class InputBuilder(Inputs):
             rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
             voids = edges_on(rings, outlines.vertices, outlines.following)
             in_situ = replace(in_situ, voids=tuple(map(int, voids)))
-        actions = *self.actions, *self.acting(ground)
+        linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
+        actions = *self.actions, *self.acting(ground), *linings
         supports = Supported(ground, len(viscous), actions)
         return Model(
             title=self.title,
@@ -306,7 +318,7 @@ class InputBuilder(Inputs):
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
-            fixed=held,
+            fixed=held | waits,
             vertices=outlines.vertices,
             velocity=self._velocities(outlines),
             initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
@@ -343,7 +355,7 @@ class InputBuilder(Inputs):
             actions=actions,
             reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
-            gone=np.zeros(len(area), np.bool_),
+            gone=waits,
             overlaps=overlaps_beside(overlaps, actions),
             repairs=mended.repairs,
             notes=(
@@ -354,6 +366,27 @@ class InputBuilder(Inputs):
                 *ending_note(self.ground_motion),
             ),
         )
+
+    def _cut_linings(self) -> None:
+        """Add the segments of linings to the blocks, once."""
+        if not self.has(Lining) or self._placed:
+            return
+        if self.repair is not None:
+            remedy = "repair the drawing first (clast cut), and line the blocks that it gives"
+            raise ModelError("linings follow no blocks that are repaired", "lining", remedy=remedy)
+        drawn = self._outlines()
+        whole = replace(drawn, vertices=drawn.vertices + drawn.origin)
+        self._placed = place_linings.placed_linings(
+            self.all(Lining),
+            shapely.make_valid(whole.polygons()),
+            drawn.names,
+            self.opening_outlines,
+            {one.name: one.blocks for one in self.all(OpeningTable)},
+        )
+        for one in self._placed:
+            self.named(materials.Rock)[one.rock] = place_linings.material(one.table)
+            self._entries.append(place_linings.entry(one, self._count))
+            self._count += len(one.names)
 
     def _factor_of_gravity(self, number: dict[str, int]) -> int:
         """Return the number of the table by which gravity is multiplied."""

@@ -374,6 +374,14 @@ class Model:
         return found
 
     @kept_property
+    def lined(self) -> Bools:
+        """True for segments of linings, which stages may add, shape (n,)."""
+        found = np.zeros(self.block_count, np.bool_)
+        for action in self.actions:
+            found[getattr(action, "segments", ())] = True
+        return found
+
+    @kept_property
     def outlines(self) -> Outlines | None:
         """Outlines on which contacts are looked for, None where they are those of the blocks.
 

@@ -79,13 +79,15 @@ def without(model: Model, gone: Bools) -> Model:
     for one in model.openings:
         ends = gone[one.block].all() | _alone(model, one.welded, gone)
         edge_joint[one.welded[ends]] = -1
-    return replace(model, gone=gone, fixed=model.fixed | gone, edge_joint=edge_joint)
+    # segments of linings may come back
+    fixed = np.where(model.gone & ~gone, False, model.fixed)
+    return replace(model, gone=gone, fixed=fixed | gone, edge_joint=edge_joint)
 
 
 def as_in(model: Model, state: State) -> Model:
     """Return the model without the excavated blocks in a state of its run."""
     gone = gone_in(state)
-    return model if gone is None or not gone.any() else without(model, gone)
+    return model if gone is None or np.array_equal(gone, model.gone) else without(model, gone)
 
 
 def _numbers(blocks: Any, count: int) -> Ints:
@@ -127,7 +129,8 @@ def _alone(model: Model, edges: Ints, gone: Bools) -> Bools:
     onwards = np.arange(1, len(model.vertices) + 1)
     onwards[model.block_start[1:] - 1] = model.block_start[:-1]
     here = model.vertices + 0.0  # so that there is one zero only
-    out = np.flatnonzero(gone[model.vertex_block])
+    # segments that wait have never been rock
+    out = np.flatnonzero((gone & ~model.lined)[model.vertex_block])
     opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
     known = {ends.tobytes() for ends in opposite}
     own = np.concatenate([here[edges], here[onwards[edges]]], axis=1)

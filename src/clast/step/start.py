@@ -149,7 +149,9 @@ def again(context: StepContext, unknowns: Floats) -> StepContext | None:
             share = action.again(context.at, shares[k], unknowns)
             if share is not None and share is not shares[k]:
                 shares = *shares[:k], share, *shares[k + 1 :]
-    return None if shares is context.shares else replace(context, shares=shares)
+    if shares is context.shares:
+        return None
+    return replace(context, shares=shares, springs=springs_between(shares))
 
 
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -72,3 +73,20 @@ class LinkStates:
     def bears(self) -> Bools:
         """Whether it can bear a force, shape (m,)."""
         return np.asarray(~np.isnan(self.rest) & ~self.broken)
+
+
+class Limits(Protocol):
+    """What bounds the forces of links."""
+
+    def bounds(self, rows: LinkRows, own: LinkStates) -> tuple[Floats, Floats]:
+        """Return the least and the largest force of each row, N/m, or moment, N, (m,) each."""
+        ...
+
+
+@dataclass(frozen=True)
+class YieldForces:
+    """Each row yields by itself, to either side alike."""
+
+    def bounds(self, rows: LinkRows, own: LinkStates) -> tuple[Floats, Floats]:
+        """Return the strengths, of both signs."""
+        return -rows.strength, rows.strength

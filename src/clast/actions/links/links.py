@@ -28,7 +28,13 @@ from typing import ClassVar
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
-from clast.actions.links.link_states import COMPONENTS, LinkRows, LinkStates
+from clast.actions.links.link_states import (
+    COMPONENTS,
+    Limits,
+    LinkRows,
+    LinkStates,
+    YieldForces,
+)
 from clast.block import polygon
 from clast.block.displacement import movements
 from clast.contact.clipped_spring import Clipped, Springs, table
@@ -49,6 +55,8 @@ class Links:
     """Their components."""
     apart: Ints
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
+    limits: Limits = YieldForces()
+    """Bounds of the forces."""
     support: ClassVar[str] = ""
     """They hold blocks by each other."""
 
@@ -96,7 +104,8 @@ class Links:
         if share.springs is not None:
             work, _ = energy_of_springs(share.springs, solution)
             _, order = self._springs(start, acting)
-            moved[acting.row] = self._moved(share.springs, solution, order, acting)
+            gap, _ = stretches(share.springs, solution.displacement)
+            moved[acting.row] = self._moved(share.springs, gap, order, acting)
             drag = -rows.damping * moved / start.step
         pulled = self._stretched(acting, begun, acting.stretch + moved)
         breaks = pulled.bears & (np.abs(acting.stretch + moved - begun.rest) > rows.rupture)
@@ -120,6 +129,15 @@ class Links:
             ),
             own=ended,
         )
+
+    def forces_at(self, start: StepStart, own: LinkStates, displacement: Floats) -> Floats:
+        """Return the forces (m,) of all rows after d (n, 6), N/m, or moments, N."""
+        acting, moved = self._acting(start, own), np.zeros(len(self.rows.link))
+        if len(acting.row):
+            springs, order = self._springs(start, acting)
+            gap, _ = stretches(springs, displacement)
+            moved[acting.row] = self._moved(springs, gap, order, acting)
+        return self._stretched(acting, acting.own, acting.stretch + moved).force
 
     def events(
         self, model: Model, before: LinkStates, after: LinkStates
@@ -211,7 +229,10 @@ class Links:
         scale = np.where(turns, -acting.arm, 1.0)
         free = acting.stretch[row] - own.rest[row] - own.plastic[row]
         stiffness = acting.stiffness[row] / scale**2
-        strength, play = rows.strength[row] / np.abs(scale), rows.gap[row] * np.abs(scale)
+        play = rows.gap[row] * np.abs(scale)
+        # a force f of the component is f/scale in the row: the two have opposite bounds at the arms
+        weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, own))
+        weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
         stretch, count = scale * free, len(row)
         none, two_sided = np.zeros(count), play == 0.0
         # what is rigid is no spring that swings: half of its way would be a force that grows
@@ -224,8 +245,8 @@ class Links:
         drag = rows.damping[row] / scale**2 / start.step
         endless = np.full(count, np.inf)
         each = (
-            springs(-strength, np.where(two_sided, strength, 0.0), play),
-            springs(none, np.where(two_sided, 0.0, strength), -play),
+            springs(weakest, np.where(two_sided, strongest, 0.0), play),
+            springs(none, np.where(two_sided, 0.0, strongest), -play),
             Clipped(at_zero=drag * stretch, stiffness=drag, low=-endless, high=endless),
         )
         kept = [np.ones(count, np.bool_), ~two_sided, rows.damping[row] > 0.0]
@@ -251,10 +272,12 @@ class Links:
         places[chosen] = order
         return found, places
 
-    def _moved(self, springs: Springs, solution: Solution, places: Ints, acting: _Acting) -> Floats:
-        """Return by how much the rows that act were stretched, m or rad, shape (r,)."""
+    def _moved(self, springs: Springs, gap: Floats, places: Ints, acting: _Acting) -> Floats:
+        """Return by how much the rows that act were stretched, m or rad, shape (r,).
+
+        ``gap`` (q,) is the stretch of the ``springs`` at the end of the step.
+        """
         turns = self.rows.component[acting.row] == ROTATION
-        gap, _ = stretches(springs, solution.displacement)
         first = places[: len(acting.row)]
         return np.asarray((gap - springs.gap)[first] / np.where(turns, -acting.arm, 1.0))
 
@@ -272,7 +295,7 @@ class Links:
         beyond = np.sign(elastic) * np.maximum(np.abs(elastic) - rows.gap, 0.0)
         straight = np.where(own.bears, -k * beyond, 0.0)
         straight = np.nan_to_num(straight)
-        force = np.clip(straight, -rows.strength, rows.strength)
+        force = np.clip(straight, *self.limits.bounds(rows, own))
         flow = np.where(force != straight, (force - straight) / k, 0.0)
         return replace(
             own,

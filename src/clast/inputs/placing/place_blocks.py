@@ -216,10 +216,15 @@ def _names_of_joints(given: Any, edges: int, where: str) -> Names:
     )
 
 
-def rocks_of(entries: Iterable[tuple[Entry, Label]], names: Sequence[str]) -> Ints:
-    """Return the rock index of each block, shape (n,); ``names`` are those of the rocks."""
+def rocks_of(
+    entries: Iterable[tuple[Entry, Label]], names: Sequence[str], of_linings: int = 0
+) -> Ints:
+    """Return the rock index of each block, shape (n,).
+
+    ``names`` are those of the rocks; the last of them, so many, are materials ``of_linings``.
+    """
     number = {name: index for index, name in enumerate(names)}
-    only = names[0] if len(names) == 1 else None
+    only = names[0] if len(names) - of_linings == 1 else None
     found = []
     for entry, label in entries:
         given = only if entry.rock is None else entry.rock

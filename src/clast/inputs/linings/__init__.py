@@ -1,0 +1,1 @@
+"""Linings: their table, the lines that they follow, their segments."""

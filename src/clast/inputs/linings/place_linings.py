@@ -1,0 +1,420 @@
+"""Linings in the system of blocks: their segments as blocks, and the springs between these."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from clast import spelling
+from clast.actions.linings.lining_states import LiningShape, OneLining
+from clast.actions.linings.linings import ACROSS, ALONG, TURNING, Linings
+from clast.actions.linings.sections import interaction_curve
+from clast.actions.links.link_states import LinkRows
+from clast.actions.links.links import Links
+from clast.errors import ModelError, shortened
+from clast.inputs.linings.lines import LinesOfRock
+from clast.inputs.linings.lining_table import Lining
+from clast.inputs.linings.segments import CutLine, cut_line
+from clast.inputs.materials import Joint, Rock
+from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.place_blocks import ManyBlocks
+from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
+
+SHEAR = 5.0 / 6.0
+"""Share k of the area that resists shear in a rectangular section."""
+TOUCHES = 1e-3
+"""How far from a face of a segment its rock may be, in units of the thickness."""
+ROOM = 1e-3
+"""Share of a segment that may lie in rock."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PlacedLining:
+    """A lining that is cut into segments."""
+
+    table: Lining
+    """Its table."""
+    turned: bool
+    """Whether its line was turned round, so that it lies to the left of it."""
+    cut: CutLine
+    """Its segments."""
+    polygons: Any
+    """Their outlines, shape (s,)."""
+    inside: tuple[str, ...]
+    """Names of the blocks in its place."""
+    beside: tuple[tuple[str, str], ...]
+    """Pairs of a segment and a block that touch."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its segments."""
+        return tuple(f"{self.table.name}/{k}" for k in range(1, len(self.cut.first) + 1))
+
+    @property
+    def rock(self) -> str:
+        """Name of its material among the rocks."""
+        return f"lining {self.table.name}"
+
+
+def placed_linings(
+    tables: Sequence[Lining],
+    polygons: Any,
+    names: Sequence[str],
+    openings: Mapping[str, Floats],
+    blocks_of_openings: Mapping[str, Sequence[str]],
+) -> tuple[PlacedLining, ...]:
+    """Return the linings cut into segments, blocks (n,) being there.  Raises ModelError."""
+    lines = LinesOfRock(polygons, names, openings, blocks_of_openings)
+    tree, found = shapely.STRtree(polygons), []
+    for number, one in enumerate(tables):
+        where = f"lining '{shortened(one.name)}'"
+        if any(one.name == other.name for other in tables[:number]):
+            raise ModelError("there are two of this name", where=where, remedy="rename one of them")
+        found.append(_placed(one, where, lines, tree, names))
+    _refuse_crossing(found)
+    return tuple(found)
+
+
+def _placed(
+    one: Lining, where: str, lines: LinesOfRock, tree: Any, names: Sequence[str]
+) -> PlacedLining:
+    """Return a lining cut into segments."""
+    line, turned = lines.line(one, where)
+    cut = cut_line(
+        line,
+        comes_back=one.is_ring,
+        length=one.segment,
+        thickness=one.thickness,
+        is_middle=one.side == "middle",
+        where=where,
+    )
+    count = len(cut.first)
+    if count < 2 and one.start == one.end == "free":
+        raise ModelError(
+            "is a single segment that nothing holds: it bends nowhere",
+            where=f"{where}, segment",
+            remedy="give shorter segments",
+        )
+    polygons = np.array([shapely.Polygon(cut.polygon(k)) for k in range(count)])
+    segment, block = tree.query(polygons, predicate="intersects")
+    common = shapely.area(shapely.intersection(polygons[segment], tree.geometries[block]))
+    deep = common > ROOM * shapely.area(polygons[segment])
+    inside = tuple(names[k] for k in np.unique(block[deep]).tolist())
+    if inside and one.stage is None:
+        raise ModelError(
+            f"lies in rock: block '{shortened(inside[0])}'"
+            + (f" and {len(inside) - 1} more" if len(inside) > 1 else ""),
+            where=where,
+            remedy="give it a stage that comes after their excavation, or another side",
+        )
+    near = TOUCHES * one.thickness
+    segment, block = tree.query(polygons, predicate="dwithin", distance=near)
+    own = [f"{one.name}/{k + 1}" for k in range(count)]
+    within = {names.index(name) for name in inside}
+    beside = tuple(
+        (own[k], names[b])
+        for k, b in zip(segment.tolist(), block.tolist(), strict=True)
+        if b not in within
+    )
+    return PlacedLining(
+        table=one, turned=turned, cut=cut, polygons=polygons, inside=inside, beside=beside
+    )
+
+
+def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
+    """Refuse linings that lie in each other."""
+    for number, one in enumerate(found):
+        for other in found[:number]:
+            k, j = shapely.STRtree(other.polygons).query(one.polygons, predicate="intersects")
+            common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
+            thin = min(one.table.thickness, other.table.thickness)
+            if common.max(initial=0.0) > ROOM * thin**2:
+                raise ModelError(
+                    f"crosses lining '{shortened(other.table.name)}'",
+                    where=f"lining '{shortened(one.table.name)}'",
+                    remedy="end one of them at the other, or line the inner face of the first",
+                )
+
+
+def material(one: Lining) -> Rock:
+    """Return the material of a lining."""
+    return Rock(young=one.young, poisson=one.poisson, density=one.density)
+
+
+def entry(one: PlacedLining, first: int) -> ManyBlocks:
+    """Return the segments as blocks, the ``first`` of which has this number from 0."""
+    outlines = [one.cut.polygon(k) for k in range(len(one.cut.first))]
+    start = np.cumsum([0, *map(len, outlines)])
+    name = one.table.joint or ""
+    joints = [["" if k >= len(ring) - 3 else name for k in range(len(ring))] for ring in outlines]
+    return ManyBlocks(
+        first,
+        one.names,
+        one.rock,
+        np.concatenate(outlines),
+        start,
+        False,
+        (0.0, 0.0, 0.0),
+        (0.0, 0.0, 0.0),
+        [joint for ring in joints for joint in ring],
+    )
+
+
+def with_bonds(joints: Mapping[str, Joint], placed: Sequence[PlacedLining]) -> dict[str, Joint]:
+    """Return the joints with the pairs of segments and rock that they bond."""
+    found = dict(joints)
+    for one in placed:
+        name = one.table.joint
+        if name is None:
+            continue
+        if name not in found:
+            raise ModelError(
+                f"there is no joint '{shortened(name)}'",
+                where=f"lining '{shortened(one.table.name)}', joint",
+                remedy=spelling.advice(name, found, kind="joint"),
+            )
+        pairs = [*found[name].between, *one.beside]
+        found[name] = found[name].model_copy(update={"between": pairs})
+    return found
+
+
+# the action --------------------------------------------------------------------------------------
+
+
+def linings_of_ground(
+    placed: Sequence[PlacedLining], ground: Ground, plane: Plane
+) -> tuple[Linings, ...]:
+    """Return the action of all linings on the blocks of the ground; none where there are none."""
+    if not placed:
+        return ()
+    number = {name: k for k, name in enumerate(ground.outlines.names)}
+    rock = len(number) - sum(len(one.names) for one in placed)
+    each, rows, apart, joints = [], [], [], 0
+    for one in placed:
+        blocks = np.array([number[name] for name in one.names])
+        springs = _springs(one, blocks, ground, plane)
+        count = len(springs.along)
+        each.append(
+            OneLining(
+                name=one.table.name,
+                stage=one.table.stage or "",
+                closed=one.table.joins_ends,
+                thickness=one.table.thickness,
+                tension=np.inf if one.table.tension is None else one.table.tension,
+                curve=None
+                if one.table.compression is None
+                else interaction_curve(
+                    one.table.thickness, one.table.tension or 0.0, one.table.compression
+                ),
+                segments=blocks,
+                joints=np.arange(joints, joints + count),
+                along=springs.along,
+                at=springs.at,
+                face=springs.face,
+                shape=_shape(one, ground, rock),
+                inside=np.array([number[name] for name in one.inside], np.int64),
+            )
+        )
+        rows.append(springs)
+        apart += [_neighbours(blocks, one.table.is_ring), _grounds(one, springs, ground)]
+        joints += count
+    return (
+        Linings(
+            each=tuple(each),
+            springs=Links(rows=_rows(each, rows), apart=np.zeros((0, 2), np.int64)),
+            apart=np.unique(np.sort(np.concatenate(apart), axis=1), axis=0),
+        ),
+    )
+
+
+def _neighbours(blocks: Ints, comes_back: bool) -> Ints:
+    """Return the pairs of segments that follow each other, shape (p, 2)."""
+    pairs = np.stack([blocks[:-1], blocks[1:]], axis=1)
+    return np.concatenate([pairs, [[blocks[-1], blocks[0]]]]) if comes_back else pairs
+
+
+def _grounds(one: PlacedLining, springs: _JointSprings, ground: Ground) -> Ints:
+    """Return the pairs of a segment whose end is held and fixed blocks at that end, (p, 2)."""
+    found = []
+    for pair, at in zip(springs.pair.tolist(), springs.at, strict=True):
+        if ground.fixed[pair].any():
+            segment = int(pair[0] if ground.fixed[pair[1]] else pair[1])
+            near = TOUCHES * one.table.thickness
+            close = ground.tree.query(shapely.points(at), predicate="dwithin", distance=near)
+            found += [(segment, int(block)) for block in close if ground.fixed[block]]
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _JointSprings:
+    """The springs of the k joints of a lining."""
+
+    pair: Ints
+    """Blocks before and after each joint, shape (k, 2)."""
+    at: Floats
+    """Where it is, m, about the origin, shape (k, 2)."""
+    way: Floats
+    """Direction of the lining there, shape (k, 2)."""
+    along: Floats
+    """How far along the lining, m, shape (k,)."""
+    stiffness: Floats
+    """Stiffness along, across, N/m per m, and against rotation, N per rad; 0: free, (k, 3)."""
+    face: Ints
+    """Segment, and 0 for its start or 1 for its end, shape (k, 2)."""
+
+
+def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _JointSprings:
+    """Return the springs between segments, and those at ends that are held."""
+    table, middles = one.table, one.cut.middles - ground.outlines.origin
+    chord = middles[:, 1] - middles[:, 0]
+    length = np.hypot(*chord.T)
+    way, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
+    young = table.young
+    if isinstance(plane, PlaneStrain):
+        young /= 1.0 - table.poisson**2
+    shear = SHEAR * table.young / (2.0 * (1.0 + table.poisson))
+    section = np.array(
+        [young * table.thickness, shear * table.thickness, young * table.thickness**3 / 12.0]
+    )
+    count = len(blocks)
+    held = (table.end, table.start) if one.turned else (table.start, table.end)
+    found = []
+    if held[0] != "free":
+        base = _ground_block(one, "start", ground)
+        found.append(
+            ((base, blocks[0]), middles[0, 0], way[0], 0.0, 0.5 * length[0], held[0], (0, 0))
+        )
+    for k in range(count if table.joins_ends else count - 1):
+        after, both = (k + 1) % count, way[k] + way[(k + 1) % count]
+        apart = 0.5 * (length[k] + length[after])
+        both = both / np.hypot(*both)
+        found.append(
+            ((blocks[k], blocks[after]), middles[k, 1], both, mark[k + 1], apart, "clamped", (k, 1))
+        )
+    if held[1] != "free":
+        base = _ground_block(one, "end", ground)
+        found.append(
+            (
+                (blocks[-1], base),
+                middles[-1, 1],
+                way[-1],
+                mark[-1],
+                0.5 * length[-1],
+                held[1],
+                (count - 1, 1),
+            )
+        )
+    bends = np.array([[1.0, 1.0, float(end == "clamped")] for *_, end, _ in found]).reshape(-1, 3)
+    apart = np.array([entry[4] for entry in found])
+    return _JointSprings(
+        pair=np.array([entry[0] for entry in found], np.int64).reshape(-1, 2),
+        at=np.array([entry[1] for entry in found]).reshape(-1, 2),
+        way=np.array([entry[2] for entry in found]).reshape(-1, 2),
+        along=np.array([entry[3] for entry in found]),
+        stiffness=bends * section / apart[:, None],
+        face=np.array([entry[6] for entry in found], np.int64).reshape(-1, 2),
+    )
+
+
+def _ground_block(one: PlacedLining, key: str, ground: Ground) -> int:
+    """Return a block that is fixed, for an end that the ground holds."""
+    fixed = np.flatnonzero(ground.fixed)
+    if not len(fixed):
+        raise ModelError(
+            "there is no ground to hold it: no block is fixed",
+            where=f"lining '{shortened(one.table.name)}', {key}",
+            remedy="give a block with fixed = true",
+        )
+    return int(fixed[0])
+
+
+def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRows:
+    """Return the rows of springs of all joints."""
+    names = [f"{one.name}/{k}" for one in each for k in range(1, len(one.joints) + 1)]
+    stiffness = np.concatenate([one.stiffness for one in springs])
+    link, component = np.nonzero(stiffness)
+    count = len(link)
+    return LinkRows(
+        name=tuple(names),
+        block=np.concatenate([one.pair for one in springs]),
+        at=np.concatenate([one.at for one in springs]),
+        along=np.concatenate([one.way for one in springs]),
+        stage=tuple(one.stage for one in each for _ in one.joints),
+        link=link,
+        component=np.array([ALONG, ACROSS, TURNING])[component],
+        stiffness=stiffness[link, component],
+        strength=np.full(count, np.inf),
+        rupture=np.full(count, np.inf),
+        gap=np.zeros(count),
+        damping=np.zeros(count),
+    )
+
+
+def _shape(one: PlacedLining, ground: Ground, rock: int) -> LiningShape:
+    """Return how a lining lies, and which of the first ``rock`` blocks carry it."""
+    outlines, cut = ground.outlines, one.cut
+    at = cut.at - outlines.origin
+    point, edge, share = _places_in_rock(at, cut.closed, ground, rock, one)
+    return LiningShape(
+        at=at,
+        point=point,
+        vertex=np.stack([edge, np.asarray(outlines.following)[edge]], axis=1),
+        share=share,
+        first=cut.first,
+        count=cut.count,
+        inner=cut.inner - outlines.origin,
+    )
+
+
+def _places_in_rock(
+    at: Floats, closed: bool, ground: Ground, rock: int, one: PlacedLining
+) -> tuple[Ints, Ints, Floats]:
+    """Return points (a,) of a line, edges (a,) of rock to its right that they lie on, and where.
+
+    Such edges run against the line: the rock is to their left.
+    """
+    outlines = ground.outlines
+    following = np.asarray(outlines.following)
+    edges = np.arange(outlines.start[rock])
+    inside = {name: None for name in one.inside}
+    names = outlines.names
+    solid = np.array([names[k] not in inside for k in range(rock)], np.bool_)
+    edges = edges[solid[outlines.owner[edges]]] if len(edges) else edges
+    begin, end = outlines.vertices[edges], outlines.vertices[following[edges]]
+    tangent = _tangents(at, closed)
+    near = TOUCHES * one.table.thickness + ground.moved
+    found: list[tuple[int, int, float]] = []
+    way = end - begin
+    length = np.hypot(*way.T) if len(edges) else np.zeros(0)
+    for k, place in enumerate(at):
+        if not len(edges):
+            break
+        along = ((place - begin) * way).sum(axis=1) / length**2
+        foot = begin + np.clip(along, 0.0, 1.0)[:, None] * way
+        against = (way @ tangent[k]) / length < -0.5
+        on = np.flatnonzero((np.hypot(*(place - foot).T) <= near) & against)
+        found += [(k, int(edges[e]), float(np.clip(along[e], 0.0, 1.0))) for e in on]
+    return (
+        np.array([entry[0] for entry in found], np.int64),
+        np.array([entry[1] for entry in found], np.int64),
+        np.array([entry[2] for entry in found]),
+    )
+
+
+def _tangents(at: Floats, closed: bool) -> Floats:
+    """Return the direction of a line at each of its points, shape (p, 2)."""
+    if closed:
+        way = np.roll(at, -1, axis=0) - np.roll(at, 1, axis=0)
+    else:
+        way = np.gradient(at, axis=0)
+    return np.asarray(way / np.hypot(*way.T)[:, None])
+
+
+def waiting_of(placed: Sequence[PlacedLining], names: Sequence[str]) -> Bools:
+    """Return which blocks are segments that wait for a stage, shape (n,)."""
+    waits = {name for one in placed if one.table.stage for name in one.names}
+    return np.array([name in waits for name in names], np.bool_)
