@@ -384,7 +384,7 @@ class InputBuilder(Inputs):
             {one.name: one.blocks for one in self.all(OpeningTable)},
         )
         for one in self._placed:
-            self.named(materials.Rock)[one.rock] = place_linings.material(one.table)
+            self.named(materials.Rock)[one.rock] = place_linings.material(one.table, self.plane)
             self._entries.append(place_linings.entry(one, self._count))
             self._count += len(one.names)
 

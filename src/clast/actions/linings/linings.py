@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Prescribed, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.linings.lining_states import LiningStates, OneLining
 from clast.actions.linings.sections import edge_stress
 from clast.actions.links.link_states import LinkRows, LinkStates
@@ -32,8 +32,6 @@ ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
 AGREES = 1e-6
 """Difference of a moment from its strength that is none, in units of the largest strength."""
-STRAINS = np.array([False, False, False, True, True, True])
-"""Unknowns of a segment that are held."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,18 +197,7 @@ class Linings:
     def _share(self, start: StepStart, own: LiningStates, bending: Floats) -> LiningShare:
         """Return the contribution with these bounds of moments (k,)."""
         springs = self._within(bending).share(start, own.joints).springs
-        block = self.segments
-        block = block[~start.model.gone[block]]
-        none = np.zeros((len(block), 6))
-        held = Prescribed(
-            block=block,
-            components=np.tile(STRAINS, (len(block), 1)),
-            displacement=none,
-            velocity=none,
-        )
-        return LiningShare(
-            springs=springs, prescribed=held if len(block) else None, bending=bending
-        )
+        return LiningShare(springs=springs, bending=bending)
 
     def _within(self, bending: Floats) -> Links:
         """Return the springs with bounds, those of the moments being given (k,)."""

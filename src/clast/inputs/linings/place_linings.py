@@ -24,6 +24,8 @@ from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
 
+OF_JOINTS = 0.01
+"""Share of the strain along a lining that is left to its joints, so that they have springs."""
 SHEAR = 5.0 / 6.0
 """Share k of the area that resists shear in a rectangular section."""
 TOUCHES = 1e-3
@@ -140,9 +142,18 @@ def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
                 )
 
 
-def material(one: Lining) -> Rock:
-    """Return the material of a lining."""
-    return Rock(young=one.young, poisson=one.poisson, density=one.density)
+def material(one: Lining, plane: Plane) -> Rock:
+    """Return the material of the segments of a lining, which strain along it by all but a share.
+
+    Without Poisson's ratio: pressure across the thickness does not lengthen a beam.
+    """
+    return Rock(young=_modulus(one, plane) / (1.0 - OF_JOINTS), poisson=0.0, density=one.density)
+
+
+def _modulus(one: Lining, plane: Plane) -> float:
+    """Return the modulus of a beam: E, or E/(1 - nu^2) of a shell in plane strain, Pa."""
+    strain = isinstance(plane, PlaneStrain)
+    return one.young / (1.0 - one.poisson**2) if strain else one.young
 
 
 def entry(one: PlacedLining, first: int) -> ManyBlocks:
@@ -192,7 +203,6 @@ def linings_of_ground(
     if not placed:
         return ()
     number = {name: k for k, name in enumerate(ground.outlines.names)}
-    rock = len(number) - sum(len(one.names) for one in placed)
     each, rows, apart, joints = [], [], [], 0
     for one in placed:
         blocks = np.array([number[name] for name in one.names])
@@ -215,7 +225,7 @@ def linings_of_ground(
                 along=springs.along,
                 at=springs.at,
                 face=springs.face,
-                shape=_shape(one, ground, rock),
+                shape=_shape(one, ground),
                 inside=np.array([number[name] for name in one.inside], np.int64),
             )
         )
@@ -273,12 +283,12 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     chord = middles[:, 1] - middles[:, 0]
     length = np.hypot(*chord.T)
     way, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
-    young = table.young
-    if isinstance(plane, PlaneStrain):
-        young /= 1.0 - table.poisson**2
+    young = _modulus(table, plane)
     shear = SHEAR * table.young / (2.0 * (1.0 + table.poisson))
-    section = np.array(
-        [young * table.thickness, shear * table.thickness, young * table.thickness**3 / 12.0]
+    # what the segments strain by themselves is not left to the joints
+    of_segments = 2.0 * (1.0 - OF_JOINTS) / young
+    section = table.thickness * np.array(
+        [young / OF_JOINTS, 1.0 / (1.0 / shear - of_segments), young * table.thickness**2 / 12.0]
     )
     count = len(blocks)
     held = (table.end, table.start) if one.turned else (table.start, table.end)
@@ -354,11 +364,11 @@ def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRo
     )
 
 
-def _shape(one: PlacedLining, ground: Ground, rock: int) -> LiningShape:
-    """Return how a lining lies, and which of the first ``rock`` blocks carry it."""
+def _shape(one: PlacedLining, ground: Ground) -> LiningShape:
+    """Return how a lining lies, and which blocks carry it."""
     outlines, cut = ground.outlines, one.cut
     at = cut.at - outlines.origin
-    point, edge, share = _places_in_rock(at, cut.closed, ground, rock, one)
+    point, edge, share = _places_in_rock(at, cut.closed, ground, one)
     return LiningShape(
         at=at,
         point=point,
@@ -371,7 +381,7 @@ def _shape(one: PlacedLining, ground: Ground, rock: int) -> LiningShape:
 
 
 def _places_in_rock(
-    at: Floats, closed: bool, ground: Ground, rock: int, one: PlacedLining
+    at: Floats, closed: bool, ground: Ground, one: PlacedLining
 ) -> tuple[Ints, Ints, Floats]:
     """Return points (a,) of a line, edges (a,) of rock to its right that they lie on, and where.
 
@@ -379,11 +389,9 @@ def _places_in_rock(
     """
     outlines = ground.outlines
     following = np.asarray(outlines.following)
-    edges = np.arange(outlines.start[rock])
-    inside = {name: None for name in one.inside}
-    names = outlines.names
-    solid = np.array([names[k] not in inside for k in range(rock)], np.bool_)
-    edges = edges[solid[outlines.owner[edges]]] if len(edges) else edges
+    others = {*one.inside, *one.names}
+    solid = np.array([name not in others for name in outlines.names], np.bool_)
+    edges = np.flatnonzero(solid[outlines.owner])
     begin, end = outlines.vertices[edges], outlines.vertices[following[edges]]
     tangent = _tangents(at, closed)
     near = TOUCHES * one.table.thickness + ground.moved

@@ -7,6 +7,7 @@ come out, stay in the outer faces of segments.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,7 +135,7 @@ def _ends(points: Floats, marks: Floats, comes_back: bool, length: float) -> Flo
     sharp[[0, -1]] = True
     corners = marks[sharp]
     ends = [corners[:1]]
-    for low, high in zip(corners[:-1], corners[1:], strict=True):
+    for low, high in itertools.pairwise(corners):
         pieces = max(1, round((high - low) / length))
         ends.append(np.linspace(low, high, pieces + 1)[1:])
     found = np.concatenate(ends)
@@ -151,7 +152,7 @@ def _points(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -> tu
     """Return the points of the outer line (p, 2), and the first of each segment (s,)."""
     at: list[Floats] = []
     first = []
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in itertools.pairwise(ends):
         first.append(len(at))
         at.append(_place(points, marks, np.array([low]))[0])
         room, before = APART * (high - low), low

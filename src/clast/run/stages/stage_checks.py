@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast import spelling
+from clast.actions.linings.linings import linings_of
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import Still
 from clast.model.model import Model
@@ -218,6 +219,21 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
                     remedy="let one stage install it, by install or by the bolt's own stage",
                 )
             installed[bolt] = _where(stage)
+        _check_room(stage, model, since)
+
+
+def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
+    """Refuse linings in rock that has not been excavated ``since`` some stage."""
+    linings, _ = linings_of(model)
+    for one in linings.each if linings else ():
+        for block in one.inside.tolist() if one.stage == stage.name else ():
+            if block not in since:
+                raise ModelError(
+                    f"lies in block '{shortened(model.block_name[block])}', which has not been "
+                    f"excavated by {_where(stage)}",
+                    where=f"lining '{shortened(one.name)}', stage",
+                    remedy="name a later stage, or excavate its place before",
+                )
 
 
 def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:

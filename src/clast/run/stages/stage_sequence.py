@@ -23,6 +23,7 @@ from clast.model.stages.stage import TIME, Stage
 from clast.model.state import State
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.position import EquilibriumStreak, Judged, Position
+from clast.run.stages.spraying import events_of_linings
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.transition import (
     Setting,
@@ -84,7 +85,12 @@ class StageSequence:
             judged=Judged(),
             over=False,
         )
-        return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
+        stage = self.stage(position)
+        events = (
+            *events_at_start(stage, state.time),
+            *events_of_linings(self.base.model, stage, state.time),
+        )
+        return setting, state, position, events
 
     def leave(
         self,

@@ -24,6 +24,7 @@ from clast.model.stages.strengths import with_strengths
 from clast.model.state import State
 from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
+from clast.run.stages.spraying import lined
 from clast.step.method import Method
 
 WELL_BELOW = 0.1
@@ -69,6 +70,8 @@ def entered(
             stage.relax_time,
         )
         setting = replace(setting, model=model)
+    model, state = lined(setting.model, setting.method, state, stage, setting.schedule.step)
+    setting = replace(setting, model=model)
     if current.method.dynamic_ratio == 0.0 < setting.method.dynamic_ratio:
         state = at_rest(state)
     return setting, state
