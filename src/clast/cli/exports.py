@@ -90,6 +90,7 @@ def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) ->
     present = {
         "bolts": results.bolt_name,
         "links": results.link_name,
+        "linings": results.lining_joint_name,
         "measured_contacts": results.measured_contact_name,
         "stages": results.frame_stages,
         "events": results.events,

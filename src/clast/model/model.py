@@ -25,6 +25,7 @@ from clast.model.in_situ import InSituStress
 from clast.model.joints import JointTable
 from clast.model.openings import Opening, blocks_called
 from clast.model.repairs import Repair
+from clast.model.supports.lining_joints import LiningJoints
 from clast.model.supports.reactions import Reactions, numbered
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
@@ -364,6 +365,12 @@ class Model:
     def links(self) -> tuple[str, ...]:
         """Names of the links."""
         return tuple(name for action in self.actions for name in getattr(action, "links", ()))
+
+    @property
+    def lining_joints(self) -> LiningJoints:
+        """The joints of linings."""
+        found = [one.joints_in(self) for one in self.actions if hasattr(one, "joints_in")]
+        return found[0] if found else LiningJoints()
 
     @kept_property
     def moved(self) -> Bools:

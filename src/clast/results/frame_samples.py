@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from clast.actions.bolts.bolt_states import BoltStates
 from clast.actions.bolts.bolts import Bolting
+from clast.actions.linings.linings import linings_of
 from clast.actions.relaxation import gone_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
@@ -214,12 +215,32 @@ class LinkTracker:
         return state.time, borne[:, :2], borne[:, 2], condition
 
 
+class LiningTracker:
+    """Follows the linings of a model through its states."""
+
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
+        self._model = model
+        self._linings, self._number = linings_of(model)
+
+    def row(self, state: State) -> tuple[float, Floats, Floats, Floats, Floats, Ints]:
+        """Return time, and N, Q, M, utilisation and state (k,) of each joint."""
+        linings = self._linings
+        if linings is None:
+            none = np.zeros(0)
+            return state.time, none, none, none, none, np.zeros(0, np.int64)
+        place = self._number - len(self._model.actions)
+        own = state.actions[place] if state.actions else linings.begin(self._model)
+        used = linings.utilisation(own)
+        return state.time, *linings.forces(own).T, used, linings.condition(own)
+
+
 ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
     "energy": LedgerTracker,
     "history": PointTracker,
     "bolts": BoltTracker,
     "reactions": ReactionTracker,
     "links": LinkTracker,
+    "linings": LiningTracker,
 }
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 
@@ -329,7 +350,7 @@ class FramesInMemory:
         kinds: dict[str, NDArray[Any]] = {
             "block": np.arange(model.block_count),
             "rock": model.block_rock,
-            "fixed": model.fixed.astype(np.uint8),
+            "fixed": (model.fixed & ~model.lined).astype(np.uint8),
         }
         if name in kinds:
             return kinds[name]

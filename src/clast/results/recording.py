@@ -18,6 +18,7 @@ from clast import thumbnails
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.state import State
+from clast.model.supports.lining_joints import LiningJoints
 from clast.model.water.water import Water
 from clast.results.frames import (
     VERTICES,
@@ -37,6 +38,7 @@ from clast.results.result_tables import (
     ContactHistory,
     FrameBolts,
     FrameContacts,
+    LiningHistory,
     PointHistory,
     ReactionHistory,
     no_joints,
@@ -47,6 +49,7 @@ from clast.results.schema import (
     CONTACT_TABLE,
     ENERGY,
     HISTORY,
+    LINING_TABLE,
     LINK_TABLE,
     OVER_TIME,
     REACTION_TABLE,
@@ -114,6 +117,8 @@ class Recording:
     """Name of each reaction."""
     link_name: tuple[str, ...] = ()
     """Name of each link."""
+    lining_joints: LiningJoints = field(default_factory=LiningJoints, repr=False)
+    """The joints of linings."""
     origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
     """Point that coordinates of the model are relative to, m, shape (2,)."""
     gravity: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
@@ -285,6 +290,27 @@ class Recording:
         """
         return Columns(self._rows_called(LINK_TABLE, name))
 
+    @property
+    def lining_joint_name(self) -> tuple[str, ...]:
+        """Name of each joint of a lining."""
+        return self.lining_joints.name
+
+    @property
+    def lining_name(self) -> tuple[str, ...]:
+        """Name of each lining."""
+        return self.lining_joints.linings
+
+    def lining(self, name: str) -> LiningHistory:
+        """Return forces and moments along a lining, a row per instant.
+
+        Raises CaseError for one that does not exist.
+        """
+        if name not in self.lining_name:
+            raise unknown_name("lining", name, self.lining_name)
+        own = self.lining_joints.of(name)
+        rows = [self._rows(LINING_TABLE, int(k)) for k in own]
+        return LiningHistory(self.lining_joints.along[own], self.lining_joints.face[own], rows)
+
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""
         lines = self.bolt_lines
@@ -363,7 +389,7 @@ def parts_of(model: Model) -> dict[str, Any]:
         "block_name": model.block_name,
         "block_start": model.block_start,
         "block_rock": model.block_rock,
-        "fixed": model.fixed,
+        "fixed": model.fixed & ~model.lined,
         "rock_name": tuple(rock.name for rock in model.rocks),
         "point_name": points.name,
         "point_start": points.at + model.origin,
@@ -372,6 +398,7 @@ def parts_of(model: Model) -> dict[str, Any]:
         "bolt_lines": BoltLines(name=model.bolts.name, point=model.bolts.bolt),
         "reaction_name": model.reactions.name,
         "link_name": model.links,
+        "lining_joints": model.lining_joints,
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,

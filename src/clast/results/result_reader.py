@@ -25,6 +25,7 @@ from clast.results.schema import (
     CONTACTS,
     FORMAT,
     KIND_FIELDS,
+    LINING_JOINTS,
     LINKS,
     MEASURED_CONTACTS,
     PLANE_VECTORS,
@@ -185,7 +186,8 @@ def _results(path: Path, file: Any) -> Results:
     measured = validate.measured_contacts_of(file)
     reactions, links = (validate.names_in(file, one) for one in (REACTIONS, LINKS))
     things = {POINTS: points[0], BOLTS: bolts.name, MEASURED_CONTACTS: measured}
-    things |= {REACTIONS: reactions, LINKS: links}
+    lined = validate.lining_joints_of(file, blocks)
+    things |= {REACTIONS: reactions, LINKS: links, LINING_JOINTS: lined.name}
     validate.check_tables(file, frames, things, layout)
     about, prefix = file["model"].attrs, "version of "
     made = validate.about_of(file)
@@ -211,6 +213,7 @@ def _results(path: Path, file: Any) -> Results:
         bolt_lines=bolts,
         reaction_name=reactions,
         link_name=links,
+        lining_joints=lined,
         measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),

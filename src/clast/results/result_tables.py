@@ -9,6 +9,7 @@ Tables have columns of equal length by name, as pandas and polars take them::
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -214,6 +215,58 @@ class BoltHistory(Columns):
     def state_name(self) -> str:
         """The last state in words."""
         return BOLT_STATES[int(self.state[-1])]
+
+
+@dataclass(frozen=True, repr=False)
+class LiningHistory:
+    """Forces and moments along a lining of k joints, at the start and after every step; t rows.
+
+    N is positive in tension, Q is the force to the left on what lies before a joint, M is positive
+    where it stretches the left face: that of the opening, seen counter-clockwise.
+    """
+
+    along: Floats
+    """Where the joints are along the middle of the lining, m, shape (k,)."""
+    face: Ints
+    """Vertices beside each of them, outside and inside, shape (k, 2)."""
+    rows: list[NDArray[Any]]
+    """The rows of each joint."""
+
+    def __repr__(self) -> str:
+        return f"LiningHistory({len(self.along)} joints, {len(self.time)} rows)"
+
+    @property
+    def time(self) -> Floats:
+        """Time, s, shape (t,)."""
+        return np.asarray(self.rows[0]["time"])
+
+    @property
+    def normal_force(self) -> Floats:
+        """Normal force N, N/m, shape (t, k)."""
+        return self._of("normal_force")
+
+    @property
+    def shear_force(self) -> Floats:
+        """Shear force Q, N/m, shape (t, k)."""
+        return self._of("shear_force")
+
+    @property
+    def moment(self) -> Floats:
+        """Moment M, N (N m per m), shape (t, k)."""
+        return self._of("moment")
+
+    @property
+    def utilisation(self) -> Floats:
+        """Share of the strength of the section that is used, NaN without strengths, (t, k)."""
+        return self._of("utilisation")
+
+    @property
+    def state(self) -> Ints:
+        """0 not installed, 1 intact, 2 cracked, 3 yielded, 4 lost, shape (t, k)."""
+        return self._of("state")
+
+    def _of(self, name: str) -> NDArray[Any]:
+        return np.stack([rows[name] for rows in self.rows], axis=1)
 
 
 class ContactHistory(Columns):

@@ -313,6 +313,7 @@ def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name has characters that no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
     texts += [*model.bolts.name, *model.bolts.kind, *model.reactions.name, *model.links]
+    texts += model.lining_joints.name
     rocks, joints = model.rocks, model.joint_table.joints
     texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
     for text in texts:
@@ -385,7 +386,7 @@ def _write_grid(grid: Any, model: Model) -> None:
         _growing(grid, one.place, one.shape, batch=blocks if one.of_blocks else vertices)
     _fixed(grid, "CellData/block", np.arange(blocks))
     _fixed(grid, "CellData/rock", model.block_rock)
-    _fixed(grid, "CellData/fixed", model.fixed.astype(np.uint8))
+    _fixed(grid, "CellData/fixed", (model.fixed & ~model.lined).astype(np.uint8))
     for one in FIELDS:
         grid[one.place].attrs["about"] = one.meaning
     _make_room_for_steps(grid.create_group("Steps"), model)

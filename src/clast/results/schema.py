@@ -123,6 +123,12 @@ LINKS = Things(name="link", meaning="link", since="links", names=lambda model: m
 BOLTS = Things(
     name="bolt", meaning="bolt", since="rock bolts", names=lambda model: model.bolts.name
 )
+LINING_JOINTS = Things(
+    name="lining_joint",
+    meaning="joint of a lining",
+    since="linings",
+    names=lambda model: model.lining_joints.name,
+)
 
 MEASURED_CONTACTS = Things(
     name="measured_contact",
@@ -300,6 +306,31 @@ LINK_TABLE = TableSchema(
         Column(name="state", kind="i8", meaning="state", words=LINK_STATES),
     ),
 )
+LINING_STATES = ("not installed", "intact", "cracked", "yielded", "lost")
+"""States of a joint of a lining by their numbers; one is lost whose segment is excavated."""
+LINING_TABLE = TableSchema(
+    name="linings",
+    meaning="Linings: in each row forces, moment and state of the joints of all.",
+    per=Per.INSTANT,
+    of=LINING_JOINTS,
+    since="linings",
+    without="there are no linings",
+    columns=(
+        Column(name="normal_force", unit="N/m", meaning="normal force N, tension positive"),
+        Column(
+            name="shear_force",
+            unit="N/m",
+            meaning="shear force Q, to the left on what lies before the joint",
+        ),
+        Column(name="moment", unit="N", meaning="moment M, positive where it stretches the left"),
+        Column(
+            name="utilisation",
+            meaning="share of the strength of the section, 1 on its curve; NaN without strengths",
+            may_be_nan=True,
+        ),
+        Column(name="state", kind="i8", meaning="state", words=LINING_STATES),
+    ),
+)
 CONTACTS = TableSchema(
     name="contacts",
     meaning="Contacts that carry a force, frame after frame.",
@@ -364,7 +395,17 @@ CONTACT_TABLE = TableSchema(
     ),
 )
 
-TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, CONTACT_TABLE, HISTORY)
+TABLES = (
+    CONTACTS,
+    ENERGY,
+    STEPS,
+    BOLT_TABLE,
+    REACTION_TABLE,
+    LINK_TABLE,
+    LINING_TABLE,
+    CONTACT_TABLE,
+    HISTORY,
+)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
@@ -529,7 +570,9 @@ MODEL = (
         meaning="first vertex of each block; the last entry is the number of vertices",
     ),
     OfModel(name="block_rock", value=lambda m: m.block_rock, meaning="rock of each block"),
-    OfModel(name="fixed", value=lambda m: m.fixed, meaning="true where a block cannot move"),
+    OfModel(
+        name="fixed", value=lambda m: m.fixed & ~m.lined, meaning="true where a block cannot move"
+    ),
     OfModel(
         name="edge_joint",
         value=lambda m: m.edge_joint,
@@ -583,6 +626,30 @@ MODEL = (
         value=lambda m: m.links,
         meaning="name of each link",
         since="links",
+    ),
+    OfModel(
+        name="lining_joint_name",
+        of=LINING_JOINTS,
+        texts=True,
+        value=lambda m: m.lining_joints.name,
+        meaning="name of each joint of a lining: that of the lining, a slash and its number",
+        since="linings",
+    ),
+    OfModel(
+        name="lining_along",
+        of=LINING_JOINTS,
+        packed=False,
+        value=lambda m: m.lining_joints.along,
+        meaning="where each joint is along the middle of its lining, m",
+        since="linings",
+    ),
+    OfModel(
+        name="lining_face",
+        of=LINING_JOINTS,
+        packed=False,
+        value=lambda m: m.lining_joints.face,
+        meaning="vertices of the segment beside each joint: outside, and inside",
+        since="linings",
     ),
     OfModel(
         name="bolt_of_point",

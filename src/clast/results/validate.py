@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import Event, Mover, StageRecord
 from clast.model.state import Ledger
+from clast.model.supports.lining_joints import LiningJoints
 from clast.model.water.water import Water
 from clast.results.open_file import MalformedError
 from clast.results.provenance import about_in
@@ -30,6 +31,7 @@ from clast.results.schema import (
     FRAME_ROW,
     FRAME_STAGE,
     KIND_FIELDS,
+    LINING_JOINTS,
     MOVING_FIELDS,
     OVER_TIME,
     POLYGON,
@@ -138,6 +140,20 @@ def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
         raise MalformedError("/model/bolt_of_point is not in the order of the bolts")
     _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), len(frames) * len(point))
     return BoltLines(name=name, point=point)
+
+
+def lining_joints_of(file: Any, blocks: StoredBlocks) -> LiningJoints:
+    """Return the joints of linings of a file, none where there are none; raises MalformedError."""
+    name = names_in(file, LINING_JOINTS)
+    if not name:
+        return LiningJoints()
+    along = _whole(file, "model/lining_along", "f").astype(np.float64)
+    face = _whole(file, "model/lining_face", "iu", (2,)).astype(np.int64)
+    if not len(along) == len(face) == len(name) or not np.isfinite(along).all():
+        raise MalformedError("/model/lining_along is not a place for each joint of a lining")
+    if face.min() < 0 or face.max() >= blocks.start[-1]:
+        raise MalformedError("/model/lining_face names vertices that do not exist")
+    return LiningJoints(name=name, along=along, face=face)
 
 
 def measured_contacts_of(file: Any) -> tuple[str, ...]:

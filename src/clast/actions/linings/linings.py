@@ -27,6 +27,7 @@ from clast.actions.linings.sections import edge_stress
 from clast.actions.links.link_states import LinkRows, LinkStates
 from clast.actions.links.links import Links
 from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.supports.lining_joints import LiningJoints
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
@@ -163,6 +164,22 @@ class Linings:
                     yield kind, one.name, f"lining '{one.name}' {verb} {place}"
 
     # --- results
+
+    def joints_in(self, model: Model) -> LiningJoints:
+        """Return names and places of the joints."""
+        face = []
+        for one in self.each:
+            first = model.block_start[one.segments[one.face[:, 0]]]
+            count = one.shape.count[one.face[:, 0]]
+            ends = one.face[:, 1] == 1
+            outside = np.where(ends, count - 1, 0)
+            inside = np.where(ends, count, count + 1)
+            face.append(first[:, None] + np.stack([outside, inside], axis=1))
+        return LiningJoints(
+            name=self.springs.rows.name,
+            along=np.concatenate([one.along for one in self.each]),
+            face=np.concatenate(face).astype(np.int64),
+        )
 
     def forces(self, own: LiningStates) -> Floats:
         """Return N, tension positive, Q, N/m, and M, N, of each joint, shape (k, 3).

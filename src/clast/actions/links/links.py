@@ -22,7 +22,7 @@ its hinge drawn apart by r^2 y/2.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -55,7 +55,7 @@ class Links:
     """Their components."""
     apart: Ints
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
-    limits: Limits = YieldForces()
+    limits: Limits = field(default_factory=YieldForces)
     """Bounds of the forces."""
     support: ClassVar[str] = ""
     """They hold blocks by each other."""
