@@ -53,6 +53,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
         **({"bolts at the end": _bolts(content["bolts"])} if content["bolts"] else {}),
+        **{f"lining {name}": _lining(found) for name, found in content["linings"].items()},
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
         **({"warnings": "\n".join(warnings)} if warnings else {}),
@@ -67,6 +68,20 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
 def _bolts(counts: dict[str, int]) -> str:
     """Return how many bolts are in which state, in words."""
     return ", ".join(f"{count} {state}" for state, count in counts.items())
+
+
+def _lining(found: dict[str, float | None]) -> str:
+    """Return the extremes along a lining, in words."""
+    parts = [
+        f"{letter} {found[f'least_{key}']:.4g} to {found[f'largest_{key}']:.4g} {unit}"
+        for letter, key, unit in (
+            ("N", "normal_force", "N/m"),
+            ("Q", "shear_force", "N/m"),
+            ("M", "moment", "N"),
+        )
+    ]
+    used = found["utilisation"]
+    return ", ".join([*parts, *([] if used is None else [f"utilisation {used:.3g}"])])
 
 
 def plot(
@@ -98,7 +113,10 @@ def plot(
     layers: Annotated[
         str,
         typer.Option(
-            metavar="A,B", help="Draw as well: chains, crosses, vectors, levels, scale, gravity."
+            metavar="A,B",
+            help="Draw as well: chains, crosses, vectors, levels, scale, gravity; of "
+            "linings "
+            "normal-forces, shear-forces, moments.",
         ),
     ] = "",
     compare_frames: Annotated[

@@ -17,7 +17,17 @@ COARSEST, FINEST = 20, 2400
 MOST_DOTS = 25_000
 """Dots in the width or the height of a picture, at most."""
 
-LAYERS = ("chains", "crosses", "vectors", "levels", "scale", "gravity")
+LAYERS = (
+    "chains",
+    "crosses",
+    "vectors",
+    "levels",
+    "normal-forces",
+    "shear-forces",
+    "moments",
+    "scale",
+    "gravity",
+)
 """Force chains, crosses of principal stress, displacements as arrows and as lines of equal ones, a
 scale bar, the direction of gravity."""
 

@@ -254,10 +254,26 @@ def summary(results: Results) -> dict[str, Any]:
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),
         "bolts": _count_bolts(results),
+        "linings": {name: _extremes(results, name) for name in results.lining_name},
         "measured_points": {name: _last_row(results, name) for name in results.point_name},
         "energy": {name: float(values[-1]) for name, values in results.energy.items()},
         "report": report.as_dict() if report else None,
     }
+
+
+def _extremes(results: Results, name: str) -> dict[str, float | None]:
+    """Return the extremes along a lining at the end, in N/m and N, None without strengths."""
+    lining = results.lining(name)
+    found: dict[str, float | None] = {}
+    for column in ("normal_force", "shear_force", "moment"):
+        values = getattr(lining, column)[-1]
+        found[f"least_{column}"], found[f"largest_{column}"] = (
+            float(values.min()),
+            float(values.max()),
+        )
+    used = lining.utilisation[-1]
+    found["utilisation"] = None if np.isnan(used).all() else float(np.nanmax(used))
+    return found
 
 
 def _count_bolts(results: Results) -> dict[str, int]:

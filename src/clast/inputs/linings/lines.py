@@ -20,6 +20,8 @@ from clast.model.model import Floats
 
 GRID = 1e-8
 """Grid on which outlines are joined, in units of the size of the case."""
+CORNER = 1e-3
+"""Distance of a point from a corner of an outline that is none, in units of its length."""
 NEAR = 0.01
 """How far from an outline a point on it may be given, in units of its length."""
 
@@ -137,12 +139,19 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
                 where=where,
                 remedy="give points on it",
             )
-    first, last = (line.project(shapely.Point(point)) for point in ends)
+    first, last = (_on_line(line, marks, point) for point in ends)
     span = (last - first) % line.length
     between = sorted(((mark - first) % line.length, k) for k, mark in enumerate(marks[:-1]))
     inner = [ring[k] for way, k in between if close < way < span - close]
     ends_on = [np.array(line.interpolate(at).coords[0]) for at in (first, last)]
     return np.array([ends_on[0], *inner, ends_on[1]])
+
+
+def _on_line(line: Any, marks: list[float], point: Any) -> float:
+    """Return how far along a ring a point is, m: at a corner of it that is close."""
+    along = line.project(shapely.Point(point))
+    nearest = min(marks, key=lambda mark: abs(mark - along))
+    return nearest if abs(nearest - along) <= CORNER * line.length else along
 
 
 def _length(points: Floats) -> float:

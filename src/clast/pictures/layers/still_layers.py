@@ -12,6 +12,7 @@ from clast.model.model import Floats
 from clast.pictures.canvas import INK, SMALL_SIZE
 from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed
+from clast.pictures.supports.linings import DIAGRAMS, drawing_of, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -255,5 +256,6 @@ LAYERS = {
     "crosses": StillLayer(_cross_handles, _draw_crosses),
     "vectors": StillLayer(_vector_handles, _draw_vectors),
     "levels": StillLayer(_level_handles, _draw_levels),
+    **{name: StillLayer(handles_of(one), drawing_of(one)) for name, one in DIAGRAMS.items()},
 }
 """Name of a layer, as ``Look.layers`` has it -> the layer."""
