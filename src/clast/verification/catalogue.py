@@ -71,6 +71,9 @@ from clast.verification.problems.slopes import (
 from clast.verification.problems.supports import (
     drawn_block,
     hinges,
+    lining_beam,
+    lining_confinement,
+    lining_ring,
     servo_press,
     settling_pier,
     yielding_beam,
@@ -183,6 +186,9 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         servo_press.PROBLEM,
         hinges.PROBLEM,
         yielding_beam.PROBLEM,
+        lining_beam.PROBLEM,
+        lining_ring.PROBLEM,
+        lining_confinement.PROBLEM,
     ),
     "waves": (
         chain.PROBLEM,

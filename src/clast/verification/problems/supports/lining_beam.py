@@ -1,0 +1,162 @@
+"""A lining as a cantilever: its deflection, and the moment at which it yields under compression.
+
+With the springs of a lining between n segments, half a segment from the clamp, the deflection is
+
+    w = P L^3/(3 E I) (1 + 1/(2 n^2)) + P L/(k G A)
+
+A section of the strengths f_c and f_t yields where N = f_t (t - c) - f_c c and
+M = (f_c + f_t) c (t - c)/2.  The section at the clamp of a cantilever that bears N along and P
+across yields first, at P = M(N)/L.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.inputs.builder import InputBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
+
+LENGTH, THICKNESS = 2.0, 0.1
+"""m."""
+YOUNG, POISSON = 30e9, 0.2
+PRESSED, PULLED = 30e6, 3e6
+"""Strengths, Pa."""
+FORCE = 1e3
+"""Load across the end, N/m."""
+STEP, END = 1e-2, 0.3
+SPEED = 0.1
+"""Speed of the end that is pushed until the section yields, m/s."""
+COMPRESSIONS = (0.0, 1.0e6, 2.0e6)
+"""Normal forces of the section, N/m."""
+REASON = "the trapezoidal rule over n segments: 1/(2 n^2)"
+YIELDS = "the polygon is 0.4 % inside the curve at most; the end sinks by 1 % of its length"
+
+
+def scene(segments: int = 10, turns: float = 0.0, **keys: float) -> Model:
+    """Return a cantilever of so many segments to the right of a fixed block, turned by degrees."""
+    builder = _beam(segments, turns, **keys)
+    way = _turned((0.0, -FORCE), turns)
+    tip = _turned((LENGTH, 0.0), turns)
+    builder.point_load(tip, way, block=f"beam/{segments}")
+    builder.measured_point("tip", tip, block=f"beam/{segments}")
+    return builder.build()
+
+
+def yielding(compression: float) -> Model:
+    """Return a cantilever whose end is pressed, N/m, and pushed down."""
+    builder = _beam(20, 0.0, tension=PULLED, compression=PRESSED)
+    if compression:
+        builder.point_load((LENGTH, 0.0), (-compression, 0.0), block="beam/20")
+    builder.motion(name="push", block="beam/20", y=-SPEED, ease=0.05)
+    return builder.build()
+
+
+def _beam(segments: int, turns: float, **keys: float) -> InputBuilder:
+    builder = InputBuilder(title="Cantilever of a lining", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=2500.0)
+    corners = ((-1.0, -1.0), (0.0, -1.0), (0.0, 1.0), (-1.0, 1.0))
+    builder.block(name="wall", vertices=[_turned(one, turns) for one in corners], fixed=True)
+    builder.lining(
+        "beam",
+        polyline=[(0.0, 0.0), _turned((LENGTH, 0.0), turns)],
+        side="middle",
+        thickness=THICKNESS,
+        segment=LENGTH / segments,
+        young=YOUNG,
+        poisson=POISSON,
+        start="clamped",
+        **keys,
+    )
+    return builder
+
+
+def _turned(point: tuple[float, float], turns: float) -> tuple[float, float]:
+    """Return a point turned by degrees."""
+    angle = np.radians(turns)
+    x, y = point
+    return (
+        float(np.cos(angle) * x - np.sin(angle) * y),
+        float(np.sin(angle) * x + np.cos(angle) * y),
+    )
+
+
+def exact_deflection() -> float:
+    """Return the deflection of Timoshenko's beam, m."""
+    inertia, shear = THICKNESS**3 / 12.0, YOUNG / (2.0 * (1.0 + POISSON))
+    bent = FORCE * LENGTH**3 / (3.0 * YOUNG * inertia)
+    return bent + FORCE * LENGTH / (5.0 / 6.0 * shear * THICKNESS)
+
+
+def exact_moment(compression: float) -> float:
+    """Return the moment at which the section yields under a compression, N/m, N."""
+    pressed = (PULLED * THICKNESS + compression) / (PULLED + PRESSED)
+    return 0.5 * (PULLED + PRESSED) * pressed * (THICKNESS - pressed)
+
+
+def bent(variant: Variant, model: Model, end: float) -> Run:
+    """Return the run."""
+    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.1, dynamic_ratio=0.0)
+    return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare deflections, and the moments of sections that yield."""
+    rows: list[Comparison] = []
+    exact = exact_deflection()
+    for segments, turns, tolerance in ((10, 0.0, 1e-2), (20, 0.0, 3e-3), (20, 37.0, 3e-3)):
+        run = bent(variant, scene(segments, turns), END)
+        found = float(np.hypot(*run.history("tip").displacement[-1]))
+        name = f"deflection, {segments} segments" + (", turned" if turns else "")
+        rows.append(relative(name, "m", found, exact, tolerance, REASON))
+    load = run.lining("beam")
+    rows.append(
+        relative(
+            "moment at the clamp", "N", float(load.moment[-1, 0]), FORCE * LENGTH, 2e-3, REASON
+        )
+    )
+    curves = []
+    for compression in COMPRESSIONS:
+        run = bent(variant, yielding(compression), 0.6)
+        lining = run.lining("beam")
+        found = float(lining.moment[-1, 0])
+        exact = exact_moment(-float(lining.normal_force[-1, 0]))
+        name = f"moment of the section under {1e-6 * compression:g} MN/m"
+        rows.append(relative(name, "N", found, exact, 1e-2, YIELDS))
+        label = f"under {1e-6 * compression:g} MN/m"
+        curves.append(curve(label, 1e3 * SPEED * lining.time, 1e-3 * lining.moment[:, 0]))
+    inside = np.linspace(-PRESSED * THICKNESS, PULLED * THICKNESS, 50)
+    chart = Chart(
+        title="moment at the clamp as the end is pushed down",
+        x_label="way of the end, mm",
+        y_label="moment, kN",
+        curves=(
+            exact_curve(
+                "largest that any normal force allows",
+                np.array([0.0, 60.0]),
+                np.full(2, 1e-3 * max(exact_moment(-n) for n in inside)),
+            ),
+            *curves,
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="lining-beam",
+    title="Cantilever of a lining",
+    text="A lining of 2 m and 0.1 m, clamped at one end, of 10 and 20 segments, with 1 kN/m across "
+    "its free end, also turned by 37 degrees; then pushed down at its end until the section at the "
+    "clamp yields, under three normal forces. Static (dynamic_ratio = 0), h = 10 ms.",
+    formula="w = P L^3/(3 E I) + P L/(k G A);  M = (f_c + f_t) c (t - c)/2",
+    source="beam theory; a rectangular section that has yielded throughout",
+    set_up=scene,
+    examine=examine,
+    variants=(CONVEX, OPEN_CLOSE, PASSES),
+    quick=(CONVEX,),
+)
