@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -243,7 +244,8 @@ class InputBuilder(Inputs):
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
-        self._cut_linings()
+        if self.has(Lining) and not self._placed:
+            return self._with_linings().build()
         self._check_names()
         rocks = tuple(one.rock(name) for name, one in self.named(materials.Rock).items())
         for rock in rocks:
@@ -367,26 +369,28 @@ class InputBuilder(Inputs):
             ),
         )
 
-    def _cut_linings(self) -> None:
-        """Add the segments of linings to the blocks, once."""
-        if not self.has(Lining) or self._placed:
-            return
+    def _with_linings(self) -> InputBuilder:
+        """Return the same with the segments of linings among the blocks."""
         if self.repair is not None:
             remedy = "repair the drawing first (clast cut), and line the blocks that it gives"
             raise ModelError("linings follow no blocks that are repaired", "lining", remedy=remedy)
         drawn = self._outlines()
         whole = replace(drawn, vertices=drawn.vertices + drawn.origin)
-        self._placed = place_linings.placed_linings(
+        found = copy(self)
+        found._entries, found._named = [*self._entries], {**self._named}
+        found._named[materials.Rock] = {**self.named(materials.Rock)}
+        found._placed = place_linings.placed_linings(
             self.all(Lining),
             shapely.make_valid(whole.polygons()),
             drawn.names,
             self.opening_outlines,
             {one.name: one.blocks for one in self.all(OpeningTable)},
         )
-        for one in self._placed:
-            self.named(materials.Rock)[one.rock] = place_linings.material(one.table, self.plane)
-            self._entries.append(place_linings.entry(one, self._count))
-            self._count += len(one.names)
+        for one in found._placed:
+            found._named[materials.Rock][one.rock] = place_linings.material(one.table, self.plane)
+            found._entries.append(place_linings.entry(one, found._count))
+            found._count += len(one.names)
+        return found
 
     def _factor_of_gravity(self, number: dict[str, int]) -> int:
         """Return the number of the table by which gravity is multiplied."""

@@ -1,0 +1,210 @@
+"""Linings in whole runs: installed in stages, sections that yield, restarts, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clast
+from clast.case.api import ModelBuilder
+from clast.errors import CaseError
+from clast.results import Run
+from scenes.restarts import differences, pressed_at
+
+CONCRETE: dict[str, Any] = {
+    "thickness": 0.1,
+    "segment": 0.1,
+    "young": 20e9,
+    "density": 2400.0,
+    "tension": 2e6,
+    "compression": 20e6,
+}
+STATIC: dict[str, Any] = {"step": 0.05, "end": 0.5, "dynamic_ratio": 0.0, "max_displacement": 0.1}
+
+
+def beam(turned: float = 0.0, mirrored: bool = False, **keys: Any) -> ModelBuilder:
+    """Return a lining of 2 m between two fixed blocks, clamped to both, loaded off its middle."""
+    angle = np.radians(turned)
+
+    def at(x: float, y: float) -> tuple[float, float]:
+        y = -y if mirrored else y
+        return (
+            float(np.cos(angle) * x - np.sin(angle) * y),
+            float(np.sin(angle) * x + np.cos(angle) * y),
+        )
+
+    builder = ModelBuilder(title="beam", gravity=(0.0, 0.0))
+    builder.add_rock("stone", young=2e10, poisson=0.2, density=2500.0)
+    for name, x in (("left", -1.0), ("right", 2.0)):
+        corners = [at(x, -0.5), at(x + 1.0, -0.5), at(x + 1.0, 0.5), at(x, 0.5)]
+        builder.block(name=name, vertices=corners[::-1] if mirrored else corners, fixed=True)
+    given = {**CONCRETE, "start": "clamped", "end": "clamped", **keys}
+    builder.lining("beam", polyline=[at(0.0, 0.0), at(2.0, 0.0)], side="middle", **given)
+    builder.point_load(at(0.45, 0.0), (at(0.0, -1.0)[0] * 3e3, at(0.0, -1.0)[1] * 3e3), "beam/5")
+    return builder
+
+
+def forces(run: Run) -> np.ndarray[Any, Any]:
+    """Return N, Q and M along the beam at the end, (k, 3)."""
+    lining = run.lining("beam")
+    return np.stack(
+        [lining.normal_force[-1], lining.shear_force[-1], lining.moment[-1]], axis=1
+    )
+
+
+def test_a_turned_or_mirrored_lining_bears_the_same():
+    usual = forces(clast.simulate(beam().build(), **STATIC))
+    # clamped at both ends: P a b^2/L^2 and P b a^2/L^2, within the rule over 20 segments
+    ends = 3e3 * 0.45 * 1.55 / 4.0 * np.array([1.55, 0.45])
+    assert usual[[0, -1], 2] == pytest.approx(ends, rel=0.02)
+    turned = forces(clast.simulate(beam(61.0).build(), **STATIC))
+    assert turned[:, 1:] == pytest.approx(usual[:, 1:], rel=1e-6, abs=1e-3)
+    mirrored = forces(clast.simulate(beam(0.0, True).build(), **STATIC))
+    assert mirrored[:, 2] == pytest.approx(-usual[:, 2], rel=1e-6, abs=1e-3)
+
+
+def test_the_stiffness_is_that_of_a_shell_in_plane_strain():
+    sunk = []
+    for plane in (clast.PlaneStress(), clast.PlaneStrain()):
+        builder = beam(tension=None, compression=None)
+        builder.plane = plane
+        builder.measured_point("A", (0.45, 0.0), "beam/5")
+        sunk.append(clast.simulate(builder.build(), **STATIC).history("A").displacement[-1, 1])
+    # bending by E/(1 - nu^2), shear by G
+    assert sunk[1] / sunk[0] == pytest.approx(0.96, abs=0.004)
+
+
+def test_a_section_yields_on_its_curve_and_the_ledger_closes():
+    builder = beam(end="free")
+    builder.point_load((2.0, 0.0), (-5e5, 0.0), "beam/20")
+    builder.motion(name="push", block="beam/20", y=-0.1, ease=0.05)
+    run = clast.simulate(builder.build(), **STATIC)
+    lining = run.lining("beam")
+    pressed = 5e5
+    zone = (2e6 * 0.1 + pressed) / 22e6
+    assert lining.normal_force[-1, 0] == pytest.approx(-pressed, rel=2e-3)
+    assert lining.moment[-1, 0] == pytest.approx(0.5 * 22e6 * zone * (0.1 - zone), rel=0.01)
+    assert lining.utilisation[-1].max() == pytest.approx(1.0, abs=1e-5)
+    assert lining.state[[0, -1], 0].tolist() == [1, 3]
+    kinds = [one.kind for one in run.events]
+    assert kinds.index("cracked") < kinds.index("yielded")
+    ledger = run.state.ledger
+    assert ledger.yielding > 0.0
+    assert abs(ledger.unaccounted) < 1e-6 * abs(ledger.motions)
+
+
+def tunnel(stage: str = "line") -> ModelBuilder:
+    """Return a hole in four blocks under pressure in situ, with a core and a lining for it."""
+    builder = ModelBuilder(
+        title="tunnel", gravity=(0.0, 0.0), in_situ={"stress": [-1e6, -2e6, 0.0]}
+    )
+    builder.add_rock("stone", young=2e9, poisson=0.2, density=2500.0)
+    joint = {"normal_stiffness": 1e10, "shear_stiffness": 1e10}
+    builder.add_joint("default", friction_angle=35.0, **joint)
+    builder.add_joint(
+        "bond", friction_angle=35.0, cohesion=1e6, tensile_strength=1e6, **joint
+    )
+    ring = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+    builder.block(name="core", vertices=ring)
+    far = [(3.0, -3.0), (3.0, 3.0), (-3.0, 3.0), (-3.0, -3.0)]
+    for k in range(4):
+        j = (k + 1) % 4
+        builder.block(name=f"rock {k}", vertices=[ring[k], far[k], far[j], ring[j]])
+        out = [(1.5 * x, 1.5 * y) for x, y in (far[k], far[j])]
+        builder.block(name=f"far {k}", vertices=[far[k], *out, far[j]], fixed=True)
+    builder.opening("hole", ["core"])
+    builder.lining("shell", opening="hole", joint="bond", stage=stage, **CONCRETE)
+    return builder
+
+
+STAGES = (
+    clast.Stage(name="dig", until="time", time=0.2, excavate=("hole",), relax=0.5, relax_time=2.0),
+    clast.Stage(name="line", until="time", time=2.4),
+)
+STEPS: dict[str, Any] = {"step": 0.1, "dynamic_ratio": 0.0, "max_displacement": 0.05}
+
+
+@pytest.mark.parametrize("law", ["penalty", "augmented-lagrangian"])
+def test_a_lining_comes_without_stress_and_bears_what_is_released(law: str):
+    run = clast.simulate(tunnel().build(), end=2.6, stages=STAGES, contact_law=law, **STEPS)
+    shell = run.lining("shell")
+    there = np.flatnonzero(shell.state[:, 0] == 1)
+    assert shell.time[there[0]] == pytest.approx(0.2, abs=0.11)
+    before = shell.normal_force[: there[0]]
+    assert not before.any()
+    first = np.abs(shell.normal_force[there[0] + 1]).max()
+    assert first < 0.15 * np.abs(shell.normal_force[-1]).max()
+    assert (shell.normal_force[-1] < 0.0).all()
+    installed = [one.text for one in run.events if one.kind == "installed"]
+    assert installed == ["lining 'shell' is installed"]
+    ledger = run.state.ledger
+    assert abs(ledger.unaccounted) < 1e-6 * ledger.elastic
+    # left and right, and top and bottom, are alike
+    n = shell.normal_force[-1]
+    assert n == pytest.approx(np.roll(n, len(n) // 2), rel=1e-3)
+
+
+def test_a_run_with_a_lining_goes_on_to_the_bit(tmp_path: Path):
+    text = tunnel().to_toml(end=2.6, stages=STAGES, **STEPS)
+    case = clast.Case.from_toml(text, ["output.checkpoint_every=1e6", "output.every=0.5"])
+    for stop in (1, 9):
+        whole, part = tmp_path / f"whole {stop}.vtkhdf", tmp_path / f"part {stop}.vtkhdf"
+        case.run(output=whole)
+        stopped = case.run(output=part, progress=pressed_at(stop))
+        assert clast.resume(stopped.checkpoint).report.finished
+        assert differences(whole, part) == []
+        kept = clast.read(part).lining("shell")
+        assert kept.moment == pytest.approx(clast.read(whole).lining("shell").moment, abs=0.0)
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "rock": ({"opening": "hole"}, "lies in rock: block 'core'"),
+    "opening": ({"opening": "hol", "stage": "line"}, "there is no opening 'hol'"),
+    "joint": ({"opening": "hole", "stage": "line", "joint": "bnd"}, "there is no joint 'bnd'"),
+    "crossing": ({"polyline": [(0.0, -2.0), (0.0, 2.0)], "stage": "line"}, "crosses lining"),
+    "itself": (
+        {"polyline": [(4.0, 4.0), (6.0, 4.0), (6.0, 6.0), (5.0, 6.0), (5.0, 3.5)]},
+        "crosses itself",
+    ),
+    "curvature": (
+        {"polyline": [(8.0, 8.0), (9.0, 8.0), (9.0, 8.05), (8.0, 8.05)]},
+        "beyond the radius of curvature",
+    ),
+    "ring": (
+        {"polyline": [(8.0, 8.0), (8.1, 8.0), (8.1, 8.1), (8.0, 8.0)], "segment": 0.5},
+        "is more than the segment",
+    ),
+    "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "there are two of this name"),
+    "part": (
+        {"opening": "hole", "stage": "line", "part": [(9.0, 9.0), (1.0, 1.0)]},
+        "from the outline",
+    ),
+    "alone": ({"polyline": [(8.0, 8.0), (8.2, 8.0)]}, "a single segment that nothing holds"),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(REFUSED))
+def test_linings_that_cannot_be_placed_are_refused(kind: str):
+    keys, what = REFUSED[kind]
+    builder = tunnel()
+    builder.lining(**{"name": "other", **CONCRETE, **keys})
+    with pytest.raises(CaseError, match=what):
+        builder.build()
+
+
+def test_a_lining_before_its_excavation_is_refused():
+    model = tunnel("dig").build()
+    late = (clast.Stage(name="wait", until="time", time=0.2), *STAGES)
+    clast.simulate(model, end=0.1, stages=late[:2], **STEPS)
+    with pytest.raises(CaseError, match="not been excavated by stage 'wait'"):
+        clast.simulate(tunnel("wait").build(), end=0.1, stages=late, **STEPS)
+
+
+def test_pictures_have_diagrams(tmp_path: Path):
+    run = clast.simulate(beam().build(), **STATIC)
+    for name in ("moments", "normal-forces", "shear-forces"):
+        look = clast.Look(layers=(name,))
+        assert clast.plot_results(run, tmp_path / f"{name}.png", look=look).stat().st_size > 10_000
