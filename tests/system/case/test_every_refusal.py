@@ -314,6 +314,13 @@ WRONG: dict[str, Any] = {
 
 ROUGH = "law='barton-bandis', "
 
+
+def lined(keys: str, thickness: float = 0.1) -> list[str]:
+    """Return the setting that adds a lining with some keys."""
+    usual = f"name='plate', thickness={thickness}, segment=0.25, young=2e10"
+    return ["lining=[{" + usual + (f", {keys}" if keys else "") + "}]"]
+
+
 SETTINGS: dict[str, list[str]] = {
     "two surfaces": ["water.1.line=[[0, 1], [4, 1]]"],
     "water below": ["water.1.level=-5"],
@@ -355,6 +362,32 @@ SETTINGS: dict[str, list[str]] = {
     ],
     "link of no stage": ["link.1.stage=late"],
     "link rigidly misspelt": ["link.1.x=rigd"],
+    "lining of nothing": lined(""),
+    "lining of two lines": lined("polyline=[[2, 0], [3.5, 0]], opening='void'"),
+    "lining of no opening": lined("opening='viod', stage='later'"),
+    "lining of a point": lined("polyline=[[2, 0]]"),
+    "lining of a point twice": lined("polyline=[[2, 0], [2, 0], [3, 0]]"),
+    "lining closed along an open line": lined("polyline=[[2, 0], [3.5, 0]], closed=true"),
+    "lining part of no opening": lined("polyline=[[2, 0], [3.5, 0]], part=[[2, 0], [3, 0]]"),
+    "lining part that is none": lined("opening='void', stage='later', part=[[1, 1], [1, 1]]"),
+    "lining beside an opening": lined("opening='void', stage='later', side='left'"),
+    "lining of a ring with ends": lined("opening='void', stage='later', start='clamped'"),
+    "lining without compression": lined("polyline=[[2, 0], [3.5, 0]], tension=1e6"),
+    "lining stronger in tension": lined(
+        "polyline=[[2, 0], [3.5, 0]], tension=3e7, compression=2e7"
+    ),
+    "lining in MPa": lined("polyline=[[2, 0], [3.5, 0]], tension=0, compression=30"),
+    "lining of negative strength": lined(
+        "polyline=[[2, 0], [3.5, 0]], tension=-1e6, compression=2e7"
+    ),
+    "lining of no stage": lined("polyline=[[2, 0], [3.5, 0]], stage='late'"),
+    "lining of no joint": lined("polyline=[[2, 0], [3.5, 0]], joint='bnd'"),
+    "lining held by no ground": lined("polyline=[[2, 0], [3.5, 0]], start='clamped'"),
+    "lining in rock": lined("polyline=[[2, -0.5], [3.5, -0.5]]"),
+    "lining before its excavation": lined("opening='void', stage='first'"),
+    "lining round a sharp corner": lined("polyline=[[2, 0], [3, 0], [3, 0.02], [2, 0.02]]"),
+    "lining thicker than its segments": lined("polyline=[[2, 0], [3.5, 0]]", 0.5),
+    "lining thinner than nothing": lined("polyline=[[2, 0], [3.5, 0]]", -0.1),
     "moment on no block": ["moment.1.block=wal"],
     "moment by no table": ["moment.1.factor=rmap"],
     "reaction of nothing": ["measured_reaction.1={name='hinge'}"],
@@ -566,6 +599,22 @@ CALLS: dict[str, dict[str, Any]] = {
     "measured_reaction": {"name": "R", "block": "wall"},
     "link": {"at": (0.5, 0), "blocks": ["wall", "base"], "x": "rigid", "rotation": 1e6},
     "moment": {"block": "wall", "moment": 1.0, "factor": "ramp"},
+    "lining": {
+        "name": "plate",
+        "polyline": [(2.0, 0.0), (3.5, 0.0)],
+        "side": "left",
+        "closed": False,
+        "thickness": 0.1,
+        "segment": 0.25,
+        "young": 2e10,
+        "poisson": 0.2,
+        "density": 2400.0,
+        "tension": 2e6,
+        "compression": 2e7,
+        "joint": None,
+        "start": "free",
+        "end": "free",
+    },
     "motion": {
         "name": "m",
         "block": "wall",
