@@ -34,6 +34,7 @@ from clast.inputs.declaring.builder_methods import singles, with_keys
 from clast.inputs.declaring.serialise import as_plain, table_of
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.validation_messages import table_in
+from clast.inputs.linings.lining_table import Lining
 from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable
 from clast.inputs.stages import given_stages, stage_keys
@@ -145,6 +146,7 @@ class ModelBuilder(model_builder.InputBuilder):
     def _placed_joints(self) -> dict[str, Any]:
         """Return the joints without those of lines that became no edges, which a file refuses."""
         along = {"default", *np.unique(self._edge_joint_names(self._unnumbered())).tolist()}
+        along |= {one.joint for one in self.all(Lining) if one.joint is not None}
         return {
             name: as_plain(one)
             for name, one in self.named(Joint).items()
