@@ -373,7 +373,8 @@ class InputBuilder(Inputs):
         """Return the same with the segments of linings among the blocks."""
         if self.repair is not None:
             remedy = "repair the drawing first (clast cut), and line the blocks that it gives"
-            raise ModelError("linings follow no blocks that are repaired", "lining", remedy=remedy)
+            what = "linings follow no blocks that are repaired"
+            raise ModelError(what, where="lining", remedy=remedy)
         drawn = self._outlines()
         whole = replace(drawn, vertices=drawn.vertices + drawn.origin)
         found = copy(self)

@@ -139,16 +139,16 @@ def _own_fits(own: Any, begun: Any, model: Model) -> bool:
         return isinstance(begun, SupportForces) and _forces_fit(own, model)
     if begun is None or own is None or type(begun).__module__.split(".")[0] != "clast":
         return own is None or begun is not None  # that of a script's action is the script's own
-    return _same_shapes(own, begun)
+    return _alike(own, begun)
 
 
-def _same_shapes(own: Any, begun: Any) -> bool:
+def _alike(own: Any, begun: Any) -> bool:
     """Return whether data are of one class, and their arrays of one shape."""
     if type(own) is not type(begun):
         return False
     pairs = [(getattr(own, one.name), getattr(begun, one.name)) for one in dataclasses.fields(own)]
     return all(
-        _same_shapes(*pair)
+        _alike(*pair)
         if dataclasses.is_dataclass(pair[1])
         else np.shape(pair[0]) == np.shape(pair[1])
         for pair in pairs
