@@ -129,3 +129,15 @@ def parted(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     builder.measured_point("A", (1.0, 0.0), block="moved")
     path = tmp_path_factory.mktemp("parted") / "parted.vtkhdf"
     return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02, output=path)
+
+
+@pytest.fixture(scope="module")
+def wet_run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
+    builder = clast.ModelBuilder(title="Pier", gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
+    builder.block(name="base", vertices=[(1e4, -1), (10004, -1), (10004, 0), (1e4, 0)], fixed=True)
+    builder.block(name="pier", vertices=[(10001, 0), (10002, 0), (10002, 2), (10001, 2)])
+    builder.add_table("rise", [0.0, 0.02], [0.0, 1.0])
+    builder.water(2.4, name="pool", factor="rise", drained_at=[(10001.5, 0)])
+    path = tmp_path_factory.mktemp("water") / "pier.vtkhdf"
+    return clast.simulate(builder, end=0.02, step=1e-3, output=path)

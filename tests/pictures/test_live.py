@@ -3,15 +3,20 @@
 import http.client
 import json
 import socket
+import subprocess
+import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 
 import clast
+from clast.case.resume import result_file
+from clast.case.templates import TEMPLATES
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.leader import LivePage
@@ -334,6 +339,53 @@ def test_a_leader_costs_a_step_next_to_nothing(tmp_path):
         assert time.process_time() - begun < 1.0  # 10 us a step: a step takes 100 and more
     finally:
         page.close()
+
+
+def test_a_run_that_is_resumed_has_its_page(tmp_path):
+    """The page shows the frames before the checkpoint and those after it."""
+
+    def script(client):
+        client.until(lambda scene: scene["status"].get("paused"))
+        client.do("step")
+        client.until(lambda scene: scene["status"].get("steps") == 1)
+        client.do("end")
+
+    with led(tmp_path, script) as run:
+        pass
+    assert not run.report.finished and len(run.times) == 2
+    target = result_file(run.checkpoint)
+    assert target == tmp_path / "run.vtkhdf"
+    assert result_file(run.checkpoint, "b.vtkhdf") == Path("b.vtkhdf")
+    page = LivePage(target)
+    client = Client(page)
+    try:
+        whole = clast.resume(run.checkpoint, model=run.model, progress=page)
+        scene = client.until(lambda scene: len(scene["times"]) == len(whole.times))
+    finally:
+        page.close()
+    assert whole.report.finished
+    assert scene["times"] == pytest.approx(clast.read(target).times.tolist())
+
+
+@pytest.mark.slow
+def test_the_commands_give_the_address_of_the_page(tmp_path):
+    """clast run --live and clast resume --live say where it is, and end when nobody looks."""
+    case = tmp_path / "block.toml"
+    case.write_text(TEMPLATES["incline"](), encoding="utf-8")
+    for command in (
+        ["run", "block.toml", "--set", "time.end=0.01", "--set", "output.checkpoint_every=0.005"],
+        ["resume", "block.checkpoint.h5", "--set", "time.end=0.02"],
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "clast", *command, "--live"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == 0, done.stderr
+        assert "live: http://127.0.0.1:" in done.stderr and "#token=" in done.stderr
+    assert clast.read(tmp_path / "block.vtkhdf").times[-1] == pytest.approx(0.02)
 
 
 def test_an_address_that_cannot_be_had(tmp_path):

@@ -3,6 +3,7 @@
 import dataclasses
 import threading
 import time
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -182,6 +183,150 @@ def test_scales_end_where_those_of_still_pictures_do(opened, parted):
             [single.tolist(), weight.tolist()],
         )
         assert found == pytest.approx([scale.low, scale.high])
+
+
+def on_screen(page, place):
+    """Return where a place of the world, m about its origin, is in the window, pixels."""
+    return page.evaluate(
+        "([x, y]) => { const box = clastPage.above.getBoundingClientRect();"
+        " return [box.left + clastPage.view.screenX(x), box.top + clastPage.view.screenY(y)]; }",
+        [float(one) for one in place],
+    )
+
+
+def said_of_chosen(page):
+    """Return heading and rows of what is chosen, by name."""
+    text = page.inner_text("[data-part=chosen]").replace("\t", "\n").split("\n")
+    words = [one.strip() for one in text if one.strip()]
+    return words[0], dict(zip(words[1::2], words[2::2], strict=True))
+
+
+def number(text):
+    """Return a number with a unit and its prefix in SI units."""
+    value, unit = text.split()
+    factors = {"µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6}
+    prefix = factors.get(unit[0], 1.0) if unit not in ("m", "°") else 1.0
+    return float(value.replace("−", "-")) * prefix
+
+
+def test_a_click_on_a_joint_tells_its_forces_its_slip_and_their_history(opened, parted):
+    page = opened(parted, address="#layers=")
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    contacts = parted.contacts(-1)
+    row = int(contacts.slip.argmin())
+    inward = np.sign(origin[0] - contacts.position[row, 0]) * np.array([0.1, 0.0])
+    page.mouse.click(*on_screen(page, contacts.position[row] + inward - origin))
+    settled(page)
+    heading, said = said_of_chosen(page)
+    assert heading == "Joint of moved and table" and said["State"] == "slides"
+    assert number(said["Slip"]) == pytest.approx(contacts.slip[row], rel=2e-3)
+    assert number(said["Normal force"]) == pytest.approx(contacts.normal_force[row], rel=2e-3)
+    assert abs(number(said["Shear force"])) == pytest.approx(
+        abs(contacts.shear_force[row]), rel=2e-3
+    )
+    assert number(said["Mobilised friction"]) == pytest.approx(20.0, abs=0.1)
+    assert number(said["Opening"]) == pytest.approx(contacts.opening[row], rel=2e-2)
+    # its history: the slip of each frame, a gap where it bears nothing
+    slips = page.evaluate("clastPage.charts.curve.lines[0].values")
+    for frame in range(len(parted.times)):
+        at = parted.contacts(frame)
+        own = at.slip[(at.vertex == contacts.vertex[row]) & (at.edge_block == 0)]
+        wanted = float(own[0]) if len(own) else None
+        assert slips[frame] == (wanted and pytest.approx(wanted, abs=1e-6))
+    names = page.evaluate("[...clastPage.$('curve').options].map((one) => one.text)")
+    assert names[-3:] == ["Joint, slip", "Joint, forces", "Joint, opening"]
+    # the address holds it, and it can be followed
+    assert "joint=" in page.evaluate("location.hash")
+    page.check("[data-part=follow]")
+    page.keyboard.press("Home")
+    settled(page)
+    page.keyboard.press("End")
+    settled(page)
+    seen = page.evaluate("[clastPage.view.x, clastPage.view.y]")
+    assert np.abs(seen + origin - contacts.position[row]).max() < 0.02
+    page.keyboard.press("Escape")
+    settled(page)
+    assert "Click a block or a joint" in page.inner_text("[data-part=chosen]")
+    assert page.faults == []
+
+
+def test_a_click_on_a_joint_that_has_opened_tells_how_far(opened, parted):
+    page = opened(parted, address="#layers=&field=opening")
+    faces = JOINT_FIELDS["opening"].faces(parted, -1)
+    most = int(faces.value.argmax())
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    middle = faces.ends[most].mean(axis=0)
+    page.mouse.click(*on_screen(page, middle - origin))
+    settled(page)
+    heading, said = said_of_chosen(page)
+    assert sorted(heading.removeprefix("Joint of ").split(" and ")) == ["moved", "still"]
+    assert number(said["Opening"]) == pytest.approx(faces.value[most], rel=2e-3)
+    assert page.evaluate("clastPage.charts.curve.lines[0].values.at(-1)") == pytest.approx(
+        faces.value[most], rel=1e-4
+    )
+    assert page.faults == []
+
+
+def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp_path):
+    results = wall(4, 5)
+    page = opened(results, address="#field=sigma_yy&layers=contacts,chains,crosses,joints,slip")
+    text = page.inner_text("[data-part=legend]")
+    contacts = results.contacts(-1)
+    most = np.hypot(*contacts.force.T).max()
+    assert f"contact force, up to {most / 1e3:.3g} kN/m" in text
+    for part in ("Stress σyy", "bed", "head", "compression, up to", "tension, up to", "fixed"):
+        assert part in text, part
+    with page.expect_download() as taken:
+        page.click("[data-part=svg]")
+    taken.value.save_as(tmp_path / "taken.svg")
+    svg = (tmp_path / "taken.svg").read_text("utf-8")
+    ElementTree.fromstring(svg)
+    assert "A wall, t = 1 s" in svg and ">bed<" in svg and "kN/m" in svg
+    assert page.faults == []
+
+
+def test_water_is_drawn_where_it_presses(opened, wet_run):
+    page = opened(wet_run, address="#layers=water&field=none")
+    assert page.evaluate("clastPage.run.faces.water.shown") > 0
+    assert "water level" in page.inner_text("[data-part=legend]")
+    assert "water pressure, up to" in page.inner_text("[data-part=legend]")
+    page.select_option("[data-part=field]", "water")
+    settled(page)
+    assert "Water pressure" in page.inner_text("[data-part=legend]")
+    assert page.faults == []
+
+
+def test_an_address_holds_limits_share_and_theme(opened, wall):
+    page = opened(wall(4, 5), address="#field=velocity&limits=0.1,0.2&theme=dark&follow")
+    assert page.evaluate("clastPage.state.limits") == [0.1, 0.2]
+    assert page.get_attribute("main", "data-theme") == "dark"
+    page.fill("[data-part=low]", "0.05")
+    page.press("[data-part=low]", "Enter")
+    settled(page)
+    assert "limits=0.05,0.2" in page.evaluate("location.hash")
+    page.select_option("[data-part=share]", "0.95")
+    settled(page)
+    assert "share=0.95" in page.evaluate("location.hash")
+    assert "limits" not in page.evaluate("location.hash")
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "#t=x&field=nothing&view=1,2&layers=foo,bar&block=99",
+        "#joint=99999",
+        "#joint=1,99",
+        "#joint=1,2,3&block=-1",
+        "#joint=%00&limits=2,1&share=7&theme=pink",
+        "#view=1,1,-1&t=1e99&limits=a,b",
+    ],
+)
+def test_addresses_of_other_runs_do_no_harm(opened, wall, address):
+    page = opened(wall(2, 2), address=address)
+    assert "4 blocks" in page.inner_text("[data-part=counts]")
+    page.mouse.click(*on_screen(page, (0.0, 0.0)))
+    settled(page)
+    assert page.faults == []
 
 
 def test_an_address_shows_the_same_again(opened, wall):

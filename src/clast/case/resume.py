@@ -127,6 +127,16 @@ def resume(
     )
 
 
+def result_file(path: str | Path, output: str | Path | None = None) -> Path:
+    """Return the result file in which a checkpoint goes on: ``output``, or that of its run.
+
+    Raises CaseError for a file that is no checkpoint.
+    """
+    if output is not None:
+        return Path(output)
+    return Path(path).resolve().parent / read_checkpoint(Path(path), {}).recorded.file
+
+
 def _prepared(
     checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: ScriptParts
 ) -> Prepared:

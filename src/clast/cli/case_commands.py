@@ -15,6 +15,8 @@ from clast.cli.live import followed
 from clast.cli.options import (
     AsJson,
     CaseFile,
+    Live,
+    LiveAt,
     Quiet,
     Settings,
     Threads,
@@ -44,15 +46,8 @@ def run(
     ] = None,
     settings: Settings = None,
     threads: Threads = None,
-    live: Annotated[
-        bool, typer.Option("--live", help="Show the run in a browser on this machine, and lead it.")
-    ] = False,
-    live_at: Annotated[
-        str,
-        typer.Option(
-            "--live-at", metavar="HOST:PORT", help="Do so at this address, e.g. 127.0.0.1:8080."
-        ),
-    ] = "",
+    live: Live = False,
+    live_at: LiveAt = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -125,10 +120,13 @@ def resume(
     ] = None,
     settings: Settings = None,
     threads: Threads = None,
+    live: Live = False,
+    live_at: LiveAt = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Go on with a run from its checkpoint to its end."""
+    from clast.case.resume import result_file
     from clast.case.resume import resume as go_on
 
     if stage is not None and not stage.strip():
@@ -137,14 +135,16 @@ def resume(
             where="--stage",
             remedy="name the stage that is to be run again, or leave it out",
         )
-    with heard():
+    is_live = live or bool(live_at)
+    target = result_file(checkpoint, output) if is_live else Path()
+    with heard(), followed(target, is_live, live_at, not quiet) as progress:
         _shown(
             lambda warn: go_on(
                 checkpoint,
                 settings or (),
                 stage=stage or "",
                 output=output,
-                progress=not quiet,
+                progress=progress,
                 warn=warn,
             ),
             _compared,

@@ -37,6 +37,16 @@ Zoom = Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show this part a
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
+Live = Annotated[
+    bool, typer.Option("--live", help="Show the run in a browser on this machine, and lead it.")
+]
+LiveAt = Annotated[
+    str,
+    typer.Option(
+        "--live-at", metavar="HOST:PORT", help="Do so at this address, e.g. 127.0.0.1:8080."
+    ),
+]
+
 
 def _share(threads: int | None) -> None:
     """Have kernels share their work among ``threads``; they are not loaded yet."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clast.model.model import Bools, Floats
+from clast.model.model import Bools, Floats, Ints
 from clast.pictures.draw_blocks import paint
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
@@ -41,6 +41,8 @@ class Faces:
     """Their ends, m, shape (k, 2, 2); equal where there is one contact."""
     value: Floats
     """Mean of the contacts of each, shape (k,)."""
+    edge: Ints
+    """The vertex that an edge along it begins with, the same in all frames, shape (k,)."""
 
     @property
     def length(self) -> Floats:
@@ -71,7 +73,9 @@ def faces_opened(results: Recording, frame: int) -> Faces:
     apart = np.einsum("kex,kx->ke", theirs - mine, out).mean(axis=1)
     near = np.hypot(*(theirs - mine).mean(axis=1).T) <= APART * length
     # what is pressed together is closed
-    return Faces(ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]))
+    return Faces(
+        ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]), edge=own[near]
+    )
 
 
 def faces_slipped(results: Recording, frame: int) -> Faces:
@@ -82,7 +86,7 @@ def faces_slipped(results: Recording, frame: int) -> Faces:
     contacts = results.contacts(frame)
     values = contacts.slip
     if not len(values):
-        return Faces(ends=np.zeros((0, 2, 2)), value=np.zeros(0))
+        return Faces(ends=np.zeros((0, 2, 2)), value=np.zeros(0), edge=np.zeros(0, np.int64))
     blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block]), axis=0)
     along = np.stack([-contacts.normal[:, 1], contacts.normal[:, 0]], axis=1)
     angle = np.arctan2(along[:, 1], along[:, 0]) * STRAIGHT / np.pi
@@ -96,7 +100,8 @@ def faces_slipped(results: Recording, frame: int) -> Faces:
     last = np.r_[starts[1:], len(order)] - 1
     ends = np.stack([contacts.position[order[starts]], contacts.position[order[last]]], axis=1)
     count = last - starts + 1
-    return Faces(ends=ends, value=np.add.reduceat(values[order], starts) / count)
+    mean = np.add.reduceat(values[order], starts) / count
+    return Faces(ends=ends, value=mean, edge=contacts.edge[order[starts]])
 
 
 def together(some: Sequence[Faces]) -> Faces:
@@ -104,6 +109,7 @@ def together(some: Sequence[Faces]) -> Faces:
     return Faces(
         ends=np.concatenate([one.ends for one in some]),
         value=np.concatenate([one.value for one in some]),
+        edge=np.concatenate([one.edge for one in some]),
     )
 
 

@@ -12,13 +12,18 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import counted_from
+from clast.pictures.draw_water import pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import affine, packed, raw
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
-CONTACT_BYTES, FACE_BYTES = 14, 12
+CONTACT_BYTES, FACE_BYTES = 26, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
+CONTACT_NUMBERS = ("x", "y", "angle", "normal", "shear", "slip", "opening")
+"""Quantities of a contact: place, direction of its normal, forces, slip, opening."""
+CONTACT_NAMES = ("vertex", "by", "mode", "joint")
+"""What tells it: vertex, block that the vertex enters, mode and joint."""
 
 
 class _Frames(Sequence[Floats]):
@@ -54,6 +59,7 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
         "motion": {name: packed(values) for name, values in motion.items()},
         "fields": {name: packed(values) for name, values in _fields(results, numbers)},
         **_thinned(about, budget),
+        "levels": _levels(about),
         "bolts": _bolts(about),
         "points": _points(about),
     }
@@ -123,6 +129,8 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
     """Return contacts and joints; of each the same share of a full frame where room is short."""
     contacts = _contacts(about)
     faces = {name: rows for name in JOINT_FIELDS if (rows := _faces(about, name)) is not None}
+    if about.results.water:
+        faces["water"] = _wetted(about)
     every = [contacts, *faces.values()]
     wanted = sum(one.bytes * one.total for one in every)
     frames = len(about.numbers)
@@ -135,30 +143,38 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
         return flat, {"shown": len(flat), "of": one.total, "count": count}
 
     flat, counts = cut(contacts)
-    kinds = {"x": "<f4", "y": "<f4", "fx": "<f4", "fy": "<f4", "on": "<i4", "by": "<i4"}
-    kinds["mode"] = "<i4"
-    found = {name: raw(flat[:, k], kind) for k, (name, kind) in enumerate(kinds.items())}
+    found: dict[str, Any] = {
+        name: packed(flat[None, :, k]) for k, name in enumerate(CONTACT_NUMBERS)
+    }
+    for k, name in enumerate(CONTACT_NAMES, len(CONTACT_NUMBERS)):
+        found[name] = raw(flat[:, k], "<i4")
     joints = {}
     for name, rows in faces.items():
         flat_faces, told = cut(rows)
         ends = {
             end: packed(flat_faces[None, :, k]) for k, end in enumerate(("x0", "y0", "x1", "y1"))
         }
-        joints[name] = {**told, **ends, "value": raw(flat_faces[:, 4], "<f4")}
+        value = raw(flat_faces[:, 4], "<f4")
+        joints[name] = {**told, **ends, "value": value, "edge": raw(flat_faces[:, 5], "<i4")}
     return {"contacts": {**counts, **found}, "faces": joints}
 
 
 def _contacts(about: _About) -> _Rows:
-    """Return place, force, blocks and mode of every contact."""
+    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact."""
     rows: list[NDArray[Any]] = []
     weight = []
     for number in about.numbers:
         table = about.results.contacts(int(number))
-        force = table.force
-        weight.append(np.hypot(*force.T) if len(table) else np.zeros(0))
-        blocks = table.vertex_block, table.edge_block
+        forces = table.normal_force, table.shear_force
+        weight.append(np.hypot(*forces))
+        angle = np.arctan2(table.normal[:, 1], table.normal[:, 0])
+        nothing = np.zeros(len(table))
+        # an earlier clast kept neither joint nor movement
+        moved = [table[name] if name in table else nothing for name in ("slip", "opening")]
+        joint = table.joint if "joint" in table else nothing - 1
+        names = table.vertex, table.edge_block, table.mode, joint
         place = table.position - about.origin
-        rows.append(np.column_stack([place, force, *blocks, table.mode]))
+        rows.append(np.column_stack([place, angle, *forces, *moved, *names]))
     return _Rows(rows, weight, CONTACT_BYTES)
 
 
@@ -172,9 +188,33 @@ def _faces(about: _About, name: str) -> _Rows | None:
         except CaseError:  # an earlier clast wrote the file
             return None
         ends = (faces.ends - about.origin).reshape(-1, 4)
-        rows.append(np.column_stack([ends, faces.value]))
+        rows.append(np.column_stack([ends, faces.value, faces.edge]))
         weight.append(np.abs(faces.value))
     return _Rows(rows, weight, FACE_BYTES)
+
+
+def _wetted(about: _About) -> _Rows:
+    """Return faces and joints under water with their mean pressures; none are told by an edge."""
+    rows: list[NDArray[Any]] = []
+    for number in map(int, about.numbers):
+        waters = waters_of(about.results, number)
+        found = pressures_of(about.results, waters, number, about.results.vertices(number))
+        ends = (found.ends - about.origin).reshape(-1, 4)
+        pressure = found.pressure.mean(axis=1)
+        rows.append(np.column_stack([ends, pressure, np.full(len(ends), -1.0)]))
+    return _Rows(rows, [one[:, 4] for one in rows], FACE_BYTES)
+
+
+def _levels(about: _About) -> list[list[int]]:
+    """Return which of the waters of the run press in each frame."""
+    every = about.results.water
+    if not every:
+        return [[] for _ in about.numbers]
+    surfaces = [water.surface.tobytes() for water in every]
+    return [
+        sorted({surfaces.index(one.surface.tobytes()) for one in waters_of(about.results, int(k))})
+        for k in about.numbers
+    ]
 
 
 # Bolts and measured points -----------------------------------------------------------------------

@@ -58,10 +58,13 @@ def text_of(numbers: NDArray[np.uint16]) -> str:
 
 
 def raw(numbers: NDArray[Any], kind: str) -> str:
-    """Return an array as a text: its bytes as ``kind``, such as "<f4", deflated, in base64."""
-    return base64.b64encode(zlib.compress(np.ascontiguousarray(numbers, kind).tobytes(), 9)).decode(
-        "ascii"
-    )
+    """Return an array as a text: its bytes as ``kind``, such as "<f4", deflated, in base64.
+
+    All first bytes come first, then all second ones: like stands by like, which packs better.
+    """
+    flat = np.ascontiguousarray(numbers, kind).ravel()
+    planes = flat.view(np.uint8).reshape(len(flat), flat.itemsize).T
+    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
 
 
 def affine(start: Floats, frames: Sequence[Floats], block_start: Ints) -> dict[str, Floats]:

@@ -13,8 +13,16 @@ CURVE_POINTS = 2_000
 """Instants of a curve at most."""
 
 
+OF_CONTACTS = (
+    ("stress", "Pa", ("normal", "shear")),
+    ("slip", "m", ("slip", "slip_least", "slip_most")),
+    ("opening", "m", ("opening", "opening_least", "opening_most")),
+)
+"""Quantities of measured contacts, with their units and columns."""
+
+
 def curves_of(results: Recording) -> list[dict[str, Any]]:
-    """Return the curves over time: measured points, bolts, energies, steps."""
+    """Return the curves over time: points, bolts, contacts, reactions, links, energies, steps."""
     found = []
     for name in results.point_name:
         history = results.history(name)
@@ -39,6 +47,22 @@ def curves_of(results: Recording) -> list[dict[str, Any]]:
         found.append(
             _curve(f"Bolt {name}, force", "N/m", history_of_bolt.time, {"": history_of_bolt.force})
         )
+    for name in results.measured_contact_name:
+        rows = results.measured_contact(name)
+        for quantity, unit, columns in OF_CONTACTS:
+            lines = {column: rows[column] for column in columns}
+            found.append(_curve(f"Contact {name}, {quantity}", unit, rows["time"], lines))
+    for name in results.reaction_name:
+        reaction = results.reaction(name)
+        lines = {"x": reaction.force[:, 0], "y": reaction.force[:, 1]}
+        found.append(_curve(f"Reaction {name}, force", "N/m", reaction.time, lines))
+        lines = {"": reaction.moment}
+        found.append(_curve(f"Reaction {name}, moment", "N", reaction.time, lines))
+    for name in results.link_name:
+        link = results.link(name)
+        lines = {"along": link["force"][:, 0], "across": link["force"][:, 1]}
+        found.append(_curve(f"Link {name}, force", "N/m", link["time"], lines))
+        found.append(_curve(f"Link {name}, moment", "N", link["time"], {"": link["moment"]}))
     energy = results.energy
     parts = {key: values for key, values in energy.items() if key != "time" and np.any(values)}
     found.append(_curve("Energy", "J/m", energy["time"], parts))
@@ -58,7 +82,7 @@ def _curve(name: str, unit: str, time: Floats, lines: dict[str, Any]) -> dict[st
         chosen = [np.array([0, len(time) - 1])]
         for values in lines.values():
             for part in np.array_split(kept, max(1, CURVE_POINTS // (2 * max(1, len(lines))))):
-                here = np.asarray(values)[part]
+                here = np.nan_to_num(np.asarray(values)[part])
                 chosen.append(part[[int(here.argmin()), int(here.argmax())]])
         kept = np.unique(np.concatenate(chosen))
     return {

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from clast.pictures.draw_bolts import LOOKS
 from clast.pictures.fields import SCALARS
 from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.frame_data import moving
 from clast.pictures.page.packing import raw
 from clast.pictures.page.page_curves import curves_of
 from clast.pictures.scale import colours_between
+from clast.pictures.strokes import strokes_of
 from clast.results import Recording
 
 MOST_VALUES = 4_000_000
@@ -42,7 +44,13 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         "joints": list(results.joint_name),
         "edge_joint": raw(results.edge_joint, "<i4"),
         "labels": _labels(),
-        "joint_labels": {name: (one.label, one.unit) for name, one in JOINT_FIELDS.items()},
+        "joint_labels": {
+            **{name: (one.label, one.unit) for name, one in JOINT_FIELDS.items()},
+            **({"water": ("Water pressure", "Pa")} if results.water else {}),
+        },
+        "joint_looks": _joint_looks(results),
+        "bolt_looks": [(label, colour) for label, colour, _ in LOOKS],
+        "waters": [(one.surface + results.origin - origin).tolist() for one in results.water],
         "colours": _colours(),
         "line_widths": [THIN, THICK],
         **moving(results, numbers, budget),
@@ -70,6 +78,18 @@ def _labels() -> dict[str, tuple[str, str]]:
             label = label.replace(written, read)
         found[name] = (label, field.unit)
     return found
+
+
+def _joint_looks(results: Recording) -> dict[int, tuple[str, str, list[float]]]:
+    """Return label, colour and dashes, pixels, of each joint that edges have, by its number."""
+    joint = results.edge_joint
+    names = {number: results.joint_name[number] for number in np.unique(joint[joint >= 0]).tolist()}
+    looks = strokes_of(names)
+    dashes = {number: [] if one.dashes == "-" else one.dashes[1] for number, one in looks.items()}
+    return {
+        number: (looks[number].label, looks[number].colour, [2.0 * d for d in dashes[number]])
+        for number in names
+    }
 
 
 def _colours() -> dict[str, Any]:

@@ -1,12 +1,15 @@
 // The page: reads its data, draws, plays, and answers to hands, keys and the address.
 
 import { Charts } from "./charts.js";
+import { curvesOfChosen, isChosen, numbersOfChosen, placeOfChosen, readChoice, writtenChoice } from "./chosen.js";
 import { coloursOf, fieldsOf, labelOf } from "./colouring.js";
-import { kindColour, withUnit } from "./colours.js";
+import { withUnit } from "./colours.js";
 import { RunData } from "./data.js";
 import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
 import { WebglDrawing, isSoftware } from "./draw_webgl.js";
+import { jointAt } from "./joints.js";
 import { LAYERS, drawChosen, drawFaces, drawScaleBar, layersOf } from "./layers.js";
+import { drawLegend, fillLegend, heightOfLegend } from "./legend.js";
 import { CanvasPen, SvgPen } from "./pens.js";
 import { Live } from "./live.js";
 import { LivePanel } from "./live_panel.js";
@@ -14,13 +17,17 @@ import { fillReport } from "./report.js";
 import { View, followPointers } from "./view.js";
 
 const LIGHT = {
-  paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", grid: "#e2e2e2", chosen: "#d81b60", bolt: "#1b7837", line: "#262626",
+  paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", grid: "#e2e2e2", chosen: "#d81b60", line: "#262626",
 };
 const DARK = {
-  paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", grid: "#33373c", chosen: "#ff6fa3", bolt: "#0f9d3a", line: "#0b0c0d",
+  paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", grid: "#33373c", chosen: "#ff6fa3", line: "#0b0c0d",
 };
 const SLOW = 250;
 /** Milliseconds of a first frame above which a software renderer is given up. */
+const CALM = 250;
+/** Milliseconds that a frame stays at least where somebody has asked for less motion. */
+const NEAR = 9;
+/** How far from a joint a click still means it, pixels; never more than a part of a block. */
 
 /** One page of one run, within an element. */
 export class Page {
@@ -33,6 +40,7 @@ export class Page {
     this.run = new RunData(scene);
     this.view = new View();
     this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
+    this.state.joint = null;
     this.state.follow = false;
     this.playing = false;
     this.speed = 1;
@@ -48,7 +56,7 @@ export class Page {
   async start() {
     await this.run.decode();
     this.state.frame = this.run.frameCount - 1;
-    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated"].includes(name)));
+    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water"].includes(name)));
     this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
     this.canvas = this.$("blocks");
     this.above = this.$("above");
@@ -140,9 +148,10 @@ export class Page {
     const part = (what, { shown, of: all }) =>
       shown < all ? `the largest ${shown} of ${all} ${what}` : `${all} ${what}`;
     const said = [`${run.blockCount} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
-    if (run.contacts.of) said.push(part("contact forces", run.contacts));
-    for (const [name, faces] of Object.entries(run.faces)) {
-      if (faces.shown < faces.of) said.push(part(name === "slip" ? "slips of joints" : "openings of joints", faces));
+    if (run.contacts.of) said.push(part("contacts", run.contacts));
+    const faces = { slip: "slips of joints", opening: "openings of joints", water: "wet faces" };
+    for (const [name, table] of Object.entries(run.faces)) {
+      if (table.shown < table.of) said.push(part(faces[name], table));
     }
     this.$("counts").textContent = said.join(", ");
   }
@@ -176,7 +185,9 @@ export class Page {
     const chosen = list.value;
     list.replaceChildren();
     this.run.scene.curves.forEach((curve, k) => list.append(new Option(curve.name, String(k))));
-    list.append(new Option("Chosen block", "block"));
+    if (isChosen(this.state)) {
+      curvesOfChosen(this.run, this.state).forEach((curve, k) => list.append(new Option(curve.name, `chosen ${k}`)));
+    }
     if (chosen && [...list.options].some((option) => option.value === chosen)) list.value = chosen;
   }
 
@@ -195,6 +206,7 @@ export class Page {
     on("fit", "click", () => (this.fitAll(), this.changed()));
     on("theme", "click", () => {
       this.theme = this.theme === DARK ? LIGHT : DARK;
+      this.themeAsked = true;
       this.applyTheme();
     });
     on("png", "click", () => this.savePng());
@@ -226,7 +238,7 @@ export class Page {
       ArrowRight: () => this.view.pan(-40, 0),
       ArrowUp: () => this.view.pan(0, 40),
       ArrowDown: () => this.view.pan(0, -40),
-      Escape: () => this.choose(-1),
+      Escape: () => this.choose({}),
     };
     if (!(event.key in moves) || (event.key === " " && event.target.tagName === "BUTTON")) return;
     event.preventDefault();
@@ -268,8 +280,10 @@ export class Page {
     const [first, last] = [this.run.times[0], this.run.times[this.run.frameCount - 1]];
     let before = performance.now();
     let time = this.run.times[this.state.frame];
+    const rest = matchMedia("(prefers-reduced-motion: reduce)").matches ? CALM : 0;
     const tick = (now) => {
       if (!this.playing) return;
+      if (now - before < rest) return requestAnimationFrame(tick);
       time += ((now - before) / 10_000) * this.speed * (last - first);
       before = now;
       if (time >= last && this.loop) time = first;
@@ -283,15 +297,20 @@ export class Page {
 
   click(x, y) {
     const { view, run, state } = this;
-    this.choose(run.blockAt(state.frame, view.worldX(x), view.worldY(y)));
+    const at = [view.worldX(x), view.worldY(y)];
+    const block = run.blockAt(state.frame, ...at);
+    // in the middle of a small block a click means the block
+    const size = block < 0 ? Infinity : Math.sqrt(run.area[block]);
+    const joint = jointAt(run, state.frame, ...at, Math.min(NEAR / view.scale, 0.15 * size));
+    this.choose(joint ? { joint } : { chosen: block });
   }
 
-  choose(block) {
-    this.set({ chosen: block });
-    if (block >= 0) {
-      this.$("curve").value = "block";
-      this.showCurve();
-    }
+  /** Choose a block, a joint, or nothing. */
+  choose({ chosen = -1, joint = null }) {
+    this.set({ chosen, joint });
+    this.fillCurves();
+    if (isChosen(this.state)) this.$("curve").value = "chosen 0";
+    this.showCurve();
   }
 
   /** Show all of the blocks, at the start and in the frame. */
@@ -337,11 +356,7 @@ export class Page {
   draw() {
     const { run, view, state, theme } = this;
     if (!theme || !this.drawing) return;
-    if (state.follow && state.chosen >= 0) {
-      const at = state.frame * run.blockCount + state.chosen;
-      view.x = run.middle[2 * state.chosen] + run.motion.x[at];
-      view.y = run.middle[2 * state.chosen + 1] + run.motion.y[at];
-    }
+    if (state.follow && isChosen(state)) [view.x, view.y] = placeOfChosen(run, state) ?? [view.x, view.y];
     const begun = performance.now();
     const [colours, scale] = coloursOf(run, state);
     this.drawing.draw(view, state.frame, colours, theme);
@@ -369,14 +384,20 @@ export class Page {
     this.resize();
   }
 
-  drawLayers(pen, scale) {
+  /** Return all that layers and legend need to know. */
+  seen(scale) {
     const { run, view, state, theme } = this;
-    const scene = { run, view, theme, state, scale, frame: state.frame };
+    return { run, view, theme, state, scale, frame: state.frame };
+  }
+
+  drawLayers(pen, scale) {
+    const { run, state } = this;
+    const scene = this.seen(scale);
     if (scale && state.field in run.faces) drawFaces(pen, scene, state.field);
     for (const name of layersOf(run)) {
       if (state.layers.has(name) && name !== state.field) LAYERS[name].draw(pen, scene);
     }
-    if (state.chosen >= 0 && !run.isGone(state.frame, state.chosen)) drawChosen(pen, scene, state.chosen);
+    if (isChosen(state)) drawChosen(pen, scene);
     drawScaleBar(pen, scene);
   }
 
@@ -398,90 +419,40 @@ export class Page {
   }
 
   showLegend(scale) {
-    const legend = this.$("legend");
-    legend.replaceChildren();
-    const { scene } = this.run;
-    if (scale) {
-      const [label, unit] = labelOf(this.run, this.state.field);
-      const head = document.createElement("div");
-      head.textContent = label;
-      const bar = document.createElement("div");
-      bar.className = "bar";
-      const steps = 24;
-      const colours = Array.from({ length: steps + 1 }, (_, k) =>
-        scale.colour(scale.low + (k / steps) * (scale.high - scale.low)),
-      );
-      bar.style.background = `linear-gradient(to right, ${colours.join(",")})`;
-      const ends = [scale.low, scale.high].map((value) => {
-        const end = document.createElement("span");
-        end.textContent = withUnit(value, unit, 3);
-        return end;
-      });
-      legend.append(head, ends[0], bar, ends[1]);
-      if (document.activeElement !== this.$("low")) this.$("low").value = String(Number(scale.low.toPrecision(4)));
-      if (document.activeElement !== this.$("high")) this.$("high").value = String(Number(scale.high.toPrecision(4)));
-      this.$("unit").textContent = unit;
-    } else if (this.state.field === "rock") {
-      scene.rocks.forEach((rock, k) => {
-        const line = document.createElement("div");
-        const patch = document.createElement("span");
-        patch.className = "patch";
-        patch.style.background = kindColour(k);
-        line.append(patch, ` ${rock}`);
-        legend.append(line);
-      });
-    }
+    fillLegend(this.$("legend"), this.seen(scale));
     this.$("limits").hidden = !scale;
+    if (!scale) return;
+    if (document.activeElement !== this.$("low")) this.$("low").value = String(Number(scale.low.toPrecision(4)));
+    if (document.activeElement !== this.$("high")) this.$("high").value = String(Number(scale.high.toPrecision(4)));
+    this.$("unit").textContent = labelOf(this.run, this.state.field)[1];
   }
 
   showChosen() {
     const { run, state } = this;
     const place = this.$("chosen");
-    place.replaceChildren();
-    if (state.chosen < 0) {
-      place.textContent = "Click a block for its numbers.";
+    if (!isChosen(state)) {
+      place.textContent = "Click a block or a joint for its numbers.";
       return;
     }
-    const block = state.chosen;
+    const [heading, rows] = numbersOfChosen(run, state);
     const head = document.createElement("strong");
-    head.textContent = `Block ${run.scene.blocks[block]}`;
+    head.textContent = heading;
     const table = document.createElement("table");
-    const add = (name, value) => {
+    for (const [name, value] of rows) {
       const row = table.insertRow();
       const cell = document.createElement("th");
       cell.scope = "row";
       cell.textContent = name;
       row.append(cell);
       row.insertCell().textContent = value;
-    };
-    add("Rock", run.scene.rocks[run.scene.rock[block]] ?? "–");
-    add("Area", `${Number(run.area[block].toPrecision(4))} m²`);
-    if (run.fixed[block]) add("Support", "fixed");
-    if (run.isGone(state.frame, block)) add("State", "excavated");
-    for (const name of ["displacement", "velocity", "rotation", "sigma_xx", "sigma_yy", "sigma_xy", "sigma_1", "sigma_3"]) {
-      const [label, unit] = run.scene.labels[name];
-      add(label, withUnit(run.value(name, state.frame, block), unit));
     }
-    place.append(head, table);
-  }
-
-  /** Return the curve of the chosen block, of the field that is shown. */
-  blockCurve() {
-    const { run, state } = this;
-    const block = Math.max(0, state.chosen);
-    const field = state.field in run.scene.labels ? state.field : "displacement";
-    const [label, unit] = run.scene.labels[field];
-    return {
-      name: `Block ${run.scene.blocks[block]}, ${label}`,
-      unit,
-      time: run.times,
-      lines: [{ name: label, values: run.times.map((_, frame) => run.value(field, frame, block)) }],
-    };
+    place.replaceChildren(head, table);
   }
 
   showCurve() {
-    const chosen = this.$("curve").value;
-    const curve = chosen === "block" ? this.blockCurve() : this.run.scene.curves[Number(chosen)];
+    const [kind, number] = this.$("curve").value.split(" ");
+    const own = kind === "chosen" && isChosen(this.state);
+    const curve = own ? curvesOfChosen(this.run, this.state)[number] : this.run.scene.curves[Number(kind)];
     if (!curve) return;
     this.charts.show(curve, this.theme);
     this.$("chart").setAttribute("aria-label", `Chart: ${curve.name}`);
@@ -511,8 +482,12 @@ export class Page {
       const known = layersOf(run);
       state.layers = new Set(said.get("layers").split(",").filter((name) => known.includes(name)));
     }
-    const block = Number(said.get("block"));
-    if (said.has("block") && block >= 0 && block < run.blockCount) state.chosen = Math.floor(block);
+    const limits = (said.get("limits") ?? "").split(",").map(Number);
+    if (limits.length === 2 && limits[0] < limits[1]) state.limits = limits;
+    const share = Number(said.get("share"));
+    if (share > 0 && share <= 1) state.share = share;
+    Object.assign(state, readChoice(run, said), { follow: said.has("follow") });
+    if (said.has("theme")) this.theme = said.get("theme") === "dark" ? DARK : LIGHT;
     this.changed();
   }
 
@@ -526,7 +501,11 @@ export class Page {
       `view=${[view.x, view.y, view.scale].map((one) => Number(one.toPrecision(6))).join(",")}`,
       `layers=${[...state.layers].join(",")}`,
     ];
-    if (state.chosen >= 0) said.push(`block=${state.chosen}`);
+    if (state.limits) said.push(`limits=${state.limits.map((one) => Number(one.toPrecision(6))).join(",")}`);
+    if (state.share) said.push(`share=${state.share}`);
+    if (isChosen(state)) said.push(writtenChoice(state));
+    if (state.follow) said.push("follow");
+    if (this.themeAsked) said.push(`theme=${this.theme === DARK ? "dark" : "light"}`);
     const hash = `#${said.join("&")}`;
     if (hash === location.hash) return;
     this.written = hash;
@@ -537,23 +516,39 @@ export class Page {
     }
   }
 
-  /** Return the drawing as an SVG text. */
+  /** Return title and time, as a picture has them. */
+  caption() {
+    return `${this.run.scene.title}, ${this.$("clock").textContent}`;
+  }
+
+  /** Return the drawing with its legend as an SVG text. */
   svg() {
     const { run, view, state, theme } = this;
-    const pen = new SvgPen(view.width, view.height, theme.paper);
     const [colours, scale] = coloursOf(run, state);
-    drawBlocks(pen, run, view, state.frame, colours, theme);
-    this.drawLayers(pen, scale);
+    const seen = this.seen(scale);
+    const pen = new SvgPen(view.width, view.height + heightOfLegend(seen, view.width), theme.paper);
+    pen.within(view.width, view.height, () => {
+      drawBlocks(pen, run, view, state.frame, colours, theme);
+      this.drawLayers(pen, scale);
+    });
+    drawLegend(pen, seen, view.width, view.height, this.caption());
     return pen.finish();
   }
 
   savePng() {
+    const { view, theme } = this;
+    const seen = this.seen(coloursOf(this.run, this.state)[1]);
+    const dots = this.canvas.width / view.width;
     const whole = document.createElement("canvas");
     whole.width = this.canvas.width;
-    whole.height = this.canvas.height;
+    whole.height = this.canvas.height + Math.round(dots * heightOfLegend(seen, view.width));
     const context = whole.getContext("2d");
+    context.fillStyle = theme.paper;
+    context.fillRect(0, 0, whole.width, whole.height);
     context.drawImage(this.canvas, 0, 0);
     context.drawImage(this.above, 0, 0);
+    context.setTransform(dots, 0, 0, dots, 0, 0);
+    drawLegend(new CanvasPen(context), seen, view.width, view.height, this.caption());
     whole.toBlob((blob) => this.save(blob, "png"));
   }
 

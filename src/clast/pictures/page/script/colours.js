@@ -1,7 +1,6 @@
 // Colours of values, and where their scale ends; the same as in still pictures.
 
 const KINDS = ["#e0c9a0", "#a9b88f", "#d9a384", "#c3b9c9", "#c9c07a", "#b59a7a", "#e3b7b7", "#9c9c8e"];
-export const JOINTS = ["#332288", "#cc6677", "#117733", "#aa4499", "#88ccee", "#999933", "#882255", "#44aa99"];
 export const FIXED = "#dcdcdc";
 /** Fill of blocks where their joints have the colours. */
 export const PLAIN = "#f3efe6";

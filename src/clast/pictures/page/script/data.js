@@ -21,18 +21,18 @@ export class RunData {
     this.edgeJoint = await rawArray(scene.edge_joint, Int32Array);
     this.middle = this.middles();
     this.area = this.areas();
-    this.take(await decodeMoving(scene, this.blockCount));
+    this.take(await decodeMoving(scene, this.blockStart));
   }
 
   /** Put frames behind that the run has made since. */
   async append(part) {
-    this.take(joined(this.moving, await decodeMoving(part, this.blockCount), this.blockCount));
+    this.take(joined(this.moving, await decodeMoving(part, this.blockStart), this.blockCount));
   }
 
   take(moving) {
     this.moving = moving;
     this.frameCount = moving.times.length;
-    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points"]) {
+    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels"]) {
       this[name] = moving[name];
     }
   }
@@ -104,6 +104,15 @@ export class RunData {
       }
     }
     return this.here;
+  }
+
+  /** Return where one vertex of a block is in a frame, m. */
+  vertex(frame, block, vertex) {
+    const map = new Float32Array(6);
+    this.mapOf(frame, block, map);
+    const x = this.start[2 * vertex] - this.middle[2 * block];
+    const y = this.start[2 * vertex + 1] - this.middle[2 * block + 1];
+    return [map[0] * x + map[1] * y + map[4], map[2] * x + map[3] * y + map[5]];
   }
 
   /** Return whether a block has been excavated in a frame. */
@@ -179,9 +188,13 @@ export class RunData {
    * @param {number} frame @param {number} x m @param {number} y m
    */
   blockAt(frame, x, y) {
-    const here = this.vertices(frame);
+    return this.blockOfOutline(this.vertices(frame), x, y, (block) => this.isGone(frame, block));
+  }
+
+  /** Return the block whose outline, of those of all blocks, holds a point; -1 for none. */
+  blockOfOutline(here, x, y, isGone = () => false) {
     for (let block = this.blockCount - 1; block >= 0; block--) {
-      if (this.isGone(frame, block)) continue;
+      if (isGone(block)) continue;
       let inside = false;
       const past = this.blockStart[block + 1];
       for (let v = this.blockStart[block], before = past - 1; v < past; before = v++) {
@@ -195,6 +208,7 @@ export class RunData {
     }
     return -1;
   }
+
   /**
    * Call back with every face of the joints in a frame: its number, value and length.
    * @param {string} name slip or opening

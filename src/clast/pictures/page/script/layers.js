@@ -2,29 +2,58 @@
 
 import { outline } from "./draw_canvas.js";
 import { scaleOfFaces } from "./colouring.js";
-import { JOINTS } from "./colours.js";
+import { withUnit } from "./colours.js";
+import { placeOfChosen } from "./chosen.js";
 
 const PULLED = "#b2182b";
 const PRESSED = "#2166ac";
 const FORCE = "#5b2a86";
 const MOST_CROSSES = 4000;
 /** Slip and opening beside the colours of blocks: as wide as they are large. */
-const FACES = { slip: "#8e24aa", opening: "#00695c" };
+const FACES = { slip: "#8e24aa", opening: "#00695c", water: "#1f6fb4" };
+const LEVEL = "#1f6fb4";
 const WIDTHS = 8;
+/** Widths of bolts without a force and with the largest, pixels. */
+const BOLTS = [1.7, 4.8];
 
-/** Name of a layer -> its label and what draws it. */
+/** Name of a layer -> its label, what draws it, and its entries of the legend. */
 export const LAYERS = {
-  before: { label: "Outlines at the start", draw: drawBefore },
-  joints: { label: "Edges by joint", draw: drawJoints },
-  slip: { label: "Slip of joints, as line width", draw: (pen, seen) => drawFaces(pen, seen, "slip") },
-  opening: { label: "Opening of joints, as line width", draw: (pen, seen) => drawFaces(pen, seen, "opening") },
-  contacts: { label: "Contact forces", draw: drawContacts },
-  chains: { label: "Force chains", draw: drawChains },
-  crosses: { label: "Principal stresses", draw: drawCrosses },
-  excavated: { label: "Excavated blocks", draw: drawExcavated },
-  bolts: { label: "Bolts", draw: drawBolts },
-  points: { label: "Measured points", draw: drawPoints },
+  before: {
+    label: "Outlines at the start",
+    draw: drawBefore,
+    legend: ({ theme }) => [line(theme.faint, 1, "start")],
+  },
+  joints: { label: "Edges by joint", draw: drawJoints, legend: legendOfJoints },
+  slip: layerOfFaces("slip", "Slip of joints, as line width"),
+  opening: layerOfFaces("opening", "Opening of joints, as line width"),
+  water: {
+    ...layerOfFaces("water", "Water"),
+    draw: drawWater,
+    legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
+  },
+  contacts: { label: "Contact forces", draw: drawContacts, legend: (seen) => legendOfForces(seen, 1.2) },
+  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5) },
+  crosses: { label: "Principal stresses", draw: drawCrosses, legend: legendOfCrosses },
+  excavated: {
+    label: "Excavated blocks",
+    draw: drawExcavated,
+    legend: ({ theme }) => [line(theme.faint, 1, "excavated", true)],
+  },
+  bolts: { label: "Bolts", draw: drawBolts, legend: legendOfBolts },
+  points: { label: "Measured points", draw: drawPoints, legend: () => [] },
 };
+
+function line(colour, width, text, dash = false) {
+  return { colour, width, text, dash };
+}
+
+function layerOfFaces(name, label) {
+  return {
+    label,
+    draw: (pen, seen) => drawFaces(pen, seen, name),
+    legend: (seen) => legendOfFaces(seen, name),
+  };
+}
 
 /** Return the layers that a run has something for. */
 export function layersOf(run) {
@@ -34,6 +63,7 @@ export function layersOf(run) {
     joints: scene.joints.length > 1,
     slip: run.faces.slip?.shown > 0,
     opening: run.faces.opening?.shown > 0,
+    water: scene.waters?.length > 0,
     contacts: run.contacts.shown > 0,
     chains: run.contacts.shown > 0,
     crosses: true,
@@ -78,7 +108,44 @@ function drawJoints(pen, { run, view, frame }) {
       byJoint.get(joint).push(edge);
     }
   }
-  for (const [joint, paths] of byJoint) pen.lines(paths, JOINTS[joint % JOINTS.length], 1.6);
+  for (const [joint, paths] of byJoint) {
+    const [, colour, dash] = run.scene.joint_looks[joint];
+    pen.lines(paths, colour, 1.6, dash);
+  }
+}
+
+function legendOfJoints({ run }) {
+  return Object.values(run.scene.joint_looks).map(([name, colour, dash]) => line(colour, 2, name, dash.length > 0));
+}
+
+function legendOfFaces({ run, frame }, name) {
+  let largest = 0;
+  run.eachFace(name, frame, (_, value) => (largest = Math.max(largest, Math.abs(value))));
+  const [label, unit] = run.scene.joint_labels[name];
+  return largest > 0 ? [line(FACES[name], 4, `${label.toLowerCase()}, up to ${withUnit(largest, unit, 3)}`)] : [];
+}
+
+/** Draw what water wets, as wide as its pressure is large, and the levels. */
+function drawWater(pen, seen) {
+  const { run, view, frame, theme } = seen;
+  drawFaces(pen, seen, "water");
+  run.levels[frame].forEach((number, place) => {
+    const surface = run.scene.waters[number];
+    const [first, last] = [surface[0], surface.at(-1)];
+    const path = [[-1e9, first[1]], ...surface, [1e9, last[1]]].flatMap(([x, y]) => [
+      Math.max(-10, Math.min(view.width + 10, view.screenX(x))),
+      view.screenY(y),
+    ]);
+    pen.lines([path], LEVEL, 1.2);
+    // the sign of a level, on the first part of it that is seen
+    const x = (0.06 + 0.04 * place) * view.width;
+    let k = 2;
+    while (k + 2 < path.length && path[k] < x) k += 2;
+    const share = (x - path[k - 2]) / Math.max(1e-9, path[k] - path[k - 2]);
+    const y = path[k - 1] + share * (path[k + 1] - path[k - 1]);
+    pen.areas([[x, y, x - 5, y - 9, x + 5, y - 9]], theme.paper);
+    pen.lines([[x, y, x - 5, y - 9, x + 5, y - 9, x, y]], LEVEL, 1.2);
+  });
 }
 
 /**
@@ -101,7 +168,7 @@ export function drawFaces(pen, seen, field) {
     if (Math.max(x0, x1) < 0 || Math.min(x0, x1) > view.width) return;
     if (Math.max(y0, y1) < 0 || Math.min(y0, y1) > view.height) return;
     const step = Math.min(WIDTHS - 1, Math.floor(WIDTHS * scale.share(value)));
-    if (!own && step === 0 && scale.share(value) < 0.02) return;
+    if (!own && scale.share(value) < 0.02) return;
     const colour = own ? scale.colour(value) : FACES[field];
     const key = `${colour} ${step}`;
     if (!groups.has(key)) groups.set(key, { colour, step, paths: [] });
@@ -120,6 +187,13 @@ function eachContact(run, frame, call) {
   for (let k = contacts.first[frame]; k < contacts.first[frame + 1]; k++) {
     call(k, Math.hypot(contacts.fx[k], contacts.fy[k]));
   }
+}
+
+function legendOfForces({ run, frame }, width) {
+  let largest = 0;
+  eachContact(run, frame, (_, size) => (largest = Math.max(largest, size)));
+  const text = `contact force, up to ${withUnit(largest, "N/m", 3)}`;
+  return largest > 0 ? [line(FORCE, width, text)] : [];
 }
 
 function drawContacts(pen, { run, view, frame }) {
@@ -162,14 +236,34 @@ function drawChains(pen, { run, view, frame }) {
   byWidth.forEach((paths, k) => pen.lines(paths, FORCE, 0.6 + (7 * (k + 0.5)) / WIDTHS));
 }
 
-function drawCrosses(pen, { run, view, frame }) {
-  const step = Math.max(1, Math.ceil(run.blockCount / MOST_CROSSES));
-  let largest = 0;
+/** Return largest compression and largest tension of the blocks whose crosses are drawn, Pa. */
+function largestStresses(run, frame, step) {
+  let [pressed, pulled] = [0, 0];
   for (let block = 0; block < run.blockCount; block += step) {
     if (run.fixed[block] || run.isGone(frame, block)) continue;
     const [most, least] = run.principal(frame * run.blockCount + block);
-    largest = Math.max(largest, Math.abs(most), Math.abs(least));
+    pressed = Math.max(pressed, -least);
+    pulled = Math.max(pulled, most);
   }
+  return [pressed, pulled];
+}
+
+function stepOfCrosses(run) {
+  return Math.max(1, Math.ceil(run.blockCount / MOST_CROSSES));
+}
+
+function legendOfCrosses({ run, frame }) {
+  const [pressed, pulled] = largestStresses(run, frame, stepOfCrosses(run));
+  const text = (what, most) => `principal stress, ${what}, up to ${withUnit(most, "Pa", 3)}`;
+  const found = [];
+  if (pressed > 0) found.push(line(PRESSED, 2, text("compression", pressed)));
+  if (pulled > 0) found.push(line(PULLED, 2, text("tension", pulled)));
+  return found;
+}
+
+function drawCrosses(pen, { run, view, frame }) {
+  const step = stepOfCrosses(run);
+  const largest = Math.max(...largestStresses(run, frame, step));
   if (!largest) return;
   const [pulled, pressed] = [[], []];
   for (let block = 0; block < run.blockCount; block += step) {
@@ -189,23 +283,54 @@ function drawCrosses(pen, { run, view, frame }) {
   pen.lines(pulled, PULLED, 1.2);
 }
 
-function drawBolts(pen, { run, view, frame, theme }) {
+const DASHES = [[2, 3], [], [], [5, 4]];
+
+/** Return the largest force of bolts in each of their states in a frame, and how many they are. */
+function forcesOfBolts({ bolts }, frame) {
+  const [count, largest] = [[0, 0, 0, 0], [0, 0, 0, 0]];
+  for (let bolt = 0; bolt < bolts.names.length; bolt++) {
+    const at = frame * bolts.names.length + bolt;
+    const state = bolts.state[at];
+    if (state >= count.length) continue;
+    count[state]++;
+    largest[state] = Math.max(largest[state], Math.abs(bolts.force[at]));
+  }
+  return [count, largest];
+}
+
+function widthOfBolt(force, largest) {
+  return BOLTS[0] + (largest > 0 ? ((BOLTS[1] - BOLTS[0]) * Math.abs(force)) / largest : 0);
+}
+
+/** Draw bolts in the colours of their states, as wide as their forces are large. */
+function drawBolts(pen, { run, view, frame }) {
   const { bolts } = run;
   const width = bolts.bolt.length;
-  const kinds = [[], [], [], []];
+  const largest = Math.max(...forcesOfBolts(run, frame)[1]);
   for (let bolt = 0; bolt < bolts.names.length; bolt++) {
-    const state = bolts.state[frame * bolts.names.length + bolt];
-    if (state === 0 || state === 4) continue;
+    const at = frame * bolts.names.length + bolt;
+    const state = bolts.state[at];
+    if (state >= DASHES.length) continue;
     const path = [];
     for (let k = 0; k < width; k++) {
       if (bolts.bolt[k] !== bolt) continue;
       path.push(view.screenX(bolts.x[frame * width + k]), view.screenY(bolts.y[frame * width + k]));
     }
-    kinds[state].push(path);
+    const wide = widthOfBolt(bolts.force[at], largest);
+    // a white line around it parts it from what is below
+    pen.lines([path], "#ffffff", wide + 2.4);
+    pen.lines([path], run.scene.bolt_looks[state][1], wide, DASHES[state]);
   }
-  pen.lines(kinds[1], theme.bolt, 2.5);
-  pen.lines(kinds[2], "#d95f02", 3);
-  pen.lines(kinds[3], PULLED, 2, [5, 4]);
+}
+
+function legendOfBolts({ run, frame }) {
+  const [count, largest] = forcesOfBolts(run, frame);
+  return run.scene.bolt_looks.flatMap(([name, colour], state) => {
+    if (!count[state]) return [];
+    const force = largest[state] > 0 ? `, up to ${withUnit(largest[state], "N/m", 3)}` : "";
+    const wide = widthOfBolt(largest[state], Math.max(...largest));
+    return [line(colour, wide, name + force, DASHES[state].length > 0)];
+  });
 }
 
 function drawPoints(pen, { run, view, frame, theme }) {
@@ -216,9 +341,18 @@ function drawPoints(pen, { run, view, frame, theme }) {
   });
 }
 
-/** Outline the block that is chosen. */
-export function drawChosen(pen, { run, view, frame, theme }, block) {
-  const path = outline(run, view, run.vertices(frame), block);
+/** Outline the block that is chosen, or mark the joint. */
+export function drawChosen(pen, { run, view, frame, theme, state }) {
+  if (state.joint) {
+    const place = placeOfChosen(run, state);
+    if (!place) return;
+    const [x, y] = [view.screenX(place[0]), view.screenY(place[1])];
+    const ring = Array.from({ length: 25 }, (_, k) => (k * Math.PI) / 12);
+    pen.lines([ring.flatMap((turn) => [x + 8 * Math.cos(turn), y + 8 * Math.sin(turn)])], theme.chosen, 3);
+    return;
+  }
+  if (run.isGone(frame, state.chosen)) return;
+  const path = outline(run, view, run.vertices(frame), state.chosen);
   if (path) pen.lines([[...path, path[0], path[1]]], theme.chosen, 3);
 }
 
@@ -228,7 +362,9 @@ export function drawScaleBar(pen, { view, theme }) {
   const power = 10 ** Math.floor(Math.log10(most));
   const length = power * [5, 2, 1].find((digit) => digit * power <= most);
   const [x, y] = [14, view.height - 16];
-  pen.lines([[x, y - 5, x, y, x + length * view.scale, y, x + length * view.scale, y - 5]], theme.ink, 1.5);
+  const bar = [[x, y - 5, x, y, x + length * view.scale, y, x + length * view.scale, y - 5]];
+  pen.lines(bar, theme.paper, 4.5);
+  pen.lines(bar, theme.ink, 1.5);
   const text = length >= 1 ? `${length} m` : `${Number((1000 * length).toPrecision(2))} mm`;
   pen.text(x + length * view.scale + 6, y - 3, text, theme.ink, theme.paper);
 }

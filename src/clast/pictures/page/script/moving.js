@@ -2,28 +2,33 @@
 
 import { rawArray, unpacked } from "./packing.js";
 
-const FORCES = ["x", "y", "fx", "fy"];
-const NUMBERS = ["on", "by", "mode"];
+const OF_CONTACTS = ["x", "y", "angle", "normal", "shear", "slip", "opening"];
+const NAMES = ["vertex", "by", "mode", "joint"];
 const ENDS = ["x0", "y0", "x1", "y1"];
 
 /**
  * Decode some frames: see frame_data.py.
- * @param {any} part what ``moving`` made @param {number} wide blocks
+ * @param {any} part what ``moving`` made @param {Int32Array} blockStart of the run
  */
-export async function decodeMoving(part, wide) {
-  const found = { times: part.times, stages: part.stages, gone: part.gone, points: part.points };
+export async function decodeMoving(part, blockStart) {
+  const wide = blockStart.length - 1;
+  const { times, stages, gone, points, levels } = part;
+  const found = { times, stages, gone, points, levels };
   for (const kind of ["motion", "fields"]) {
     found[kind] = {};
     for (const [name, table] of Object.entries(part[kind])) found[kind][name] = await unpacked(table, wide);
   }
   found.contacts = counted(part.contacts);
-  for (const name of FORCES) found.contacts[name] = await rawArray(part.contacts[name], Float32Array);
-  for (const name of NUMBERS) found.contacts[name] = await rawArray(part.contacts[name], Int32Array);
+  const rows = Math.max(1, part.contacts.shown);
+  for (const name of OF_CONTACTS) found.contacts[name] = await unpacked(part.contacts[name], rows);
+  for (const name of NAMES) found.contacts[name] = await rawArray(part.contacts[name], Int32Array);
+  giveForces(found.contacts, blockStart);
   found.faces = {};
   for (const [name, table] of Object.entries(part.faces)) {
     const faces = counted(table);
     for (const end of ENDS) faces[end] = await unpacked(table[end], Math.max(1, table.shown));
     faces.value = await rawArray(table.value, Float32Array);
+    faces.edge = await rawArray(table.edge, Int32Array);
     found.faces[name] = faces;
   }
   if (part.bolts) {
@@ -32,6 +37,23 @@ export async function decodeMoving(part, wide) {
     found.bolts.state = await rawArray(part.bolts.state, Int32Array);
   }
   return withTotals(found);
+}
+
+/** Work out the force on the vertex of each contact, and the block of the vertex. */
+function giveForces(contacts, blockStart) {
+  const { angle, normal, shear, vertex } = contacts;
+  const blockOf = new Int32Array(blockStart[blockStart.length - 1]);
+  for (let block = 0; block + 1 < blockStart.length; block++) {
+    blockOf.fill(block, blockStart[block], blockStart[block + 1]);
+  }
+  contacts.fx = new Float32Array(angle.length);
+  contacts.fy = new Float32Array(angle.length);
+  contacts.on = vertex.map((one) => blockOf[one]);
+  for (let k = 0; k < angle.length; k++) {
+    const [cosine, sine] = [Math.cos(angle[k]), Math.sin(angle[k])];
+    contacts.fx[k] = normal[k] * cosine - shear[k] * sine;
+    contacts.fy[k] = normal[k] * sine + shear[k] * cosine;
+  }
 }
 
 function counted({ shown, of, count }) {
@@ -64,6 +86,7 @@ export function joined(before, more, wide) {
   const found = {
     times: [...before.times, ...more.times],
     stages: [...before.stages, ...more.stages],
+    levels: [...before.levels, ...more.levels],
     gone: before.gone.map((frame, block) => (frame < frames ? frame : frames + more.gone[block])),
     motion: eachJoined(before.motion, more.motion),
     fields: eachJoined(before.fields, more.fields),

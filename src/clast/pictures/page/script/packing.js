@@ -17,7 +17,13 @@ export async function inflated(text) {
  * @param {Float32ArrayConstructor | Int32ArrayConstructor} Kind
  */
 export async function rawArray(text, Kind) {
-  return new Kind((await inflated(text)).buffer);
+  const planes = await inflated(text);
+  const bytes = new Uint8Array(planes.length);
+  const count = planes.length / 4;
+  for (let k = 0; k < count; k++) {
+    for (let plane = 0; plane < 4; plane++) bytes[4 * k + plane] = planes[plane * count + k];
+  }
+  return new Kind(bytes.buffer);
 }
 
 /**

@@ -111,6 +111,13 @@ export class SvgPen {
     );
   }
 
+  /** Show nothing of what ``draw`` draws beyond a width and a height. */
+  within(width, height, draw) {
+    this.parts.push(`<svg width="${width}" height="${height}">`);
+    draw();
+    this.parts.push("</svg>");
+  }
+
   /** Return the whole text. */
   finish() {
     return `${this.parts.join("\n")}\n</svg>\n`;
