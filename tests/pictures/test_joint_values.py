@@ -6,7 +6,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.pictures.film.film_frames import FilmLook, FrameDrawer
-from clast.pictures.joints.joint_values import faces_opened, faces_slipped
+from clast.pictures.joints.joint_values import JOINT_FIELDS, faces_opened, faces_slipped
 from clast.pictures.plot import plot_results
 
 
@@ -36,6 +36,23 @@ def test_slip_is_drawn_along_the_faces(parted):
     assert faces.value[slid] == pytest.approx(-moved, rel=1e-4)
     assert abs(faces.value[still]) < 1e-4
     assert faces.length[slid] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_joint_that_slides_mobilises_its_friction(parted, tmp_path):
+    slip, mobilised, sliding = (
+        JOINT_FIELDS[name].faces(parted, -1) for name in ("slip", "mobilised", "sliding")
+    )
+    still, slid = np.argsort(np.abs(slip.value))
+    assert mobilised.value[slid] == pytest.approx(20.0, abs=0.01)
+    assert mobilised.value[still] < 10.0
+    assert sliding.value[slid] == pytest.approx(100.0)
+    assert sliding.value[still] == 0.0
+    for field in ("mobilised", "sliding"):
+        picture = plot_results(parted, tmp_path / f"{field}.svg", field=field)
+        unit = {"mobilised": "(°)", "sliding": "(%)"}[field]
+        assert unit in picture.read_text("utf-8")
+    # at the start nothing touches
+    assert len(JOINT_FIELDS["mobilised"].faces(parted, 0).value) == 0
 
 
 def test_neighbours_that_are_far_from_each_other_are_no_joint_any_more():

@@ -20,8 +20,8 @@ def film(
     field: Annotated[
         str,
         typer.Option(
-            help="Quantity that colours the blocks; joint: their edges; slip, opening: "
-            "movement of joints."
+            help="Quantity that colours the blocks; joint: their edges; slip, opening, "
+            "mobilised, sliding: what joints do."
         ),
     ] = "displacement",
     stage: Annotated[

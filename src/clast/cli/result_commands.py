@@ -96,8 +96,8 @@ def plot(
     field: Annotated[
         str,
         typer.Option(
-            help="Quantity that colours the blocks; joint: their edges; slip, opening: "
-            "movement of joints."
+            help="Quantity that colours the blocks; joint: their edges; slip, opening, "
+            "mobilised, sliding: what joints do."
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,

@@ -80,7 +80,7 @@ PREFIXES = {-3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T"}
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
     """Return a factor and a unit with a prefix that make ``largest`` a number from 1 to 1000."""
-    if unit == "°" or not math.isfinite(largest) or largest == 0.0:
+    if unit in ("°", "%") or not math.isfinite(largest) or largest == 0.0:
         return 1.0, unit
     thousands = math.floor(math.log10(abs(largest) * (1 + 1e-12)) / 3.0)
     # Nobody says kilometres of displacement, nor kilometres per second.

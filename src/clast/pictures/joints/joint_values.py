@@ -1,14 +1,15 @@
 """Numbers of joints on a picture: faces as lines, as wide as slip or opening is large.
 
 Slip is that of the contacts: a face is a line between its outermost ones, with their mean, and
-blocks that touch in one contact have a dot there.  Opening is that of edges that ran along each
+blocks that touch in one contact have a dot there; so are mobilised friction and the share that
+slides.  Opening is that of edges that ran along each
 other at the start, whether they touch or not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from clast.model.model import Bools, Floats, Ints
 from clast.pictures.draw_blocks import paint
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
-from clast.results import Recording
+from clast.results import FrameContacts, Recording
 from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ STRAIGHT = 12
 """Directions in half a turn that are told apart: faces of two blocks at a corner are two."""
 APART = 0.5
 """Distance of two edges, as a share of their length, up to which they are still a joint."""
+SLIDES = 1
+"""Mode of a contact that slides."""
 THIN, THICK = 0.7, 4.0
 """Widths of lines whose value is 0, and the largest, points."""
 
@@ -84,9 +87,35 @@ def faces_slipped(results: Recording, frame: int) -> Faces:
     Raises CaseError where an earlier clast recorded the contacts, which did not keep it.
     """
     contacts = results.contacts(frame)
-    values = contacts.slip
-    if not len(values):
-        return Faces(ends=np.zeros((0, 2, 2)), value=np.zeros(0), edge=np.zeros(0, np.int64))
+    faces, sums = _faces_of(contacts, contacts.slip, np.ones(len(contacts)))
+    return replace(faces, value=sums[0] / sums[1])
+
+
+def faces_mobilised(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with the mobilised friction: atan of shear over normal, degrees.
+
+    Forces are sums over the face; what only cohesion holds, without pressure, has 90 degrees.
+    """
+    contacts = results.contacts(frame)
+    faces, sums = _faces_of(contacts, contacts.shear_force, contacts.normal_force)
+    angle = np.arctan2(np.abs(sums[0]), np.maximum(0.0, sums[1]))
+    return replace(faces, value=np.degrees(angle))
+
+
+def faces_sliding(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with the share of their normal force that slides, percent."""
+    contacts = results.contacts(frame)
+    pressed = np.maximum(0.0, contacts.normal_force)
+    faces, sums = _faces_of(contacts, pressed * (contacts.mode == SLIDES), pressed)
+    return replace(faces, value=100.0 * sums[0] / np.maximum(sums[1], 1e-300))
+
+
+def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Floats]]:
+    """Return the faces that contacts lie along, without values, and sums of ``values`` (m,)."""
+    if not len(contacts):
+        nothing = np.zeros(0)
+        faces = Faces(ends=np.zeros((0, 2, 2)), value=nothing, edge=np.zeros(0, np.int64))
+        return faces, [nothing for _ in values]
     blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block]), axis=0)
     along = np.stack([-contacts.normal[:, 1], contacts.normal[:, 0]], axis=1)
     angle = np.arctan2(along[:, 1], along[:, 0]) * STRAIGHT / np.pi
@@ -99,9 +128,8 @@ def faces_slipped(results: Recording, frame: int) -> Faces:
     starts = np.flatnonzero(np.r_[True, np.diff(face[order]) != 0])
     last = np.r_[starts[1:], len(order)] - 1
     ends = np.stack([contacts.position[order[starts]], contacts.position[order[last]]], axis=1)
-    count = last - starts + 1
-    mean = np.add.reduceat(values[order], starts) / count
-    return Faces(ends=ends, value=mean, edge=contacts.edge[order[starts]])
+    faces = Faces(ends=ends, value=np.zeros(len(starts)), edge=contacts.edge[order[starts]])
+    return faces, [np.add.reduceat(one[order], starts) for one in values]
 
 
 def together(some: Sequence[Faces]) -> Faces:
@@ -128,6 +156,8 @@ class JointField:
 JOINT_FIELDS = {
     "slip": JointField("Slip of joints", "m", faces_slipped),
     "opening": JointField("Opening of joints", "m", faces_opened),
+    "mobilised": JointField("Mobilised friction of joints", "°", faces_mobilised),
+    "sliding": JointField("Share of joints that slides", "%", faces_sliding),
 }
 """Fields that colour joints, and not blocks."""
 
