@@ -1,6 +1,6 @@
 """Measure the page of a run: its size, and how fast a browser goes through its frames.
 
-    python tools/page_speed.py                       collapsing walls of 100, 1,000 and 10,000 blocks
+    python tools/page_speed.py                       walls of 100, 1,000 and 10,000 blocks
     python tools/page_speed.py --blocks 1000 --frames 50 --keep build/pages
     python tools/page_speed.py FILE.vtkhdf           a run of one's own
 
@@ -16,7 +16,6 @@ Needs chromium on the PATH, and playwright.
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import shutil
 import sys
 import tempfile
@@ -88,8 +87,8 @@ def measured(page: Any, results: Results) -> tuple[float, float, float]:
         time = float(results.times[frame])
         drawn = page.evaluate(
             "(time) => { const { run, view } = clastPage;"
-            " const here = run.vertices(run.frameAt(time));"
-            " return Array.from(here, (one, k) => k % 2 ? view.screenY(one) : view.screenX(one)); }",
+            " const here = Array.from(run.vertices(run.frameAt(time)));"
+            " return here.map((one, k) => k % 2 ? view.screenY(one) : view.screenX(one)); }",
             time,
         )
         seen = page.evaluate("({ ...clastPage.view, origin: clastPage.run.scene.origin })")
@@ -134,9 +133,10 @@ def rows(results: Results, folder: Path) -> Iterator[str]:
             plain, forces, away = measured(page, results)
             shown = page.evaluate("[clastPage.run.contacts.shown, clastPage.run.contacts.of]")
             browser.close()
+        size = file.stat().st_size / 1e6
         yield (
             f"{len(results.block_name):>7}{len(results.times):>7}{shown[0]:>12} of {shown[1]:<8}"
-            f"{file.stat().st_size / 1e6:>7.2f}{made:>8.1f}  {renderer:<8}{ready:>9.1f}{plain:>7.1f}"
+            f"{size:>7.2f}{made:>8.1f}  {renderer:<8}{ready:>9.1f}{plain:>7.1f}"
             f"{forces:>17.1f}{away:>11.4f}  {'; '.join(faults) or 'none'}"
         )
 
