@@ -12,14 +12,11 @@ from clast.case.templates import TEMPLATES
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-SHOWN = [name for name in TEMPLATES if name != "heap"]
-"""A heap takes minutes, and is the measure of speed rather than something to look at."""
-
 FALLS = {"key-block"}
 """Its wedge falls freely: joints open, and nothing touches."""
 
 
-@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_a_template_is_in_the_gallery(name):
     text = (DOCS / "gallery.md").read_text("utf-8")
     assert f"](gallery/{name}.html)" in text and f"images/template-{name}.png" in text

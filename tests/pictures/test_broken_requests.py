@@ -24,7 +24,7 @@ REQUESTS = {
     "limits that are none": (["plot", "FILE", "--limits", "a,b"], "--limits"),
     "infinite limits": (["plot", "FILE", "--limits", "0,inf"], "finite"),
     "zoom": (["plot", "FILE", "--zoom", "1,1,0,0"], "has no area"),
-    "zoom without blocks": (["plot", "FILE", "--zoom", "90,90,91,91"], "(90, 90)"),
+    "zoom without blocks": (["plot", "FILE", "--zoom", "90,90,91,91"], "no block in this part"),
     "size": (["plot", "FILE", "--size", "1"], "too small"),
     "dots": (["plot", "FILE", "--dpi", "5"], "between 20 and 2400"),
     "too many dots": (["plot", "FILE", "--dpi", "2400", "--size", "200"], "more than a picture"),

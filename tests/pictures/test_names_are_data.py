@@ -94,7 +94,7 @@ def test_in_tables_of_notebooks(name):
         assert name in page.text or name.strip() in page.text
 
 
-@pytest.mark.parametrize("name", [NAMES["script"], NAMES["right to left"]])
+@pytest.mark.parametrize("name", [NAMES["image"], NAMES["right to left"]])
 def test_in_the_page_of_a_comparison(name, tmp_path):
     found = []
     for title in (name, "plain"):
