@@ -52,7 +52,7 @@ def test_a_dataset_of_xarray(run):
     found = run.to_xarray()
     assert dict(found.sizes) == {
         "frame": 3, "block": 2, "component": 2, "stress_component": 3, "vertex": 8,
-        "instant": 11, "step_number": 10, "point": 2,
+        "instant": 11, "step_number": 10, "point": 2, "reaction": 1,
     }  # fmt: skip
     one = found["stress"].sel(block="brick", stress_component="yy").isel(frame=-1)
     assert float(one) == run.field("sigma_yy", -1)[1]
