@@ -24,6 +24,8 @@ RUN, CONTENT = 0, 1
 """The byte that a run locks as long as it goes on, and the one that says who is at the content."""
 PATIENCE = 5.0
 """How long others are waited for before they are taken to be stuck, s."""
+SHORTEST, LONGEST = 0.0005, 0.01
+"""Pauses between two looks whether others have gone, s."""
 TAKEN = {errno.EACCES, errno.EAGAIN}
 FLOCK = struct.Struct("@hhqqi")
 """Linux' struct flock: kind, from where, first byte, length, process (none)."""
@@ -50,9 +52,11 @@ def reading(file: BinaryIO, patience: float = PATIENCE) -> Iterator[None]:
 
 @contextmanager
 def _held(file: BinaryIO, kind: str, patience: float) -> Iterator[None]:
-    end = time.monotonic() + patience
+    end, pause = time.monotonic() + patience, SHORTEST
     while not _lock(file, kind, CONTENT) and time.monotonic() < end:
-        time.sleep(0.0005)
+        # a reader that others hold up must not cost a run processor time
+        time.sleep(pause)
+        pause = min(LONGEST, 2.0 * pause)
     try:
         yield
     finally:
