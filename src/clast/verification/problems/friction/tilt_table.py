@@ -34,6 +34,12 @@ def table(width: float = 0.4, tilt: float = 15.0) -> Model:
     down = np.radians(tilt)
     gravity = (GRAVITY * np.sin(down), -GRAVITY * np.cos(down))
     builder = InputBuilder(title="Tilt table", gravity=gravity)
+    add_block(builder, width)
+    return builder.build()
+
+
+def add_block(builder: InputBuilder, width: float) -> None:
+    """Add the fixed table and the block on it, their rock and their joint."""
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     ground = [(-1.0, -0.3), (2.0, -0.3), (2.0, 0.0), (-1.0, 0.0)]
@@ -41,7 +47,6 @@ def table(width: float = 0.4, tilt: float = 15.0) -> Model:
     builder.block(name="block", vertices=[(0, 0), (width, 0), (width, HEIGHT), (0, HEIGHT)])
     builder.measured_point("foot", (0.0, 0.0), block="block")
     builder.measured_point("top", (0.0, HEIGHT), block="block")
-    return builder.build()
 
 
 def holds(width: float, tilt: float, variant: Variant) -> bool:

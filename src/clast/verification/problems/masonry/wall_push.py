@@ -94,6 +94,12 @@ def exact_push(wall: Wall) -> float:
 def pushed(wall: Wall = WALLS[2], share: float = 0.3) -> Model:
     """Return the fixed ground and the bricks, with a share of their weight to the right."""
     builder = InputBuilder(title="Wall under push", gravity=(share * GRAVITY, -GRAVITY))
+    add_wall(builder, wall)
+    return builder.build()
+
+
+def add_wall(builder: InputBuilder, wall: Wall) -> None:
+    """Add the fixed ground and the bricks of a wall, their rock and their joints."""
     builder.add_rock("brick", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.add_joint("head", friction_angle=0.0)
@@ -108,7 +114,6 @@ def pushed(wall: Wall = WALLS[2], share: float = 0.3) -> Model:
         builder.measured_point(
             str(k + 1), (0.5 * (left + right), foot + 0.5 * COURSE), block=str(k + 1)
         )
-    return builder.build()
 
 
 def holds(wall: Wall, share: float, variant: Variant) -> bool:
