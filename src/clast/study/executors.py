@@ -34,6 +34,8 @@ TRIES = 3
 """How often a run is tried whose worker dies."""
 PORTION = 50
 """Runs that a worker makes at most before it is renewed."""
+ANSWERS, BEGINS = 10, 60
+"""How long a scheduler is waited for, and its first worker, s."""
 TELL_EVERY = 0.5
 """Time between looks at how far a study is, s."""
 
@@ -68,8 +70,9 @@ Watch = Callable[[StudyProgress], None]
 class Workers(Protocol):
     """Those who make runs, by places."""
 
-    places: int
-    """Portions that are made at a time."""
+    @property
+    def places(self) -> int:
+        """Portions that are made at a time."""
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Have a portion of runs made by a worker."""
@@ -134,8 +137,13 @@ class Foreign:
 
     executor: Executor
     """The executor."""
-    places: int
-    """Portions that are made at a time."""
+    workers: Callable[[], int]
+    """How many workers it has; they may come and go."""
+
+    @property
+    def places(self) -> int:
+        """Portions that are made at a time: two a worker, so that none waits."""
+        return 2 * max(1, self.workers())
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Have a portion of runs made by a worker."""
@@ -169,13 +177,14 @@ class Driver:
         self._before = self.folder.study.n - total
         self._handed = 0
         going: dict[Future[int], tuple[int, list[int]]] = {}
-        free = list(range(self.workers.places))
         again: list[list[int]] = []
         now = True
         try:
             while True:
-                while free and (portion := again.pop() if again else self._portion(runs)):
-                    place = free.pop(0)
+                for place in self._free(going):
+                    portion = again.pop() if again else self._portion(runs)
+                    if not portion:
+                        break
                     future = self.workers.submit(place, str(self.folder.path.absolute()), portion)
                     going[future] = (place, portion)
                 if not going:
@@ -183,12 +192,16 @@ class Driver:
                 done, _ = wait(going, TELL_EVERY, FIRST_COMPLETED)
                 for future in done:
                     place, portion = going.pop(future)
-                    free.append(place)
                     again += self._ended(future, place, portion)
                 self._tell(going)
             now = False
         finally:
             self.workers.close(now=now)
+
+    def _free(self, going: dict[Future[int], tuple[int, list[int]]]) -> list[int]:
+        """Return the places at which nothing is being made."""
+        taken = {place for place, _ in going.values()}
+        return [place for place in range(self.workers.places) if place not in taken]
 
     def _portion(self, runs: Iterator[int]) -> list[int]:
         """Return the next runs to hand out: fewer towards the end."""
@@ -294,17 +307,32 @@ def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | Non
 def workers_of(executor: Any, count: int | None, scheduler: str) -> Iterator[Workers]:
     """Give who makes runs: processes where neither an executor nor a scheduler is given."""
     if scheduler:
-        with _of_dask(scheduler) as (pool, places):
-            yield Foreign(pool, 2 * (count or places))
+        with _of_dask(scheduler) as (pool, workers):
+            yield Foreign(pool, workers if count is None else lambda: count)
     elif executor is not None:
-        places = count or getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-        yield Foreign(executor, 2 * int(places))
+        yield Foreign(executor, lambda: count or _workers_in(executor))
     else:
         yield Processes(count or os.cpu_count() or 1)
 
 
+def _workers_in(executor: Any) -> int:
+    """Return how many workers an executor says that it has; where it does not, the processors."""
+    client = getattr(executor, "_client", None)
+    if client is not None:
+        return _threads_of(client)
+    return int(getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
+
+
+def _threads_of(client: Any) -> int:
+    """Return how many threads the workers of a Dask cluster have; none where it is gone."""
+    try:
+        return int(sum(client.nthreads().values()))
+    except (OSError, TimeoutError):
+        return 0
+
+
 @contextmanager
-def _of_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
+def _of_dask(scheduler: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
     """Give the executor of a Dask cluster that is there, and how many runs it makes at a time."""
     try:
         from distributed import Client
@@ -314,17 +342,19 @@ def _of_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
             where="scheduler",
             remedy="install it: pip install 'clast[distributed]'",
         ) from None
+    remedy = "start it: dask scheduler; dask worker tcp://host:port --nthreads 1"
     try:
-        client = Client(scheduler, timeout=10)
+        client = Client(scheduler, timeout=ANSWERS)
     except (OSError, TimeoutError, ValueError) as error:
-        raise CaseError(
-            f"does not answer: {' '.join(str(error).split())[:200]}",
-            where=scheduler,
-            remedy="start it: dask scheduler; dask worker tcp://host:port --nthreads 1",
-        ) from None
+        what = f"does not answer: {' '.join(str(error).split())[:200]}"
+        raise CaseError(what, where=scheduler, remedy=remedy) from None
     try:
-        threads = sum(client.nthreads().values())
+        client.wait_for_workers(1, timeout=BEGINS)
         # Dask would make tasks again whose results it has lost; ours are on the disk
-        yield client.get_executor(pure=False, retries=0), max(1, threads)
+        pool = client.get_executor(pure=False, retries=0)
+        yield pool, lambda: _threads_of(client)
+    except TimeoutError:
+        what = f"has no worker after {BEGINS} s"
+        raise CaseError(what, where=scheduler, remedy=remedy) from None
     finally:
         client.close()

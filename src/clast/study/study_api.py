@@ -13,7 +13,7 @@ clast.factor_of_safety("slope.toml", joints=["bedding"]).value
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -111,15 +111,18 @@ class Study:
         n: int | None = None,
         sampling: str = "random",
         how: HowMade = USUAL,
-        **numbers: int,
+        **given: Any,
     ) -> TrialTable:
         """Make all runs that are not done in a folder, and return the table of their results.
 
         ``n`` is the number of runs, ``sampling`` "random", "latin-hypercube", "sobol" or
         "point-estimate", with the ``seed`` and ``replicates`` of it.  ``how`` says who makes the
-        runs.  Raises CaseError where the study cannot be made, and where another one is there.
+        runs; its fields may also be given one by one: ``executor``, ``workers``, ``scheduler``.
+        Raises CaseError where the study cannot be made, and where another one is there.
         """
-        study = self.described(n, sampling, "", **numbers)
+        who = {one.name: given.pop(one.name) for one in fields(HowMade) if one.name in given}
+        how = replace(how, **who)
+        study = self.described(n, sampling, "", **given)
         made = StudyFolder.made(Path(folder), self.case, study)
         Bench.of(made).check()
         return go_on(made, how)

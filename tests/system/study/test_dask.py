@@ -16,6 +16,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
+from clast.study import executors
 from clast.study.study_api import HowMade, resume
 from clast.study.trial_table import CSV
 
@@ -38,15 +39,29 @@ def started(*words: str, cwd: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen(command, cwd=cwd, stdout=quiet, stderr=quiet)
 
 
+def wait_for(port: int) -> None:
+    """Wait until somebody answers at a port."""
+    end = time.monotonic() + 100.0
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", port), 1.0).close()
+            return
+        except OSError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.2)
+
+
 @contextmanager
-def cluster(cwd: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+def cluster(cwd: Path, workers: int = 2) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """Give the address of a scheduler, and its process and those of two workers."""
     address = f"tcp://127.0.0.1:{(port := free_port())}"
     words = ["--host", "127.0.0.1", "--port", str(port), "--dashboard-address", ":0"]
     parts = [started("distributed.cli.dask_scheduler", *words, cwd=cwd)]
     worker = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny"]
-    parts += [started(*worker, "--no-dashboard", cwd=cwd) for _ in range(2)]
+    parts += [started(*worker, "--no-dashboard", cwd=cwd) for _ in range(workers)]
     try:
+        wait_for(port)
         yield address, parts
     finally:
         for one in parts:
@@ -84,7 +99,7 @@ def test_a_study_goes_on_when_its_cluster_is_gone(slab, tmp_path, victim):
         how = HowMade(scheduler=address, watch=kill)
         start = time.monotonic()
         if victim == 0:
-            with pytest.raises(CaseError, match="is gone"):
+            with pytest.raises(CaseError, match="has ended"):
                 study.run(tmp_path / "part", n=40, how=how)
         else:
             study.run(tmp_path / "part", n=40, how=how)
@@ -93,6 +108,29 @@ def test_a_study_goes_on_when_its_cluster_is_gone(slab, tmp_path, victim):
     resume(tmp_path / "part", HowMade(workers=1))
     tables = [(tmp_path / name / CSV).read_bytes() for name in ("whole", "part")]
     assert tables[0] == tables[1]
+
+
+def test_an_executor_of_a_local_cluster_gives_the_same_table(slab, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"}, fail="fails()")
+    study.run(tmp_path / "whole", n=12, how=HowMade(array=(1, 1)))
+    resume(tmp_path / "whole", HowMade(workers=1))
+    own = {"host": "127.0.0.1", "dashboard_address": None, "local_directory": str(tmp_path)}
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, **own) as local,
+        distributed.Client(local) as client,
+    ):
+        study.run(tmp_path / "part", n=12, executor=client.get_executor(pure=False))
+    tables = [(tmp_path / name / CSV).read_bytes() for name in ("whole", "part")]
+    assert tables[0] == tables[1]
+
+
+def test_a_scheduler_without_workers_is_said(slab, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(executors, "BEGINS", 1)
+    study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"})
+    with cluster(tmp_path, workers=0) as (address, _), pytest.raises(CaseError, match="no worker"):
+        study.run(tmp_path / "part", n=2, scheduler=address)
 
 
 def test_a_scheduler_that_does_not_answer_is_said(slab, tmp_path):
