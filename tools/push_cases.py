@@ -69,9 +69,7 @@ def _wall(wall: wall_push.Wall) -> PushCase:
     words = f"wall of {wall.bricks} bricks × {wall.courses} courses, φ 40°, smooth head joints"
     builder = clast.ModelBuilder(title=f"Push on a {words}", gravity=(0.0, -wall_push.GRAVITY))
     wall_push.add_wall(builder, wall)
-    return _case(
-        f"wall-{wall.bricks}x{wall.courses}", words, wall_push.exact_push(wall), builder
-    )
+    return _case(f"wall-{wall.bricks}x{wall.courses}", words, wall_push.exact_push(wall), builder)
 
 
 def _column(width: float) -> PushCase:
@@ -104,7 +102,7 @@ def main() -> None:
     """Write the cases, or print the table."""
     if "--table" in sys.argv[1:]:
         for line in table():
-            print(line, flush=True)
+            sys.stdout.write(f"{line}\n")
         return
     FOLDER.mkdir(exist_ok=True)
     for one in cases():

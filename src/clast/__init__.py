@@ -62,8 +62,9 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
-    from clast.study.fit import Fit as Fit
     from clast.study.fit import fit as fit
+    from clast.study.fitting.back_analysis import Fit as Fit
+    from clast.study.fitting.back_analysis import FitSettings as FitSettings
     from clast.study.study_api import HowMade as HowMade
     from clast.study.study_api import Study as Study
     from clast.study.variables.distributions import Beta as Beta
@@ -121,7 +122,8 @@ HOME = {
     "State": "clast.model.state",
     "HowMade": "clast.study.study_api",
     "Study": "clast.study.study_api",
-    "Fit": "clast.study.fit",
+    "Fit": "clast.study.fitting.back_analysis",
+    "FitSettings": "clast.study.fitting.back_analysis",
     "fit": "clast.study.fit",
     "Collapse": "clast.study.collapsing.collapse",
     "collapse_load": "clast.study.collapsing.collapse",

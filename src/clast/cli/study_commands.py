@@ -11,7 +11,13 @@ import typer
 
 from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
-from clast.cli.study_tables import print_collapse, print_fit, print_results, print_trial
+from clast.cli.study_tables import (
+    print_collapse,
+    print_fit,
+    print_results,
+    print_sensitivities,
+    print_trial,
+)
 from clast.cli.terminal import json_text, print_json, say, status, tell
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
@@ -21,6 +27,8 @@ if TYPE_CHECKING:
     from clast.study.description import FactorSettings
     from clast.study.executors import StudyProgress
     from clast.study.folder import StudyFolder
+    from clast.study.probabilities import StudyResults
+    from clast.study.sensitivity import SensitivityIndex
     from clast.study.study_api import HowMade
 
 app = typer.Typer(
@@ -165,7 +173,10 @@ def montecarlo(
     fail: Fail = "",
     n: Annotated[int, typer.Option("-n", "--runs", help="Number of runs.")] = 100,
     sampling: Annotated[
-        str, typer.Option(help="random, latin-hypercube, sobol or point-estimate.")
+        str,
+        typer.Option(
+            help="random, latin-hypercube, sobol, point-estimate; saltelli, morris: sensitivities."
+        ),
     ] = "random",
     seed: Annotated[int | None, typer.Option(help="Seed; 1 if absent.")] = None,
     replicates: Annotated[
@@ -202,6 +213,15 @@ def fit(
     ],
     vary: Vary = None,
     settings: Settings = None,
+    method: Annotated[
+        str, typer.Option(help="least-squares, or es-mda: an ensemble, for many parameters.")
+    ] = "least-squares",
+    members: Annotated[int, typer.Option(help="Members of the ensemble.")] = 100,
+    rounds: Annotated[int, typer.Option(help="Rounds of the ensemble.")] = 4,
+    seed: Annotated[int, typer.Option(help="Seed of the ensemble.")] = 1,
+    runs: Annotated[
+        str, typer.Option(metavar="DIR", help="Keep runs there, and go on with those that are.")
+    ] = "",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
     ] = None,
@@ -212,7 +232,9 @@ def fit(
     """Find the parameters with which a case moves as it was measured (back-analysis)."""
     from clast.case.case_file import Case
     from clast.study.fit import fit as fitted
+    from clast.study.fitting.back_analysis import FitSettings
 
+    how = FitSettings(method=method, members=members, rounds=rounds, seed=seed, folder=runs)
     if output is not None and not output.absolute().parent.is_dir():
         raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
     loaded = Case.from_toml(case, settings or ())
@@ -222,6 +244,7 @@ def fit(
             loaded,
             observe,
             ranges,
+            how=how,
             workers=workers,
             watch=lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"),
         )
@@ -426,6 +449,7 @@ def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) ->
         trial_table.write_parquet(there, there.path / trial_table.PARQUET)
     columns = probabilities.columns_of(there)
     report = write_report(there)
+    indices = _sensitivities(columns)
     if as_json:
         found = probabilities.probability(columns)
         print_json(
@@ -440,12 +464,29 @@ def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) ->
                     for name, values in columns.measures.items()
                     for spread in [probabilities.spread(columns, values)]
                 },
+                "sensitivity": {
+                    name: {one.parameter: one.index for one in listed}
+                    for name, listed in indices.items()
+                },
                 "blocks": dict(columns.blocks),
             }
         )
     elif not quiet:
         print_results(columns, rows)
+        for name, listed in indices.items():
+            print_sensitivities(name, listed)
         tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
+
+
+def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
+    """Return the indices of sensitivity of each measure; say why where there are none."""
+    from clast.study.sensitivity import sensitivities
+
+    try:
+        return {name: sensitivities(columns, one) for name, one in columns.measures.items()}
+    except CaseError as error:
+        say(f"warning: {error.what}: {error.remedy}")
+        return {}
 
 
 def _told_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:

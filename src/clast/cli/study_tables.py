@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from clast.cli.terminal import print_table, tell
@@ -9,8 +10,9 @@ from clast.cli.terminal import print_table, tell
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
-    from clast.study.fit import Fit
+    from clast.study.fitting.back_analysis import Fit
     from clast.study.probabilities import StudyResults
+    from clast.study.sensitivity import SensitivityIndex
 
 NAMED = 3
 """Blocks that a line of a trial names."""
@@ -41,8 +43,28 @@ def print_fit(found: Fit) -> None:
     for name, *numbers in zip(found.parameter, found.value, found.low, found.high, strict=True):
         table.add_row(name, *(f"{one:.5g}" for one in numbers))
     print_table(table)
+    misfit = found.predicted - found.observed
+    tell(f"largest difference of computed and measured: {abs(misfit).max():.3g} m")
+    for k, first in enumerate(found.parameter):
+        for n, second in enumerate(found.parameter[:k]):
+            tell(f"correlation of {second} and {first}: {found.correlation[k, n]:.2f}")
     if found.remark:
         tell(found.remark)
+
+
+def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None:
+    """Print the indices of sensitivity of a measure."""
+    from rich.table import Table
+
+    if not found:
+        return
+    table = Table(title=f"sensitivity of {measure}")
+    table.add_column("parameter")
+    for head in found[0].index:
+        table.add_column(head, justify="right")
+    for one in found:
+        table.add_row(one.parameter, *(f"{value:.3g}" for value in one.index.values()))
+    print_table(table)
 
 
 def print_results(columns: StudyResults, rows: int) -> None:

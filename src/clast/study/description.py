@@ -40,6 +40,7 @@ from clast.model.model import Floats
 from clast.study.judging.expressions import Expression, read
 from clast.study.judging.measures import ARGUMENTS, FOS
 from clast.study.variables import random_draws
+from clast.study.variables.designs import SAMPLINGS
 from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
 from clast.study.variables.parameters import Parameter
 from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Sampling
@@ -276,6 +277,7 @@ class Description:
 
     def _counted(self) -> Description:
         """Return a study by chance with its number of runs."""
+        self._check_design()
         for one in self.vary:
             if one.drawn.LISTED:
                 raise CaseError(
@@ -295,6 +297,25 @@ class Description:
             return replace(self, sampling=random_draws.Random()).checked()
         drawn = len(self._drawn)
         return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
+
+    def _check_design(self) -> None:
+        """Raise CaseError where parameters do not suit a design for indices of sensitivity."""
+        if not self.sampling.INDICES:
+            return
+        word = type(self.sampling).WORD
+        if self.correlate:
+            raise CaseError(
+                f"sampling '{word}' changes one parameter at a time: none can be correlated",
+                where="correlate",
+                remedy="leave correlations out, or choose another sampling",
+            )
+        for one in self.vary:
+            if isinstance(one.drawn, Numbered):
+                raise CaseError(
+                    f"sampling '{word}' would take the effect of the number for that of others",
+                    where=f"vary {shortened(one.name)}",
+                    remedy="draw it: discrete([1, 2, 3, 4]), or choose another sampling",
+                )
 
     def _check_correlations(self, names: Sequence[str]) -> None:
         """Raise CaseError for correlations of constant parameters, or of unsuitable ones."""
@@ -398,11 +419,11 @@ def described(text: str, file: str) -> Description:
 
 def sampling_of(word: str, **numbers: Any) -> Sampling:
     """Return a sampling by its name; numbers that it does not have are refused."""
-    if word not in random_draws.SAMPLINGS:
-        remedy = spelling.advice(str(word), random_draws.SAMPLINGS, kind="sampling")
+    if word not in SAMPLINGS:
+        remedy = spelling.advice(str(word), SAMPLINGS, kind="sampling")
         what = f"there is no sampling '{shortened(str(word))}'"
         raise CaseError(what, where="sampling", remedy=remedy)
-    kind = random_draws.SAMPLINGS[word]
+    kind = SAMPLINGS[word]
     own = {one.name for one in fields(kind)}  # type: ignore[arg-type]
     for name, value in numbers.items():
         if name not in own:

@@ -64,7 +64,7 @@ class StudyFolder:
         parts = [text.encode("utf-8"), *named.values()]
         hashed = sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()[:16]
         study = replace(study, case=f"{BASE}/{hashed}/{CASE}").checked()
-        _make(path)
+        make_folder(path)
         there = path / STUDY
         if there.exists():
             found = cls.opened(path)
@@ -86,7 +86,7 @@ class StudyFolder:
         for name, place in places.items():
             (base / place).write_bytes(named[name])
         (base / CASE).write_text(text, encoding="utf-8")
-        _write(there, study.text.encode("utf-8"))
+        write_whole(there, study.text.encode("utf-8"))
         return cls(path, study)
 
     @classmethod
@@ -150,7 +150,7 @@ class StudyFolder:
     def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
         """Write the result of a run into its folder, last of all."""
         text = json.dumps({"study": self.study.hash, **result}, ensure_ascii=False, indent=1)
-        _write(part / RESULT, (text + "\n").encode("utf-8"))
+        write_whole(part / RESULT, (text + "\n").encode("utf-8"))
 
     def results(self) -> Iterator[dict[str, Any]]:
         """Give all results in the order of their numbers."""
@@ -244,11 +244,16 @@ def _with_files(value: Any, places: Mapping[str, str], key: str = "") -> Any:
     return places.get(value, value) if isinstance(value, str) and key == NAMES_FILE else value
 
 
+def bytes_of_files(case: Case) -> bytes:
+    """Return what all files hold that a case names, one after the other."""
+    return b"".join(_bytes_of(case, name) for name in _files_in(content_of(case)))
+
+
 def _bytes_of(case: Case, name: str) -> bytes:
     return case_text.read_bytes(Path(case.file).parent / name, f"it is named by {case.file}")
 
 
-def _make(path: Path) -> None:
+def make_folder(path: Path) -> None:
     """Make the folder; raises CaseError where something else is in its place."""
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -260,7 +265,7 @@ def _make(path: Path) -> None:
         ) from None
 
 
-def _write(path: Path, content: bytes) -> None:
+def write_whole(path: Path, content: bytes) -> None:
     """Write a file that is there as a whole or not at all."""
     part = path.with_name(f".{path.name}.{os.getpid()}")
     with part.open("wb") as file:

@@ -121,6 +121,8 @@ def probability(columns: StudyResults) -> Probability | None:
     study, fails = columns.study, columns.fails
     if study.kind != MONTECARLO or not study.fail or not len(fails):
         return None
+    if not study.sampling.OF_CHANCE:
+        return None
     failed, lost = int(fails.sum()), columns.lost
     known: dict[str, Any] = {"failed": failed, "runs": len(fails), "lost": lost}
     if isinstance(study.sampling, PointEstimate):

@@ -29,6 +29,7 @@ from clast.study.description import MONTECARLO, SWEEP
 from clast.study.folder import StudyFolder
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
+from clast.study.sensitivity import MEANING, sensitivities
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
 from clast.study.work import RUN_FILE
@@ -119,6 +120,7 @@ def write_report(folder: StudyFolder) -> Path:
         _spread(page, columns, values)
         _drawn(page, lambda name=name, values=values: _figures(columns, name, values, pictures))
         _influence(page, columns, values)
+        _sensitivity(page, columns, values)
     if len(columns.fails):
         page.head("Which blocks fail")
         _blocks(page, folder, columns, pictures)
@@ -186,6 +188,21 @@ def _influence(page: Page, columns: StudyResults, values: Any) -> None:
         heads = ["parameter", "mean where least", "mean where largest", "rank correlation"]
         page.table(heads, rows)
         page.say("Least and largest: the fifth of the runs with such values of it.", "remark")
+
+
+def _sensitivity(page: Page, columns: StudyResults, values: Any) -> None:
+    """Write the indices of sensitivity where runs were drawn for them."""
+    try:
+        found = sensitivities(columns, values)
+    except CaseError as error:
+        page.say(f"{error.what}. {error.remedy}", "remark")
+        return
+    if found:
+        page.table(
+            ["parameter", *found[0].index],
+            [[one.parameter, *one.index.values()] for one in found],
+        )
+        page.say(MEANING[type(columns.study.sampling).WORD], "remark")
 
 
 def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Path) -> None:

@@ -15,7 +15,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study.fit import read_observations
+from clast.study.fitting.observations import read_observations
 
 WEIGHT, BAR, PUSH = 2600.0 * 9.81, 1e7, 4e4
 STIFFNESS, FRICTION, NOISE = 1e8, 30.0, 2e-5
@@ -96,6 +96,7 @@ def test_what_observations_do_not_tell_apart_is_said(case, tmp_path):
         ("point,x\nA,one", "'one' is no x"),
         ("point,x\nA,nan", "'nan' is no x"),
         ("point,x\n", "no observation"),
+        ("point,time,x\nA,-1,1", "before the beginning"),
         ("point,x,sd\nA,1,0", "no positive sd"),
         ("point,x,sd\nA,1,1\nA,2,", "some rows only"),
         ("x,y\n1,2", "lacks the columns"),
@@ -113,7 +114,65 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
     for vary, what in [
         ({}, "nothing varies"),
         ({"joint.base.cohesion": [1.0, 2.0]}, "no range"),
+        ({"joint.base.friction_angle": "uniform(91, 95)"}, "cannot go on"),
         ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not give"),
     ]:
         with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match=what):
             clast.fit(case, table, vary, executor=one)
+    late = written(tmp_path / "late.csv", np.append(exact(STIFFNESS, FRICTION)[:-1], 1.0))
+    late.write_text(late.read_text().replace("A,1.0,", "A,1.5,"))
+    with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match="before the measurement"):
+        clast.fit(case, late, RANGES, executor=one)
+    for how, what in [
+        ({"method": "es"}, "no method 'es'"),
+        ({"members": 3}, "no number of members"),
+        ({"rounds": 0}, "no number of rounds"),
+        ({"seed": -1}, "no seed"),
+        ({"method": "es-mda"}, "are not given"),
+    ]:
+        with pytest.raises(CaseError, match=what):
+            clast.fit(case, table, RANGES, how=clast.FitSettings(**how), workers=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sd", ["", str(NOISE)], ids=["noise unknown", "noise known"])
+def test_intervals_hold_the_truth_as_often_as_they_say(case, tmp_path, sd):
+    """Of 20 intervals of 95 %, 17 or more hold the truth with a probability of 98.4 %."""
+    inside = np.zeros(2, int)
+    with ThreadPoolExecutor(1) as one:
+        for seed in range(20):
+            noise = np.random.default_rng(seed).normal(0.0, NOISE, len(TIMES))
+            table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, sd)
+            found = clast.fit(case, table, RANGES, executor=one)
+            inside += (found.low < (STIFFNESS, FRICTION)) & ((STIFFNESS, FRICTION) < found.high)
+    assert (inside >= 17).all()
+
+
+def test_an_ensemble_finds_the_truth_and_goes_on_where_it_was(case, tmp_path):
+    noise = np.random.default_rng(4).normal(0.0, NOISE, len(TIMES))
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, str(NOISE))
+    vary = {
+        "joint.base.shear_stiffness": "lognormal(2e8, 1.5e8)",
+        "joint.base.friction_angle": "normal(28, 5, low=10, high=50)",
+    }
+    how = clast.FitSettings(method="es-mda", members=40, folder=tmp_path / "runs")
+    made = []
+
+    def interrupted(runs: int, error: float) -> None:
+        made.append(runs)
+        if len(made) == 3:
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as one, pytest.raises(KeyboardInterrupt):
+        clast.fit(case, table, vary, how=how, executor=one, watch=interrupted)
+    kept = {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()}
+    assert len(kept) == 120
+    with ThreadPoolExecutor(1) as one:
+        found = clast.fit(case, table, vary, how=how, executor=one)
+    assert kept == {file: file.stat().st_mtime_ns for file in kept}
+    assert found.runs == 200 and len(list((tmp_path / "runs").iterdir())) == 200
+    for truth, low, value, high in zip(
+        (STIFFNESS, FRICTION), found.low, found.value, found.high, strict=True
+    ):
+        assert low < truth < high
+        assert value == pytest.approx(truth, rel=0.15)

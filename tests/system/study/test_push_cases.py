@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 
-import pytest
 import push_cases
+import pytest
 
 import clast
 from scenes.command_line import good

@@ -38,6 +38,10 @@ class Sampling:
 
     WORD: ClassVar[str] = ""
     """How it is called."""
+    INDICES: ClassVar[bool] = False
+    """Whether it is a design for indices of sensitivity: parameters are independent and drawn."""
+    OF_CHANCE: ClassVar[bool] = True
+    """Whether the share of its runs in which something happens is a probability."""
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
         """Return the probabilities of run ``run`` of ``count``, from 0, shape (parameters,)."""
@@ -58,7 +62,7 @@ class Random(Sampling):
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
         """Return the probabilities of a run."""
-        return np.array([_uniform(self.seed, run, k) for k in range(parameters)])
+        return np.array([uniform(self.seed, run, k) for k in range(parameters)])
 
 
 @dataclass(frozen=True)
@@ -81,8 +85,8 @@ class LatinHypercube(Sampling):
         return np.array(
             [
                 (
-                    _permuted(within, size, _mixed(self.seed, replicate, k))
-                    + _uniform(self.seed, run, k)
+                    _permuted(within, size, mixed(self.seed, replicate, k))
+                    + uniform(self.seed, run, k)
                 )
                 / size
                 for k in range(parameters)
@@ -122,7 +126,7 @@ class Sobol(Sampling):
         if run:
             points.fast_forward(run)
         whole = (points.random(1)[0] * 2.0**self.BITS).astype(np.int64)
-        shift = [_mixed(self.seed, 0, k) >> (64 - self.BITS) for k in range(parameters)]
+        shift = [mixed(self.seed, 0, k) >> (64 - self.BITS) for k in range(parameters)]
         return ((whole ^ np.array(shift, np.int64)) + 0.5) / 2.0**self.BITS
 
     def checked(self, count: int, parameters: int) -> int:
@@ -165,12 +169,6 @@ class PointEstimate(Sampling):
         return float(1.0 + pairs) / float(1 << len(signs))
 
 
-SAMPLINGS: dict[str, type[Sampling]] = {
-    one.WORD: one for one in (Random, LatinHypercube, Sobol, PointEstimate)
-}
-"""Word -> class."""
-
-
 def copula(pairs: Sequence[tuple[int, int, float]], parameters: int) -> tuple[Floats, Floats]:
     """Return the matrix of correlations of normal scores and its Cholesky factor, (m, m) each.
 
@@ -197,12 +195,12 @@ def correlated(probabilities: Floats, factor: Floats) -> Floats:
     return np.asarray(special.ndtr(factor @ scores))
 
 
-def _uniform(seed: int, run: int, parameter: int) -> float:
+def uniform(seed: int, run: int, parameter: int) -> float:
     """Return a number in (0, 1) of its own for each run and parameter."""
-    return ((_mixed(seed + 1, run, parameter) >> 11) + 0.5) / float(1 << 53)
+    return ((mixed(seed + 1, run, parameter) >> 11) + 0.5) / float(1 << 53)
 
 
-def _mixed(*numbers: int) -> int:
+def mixed(*numbers: int) -> int:
     """Return 64 bits that look random of whole numbers (splitmix64, Steele et al. 2014)."""
     state = 0x9E3779B97F4A7C15
     for number in numbers:
@@ -227,7 +225,7 @@ def _permuted(number: int, size: int, key: int) -> int:
     while True:
         left, right = number >> half, number & mask
         for turn in range(ROUNDS):
-            left, right = right, left ^ (_mixed(key, turn, right) & mask)
+            left, right = right, left ^ (mixed(key, turn, right) & mask)
         number = left << half | right
         if number < size:
             return number

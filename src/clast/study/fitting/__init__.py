@@ -1,0 +1,1 @@
+"""Back-analysis: observations, runs that are kept, least squares and ensembles."""

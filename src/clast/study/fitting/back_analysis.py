@@ -1,0 +1,211 @@
+"""A back-analysis: how it is made, its parameters, its runs, its result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.case.case_file import Case
+from clast.errors import CaseError, ClastError, shortened
+from clast.model.model import Floats
+from clast.study.fitting.fit_runs import FitTask, RunStore
+from clast.study.fitting.observations import Observation
+from clast.study.trial_cases import changed
+from clast.study.variables.distributions import Distribution, Range, Values
+from clast.study.variables.parameters import Parameter, ParameterPlaces
+
+LEAST_SQUARES, ENSEMBLE = "least-squares", "es-mda"
+"""Methods."""
+STEP = 1e-3
+"""Change of a parameter, as a share of its range, by which derivatives are taken."""
+FAR = 1e-9
+"""Probability at which an unbounded distribution is taken to end."""
+DECADE = 10.0
+"""Ratio of the ends of a range from which a parameter is sought by its logarithm."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSettings:
+    """How a back-analysis is made."""
+
+    method: str = LEAST_SQUARES
+    """"least-squares", or "es-mda": an ensemble, for many parameters."""
+    members: int = 100
+    """Members of the ensemble."""
+    rounds: int = 4
+    """How often the ensemble takes in the observations, each time a part of them."""
+    seed: int = 1
+    """Seed of the ensemble."""
+    folder: str | Path = ""
+    """Where runs are kept, so that it can go on after an interruption; "": nowhere."""
+
+    def checked(self) -> FitSettings:
+        """Return itself; raises CaseError for wrong numbers."""
+        methods = (LEAST_SQUARES, ENSEMBLE)
+        if self.method not in methods:
+            remedy = spelling.advice(str(self.method), methods, kind="method")
+            what = f"there is no method '{shortened(str(self.method))}'"
+            raise CaseError(what, where="method", remedy=remedy)
+        for name, least, most in (
+            ("members", 10, 100_000),
+            ("rounds", 1, 50),
+            ("seed", 0, 2**63 - 1),
+        ):
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+                raise CaseError(
+                    f"{value!r} is no number of {name}" if name != "seed" else "is no seed",
+                    where=name,
+                    remedy=f"give a whole number from {least} to {most:,}",
+                )
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """The result of a back-analysis; m parameters, k observations."""
+
+    parameter: tuple[str, ...]
+    """Names."""
+    value: Floats
+    """Best values, shape (m,)."""
+    low: Floats
+    """Lower ends of their intervals, shape (m,)."""
+    high: Floats
+    """Upper ends, shape (m,)."""
+    correlation: Floats
+    """Correlations of the errors of the values, or of their logarithms, shape (m, m)."""
+    observed: Floats
+    """The measured values, m, shape (k,)."""
+    predicted: Floats
+    """The values of the case with the best parameters, m, shape (k,)."""
+    runs: int
+    """Runs that were made."""
+    remark: str = ""
+    """The reservations; "" where there are none."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it ready for JSON."""
+        return {
+            "parameters": {
+                name: {"value": value, "low": low, "high": high}
+                for name, value, low, high in zip(
+                    self.parameter,
+                    self.value.tolist(),
+                    self.low.tolist(),
+                    self.high.tolist(),
+                    strict=True,
+                )
+            },
+            "correlation": self.correlation.tolist(),
+            "observed": self.observed.tolist(),
+            "predicted": self.predicted.tolist(),
+            "runs": self.runs,
+            "remark": self.remark,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParameterScale:
+    """How a parameter is sought: from 0 to 1 over its range, or that of its logarithm."""
+
+    low: float
+    """Least value."""
+    high: float
+    """Largest value."""
+
+    @classmethod
+    def of(cls, one: Parameter) -> ParameterScale:
+        """Return the range of a parameter; raises CaseError where it has none."""
+        drawn: Distribution = one.drawn
+        if not drawn.CONTINUOUS or isinstance(drawn, Values | Range):
+            raise CaseError(
+                f"'{shortened(one.name)}' has no range to be sought in",
+                where=f"vary {shortened(one.name)}",
+                remedy="give e.g. uniform(1e8, 1e10)",
+            )
+        return cls(low=float(drawn.quantile(FAR)), high=float(drawn.quantile(1.0 - FAR)))
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the logarithm is sought."""
+        return self.low > 0.0 and self.high > DECADE * self.low
+
+    def value(self, share: float) -> float:
+        """Return the value at a share of the range."""
+        if self.is_logarithmic:
+            return self.low * (self.high / self.low) ** share
+        return self.low + share * (self.high - self.low)
+
+
+@dataclass(kw_only=True)
+class Fitting:
+    """A back-analysis on its way."""
+
+    case: Case
+    settings: ParameterPlaces
+    scales: tuple[ParameterScale, ...]
+    observations: tuple[Observation, ...]
+    pool: Executor
+    keep: RunStore
+    watch: Callable[[int, float], None] | None = None
+    runs: int = 0
+
+    @property
+    def observed(self) -> Floats:
+        """The measured values, m, shape (k,)."""
+        return np.array([one.value for one in self.observations])
+
+    @property
+    def deviations(self) -> Floats:
+        """Their standard deviations, m, shape (k,); 1 where they are not known."""
+        return np.array([one.sd or 1.0 for one in self.observations])
+
+    def computed(self, places: Sequence[Sequence[float]]) -> list[Floats | ClastError]:
+        """Return the computed values (k,) with sets of parameters, or why there are none."""
+        tasks = [self._task(one) for one in places]
+        self.runs += len(tasks)
+        found = self.keep.made(tasks, self.pool)
+        if self.watch is not None:
+            sound = [one for one in found if not isinstance(one, ClastError)]
+            errors = [(one - self.observed) / self.deviations for one in sound[:1]]
+            self.watch(self.runs, float(np.sqrt(np.mean(np.square(errors)))) if sound else math.nan)
+        return found
+
+    def residuals(self, shares: Sequence[Floats]) -> list[Floats]:
+        """Return computed less measured, over the standard deviations, at several places.
+
+        Raises ClastError where a run cannot go on.
+        """
+        found = []
+        for one in self.computed([self.values(share) for share in shares]):
+            if isinstance(one, ClastError):
+                raise one
+            found.append((one - self.observed) / self.deviations)
+        return found
+
+    def derivative(self, share: Floats) -> Floats:
+        """Return the derivatives of the residuals (k, m), by runs that are made at one time."""
+        steps = np.where(share + STEP <= 1.0, STEP, -STEP)
+        places = [
+            share,
+            *(share + step * unit for step, unit in zip(steps, np.eye(len(share)), strict=True)),
+        ]
+        base, *others = self.residuals(places)
+        columns = [(one - base) / step for one, step in zip(others, steps, strict=True)]
+        return np.stack(columns, axis=1)
+
+    def values(self, share: Floats) -> list[float]:
+        """Return the parameters at shares of their ranges."""
+        return [one.value(float(x)) for one, x in zip(self.scales, share, strict=True)]
+
+    def _task(self, values: Sequence[float]) -> FitTask:
+        case = changed(self.case, self.settings.case(values))
+        return FitTask(text=case.to_toml(), file=case.file, observations=self.observations)

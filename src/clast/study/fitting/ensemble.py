@@ -1,0 +1,95 @@
+"""An ensemble smoother that takes in observations several times (ES-MDA; Emerick, Reynolds 2013).
+
+Members are drawn from the distributions of the parameters.  In each of N_a rounds every member is
+run, and moved by
+
+    z += C_zd (C_dd + N_a I)^-1 (sqrt(N_a) e - r),
+
+z being the normal scores of its parameters, r its computed less the measured values over their
+standard deviations, e noise of variance 1, C the covariances in the ensemble.  For a linear case
+the members end as draws from the posterior distribution.  It needs no derivatives: its runs are as
+many for one parameter as for fifty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import special
+
+from clast.errors import CaseError, ClastError
+from clast.model.model import Floats
+from clast.study.fitting.back_analysis import Fit, FitSettings, Fitting
+from clast.study.probabilities import CONFIDENCE
+from clast.study.variables.parameters import Parameter
+
+EDGE = 1e-12
+"""Least distance of a probability from 0 and 1."""
+ENOUGH = 0.5
+"""Share of the members that have to be left."""
+
+
+def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings) -> Fit:
+    """Return medians and intervals of an ensemble that has taken in the observations.
+
+    Members whose run cannot go on are left out.  Raises CaseError where less than half are left.
+    """
+    draw = np.random.default_rng(how.seed)
+    scores = draw.standard_normal((how.members, len(parameters)))
+    for _ in range(how.rounds):
+        scores, found = _sound(fitting, parameters, scores, how)
+        residuals = (found - fitting.observed) / fitting.deviations
+        noise = math.sqrt(how.rounds) * draw.standard_normal(residuals.shape)
+        scores = scores + (noise - residuals) @ gain(scores, residuals, float(how.rounds)).T
+    scores, found = _sound(fitting, parameters, scores, how)
+    tails = (0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE)
+    low, middle, high = (
+        np.array(values_of(parameters, one)) for one in np.quantile(scores, tails, axis=0)
+    )
+    lost = how.members - len(scores)
+    return Fit(
+        parameter=tuple(one.name for one in parameters),
+        value=middle,
+        low=low,
+        high=high,
+        correlation=np.atleast_2d(np.corrcoef(scores.T)),
+        observed=fitting.observed,
+        predicted=found.mean(axis=0),
+        runs=fitting.runs,
+        remark=f"{lost} of {how.members} members could not be run to their end." if lost else "",
+    )
+
+
+def gain(scores: Floats, residuals: Floats, inflation: float) -> Floats:
+    """Return C_zd (C_dd + inflation I)^-1, (m, k), of scores (n, m) and residuals (n, k)."""
+    z, d = scores - scores.mean(axis=0), residuals - residuals.mean(axis=0)
+    count = len(z) - 1
+    own = d.T @ d / count + inflation * np.eye(d.shape[1])
+    return np.asarray(np.linalg.solve(own, d.T @ z / count).T)
+
+
+def values_of(parameters: Sequence[Parameter], scores: Floats) -> list[float]:
+    """Return the parameters at normal scores (m,)."""
+    chances = np.clip(special.ndtr(scores), EDGE, 1.0 - EDGE)
+    return [
+        float(one.drawn.quantile(chance))
+        for one, chance in zip(parameters, chances.tolist(), strict=True)
+    ]
+
+
+def _sound(
+    fitting: Fitting, parameters: Sequence[Parameter], scores: Floats, how: FitSettings
+) -> tuple[Floats, Floats]:
+    """Return the scores (n, m) of members that can be run, and their computed values (n, k)."""
+    found = fitting.computed([values_of(parameters, one) for one in scores])
+    kept = [not isinstance(one, ClastError) for one in found]
+    if sum(kept) < ENOUGH * how.members:
+        reason = next(str(one) for one in found if isinstance(one, ClastError))
+        raise CaseError(
+            f"{len(kept) - sum(kept)} of {len(kept)} members cannot be run to their end: {reason}",
+            where="vary",
+            remedy="choose ranges with which the case can be run",
+        )
+    return scores[kept], np.array([one for one in found if not isinstance(one, ClastError)])

@@ -1,0 +1,83 @@
+"""Measured displacements, and the table that they are read from."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.inputs.declaring import text as case_text
+
+COLUMNS = ("point", "time", "x", "y", "sd")
+"""Columns of a table of observations; time and sd may be missing or empty, x or y empty."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observation:
+    """A displacement that was measured."""
+
+    point: str
+    """Measured point."""
+    part: int
+    """0: x, 1: y."""
+    value: float
+    """Displacement, m."""
+    time: float | None = None
+    """When, s; None: at the end of the run."""
+    sd: float | None = None
+    """Standard deviation, m; None: not known."""
+
+
+def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:
+    """Return the observations of a table (CSV); raises CaseError naming row and column."""
+    text = case_text.read_text(path, "name a table with the columns point, x, y")
+    reader = csv.DictReader(text.splitlines())
+    heads = [head.strip() for head in reader.fieldnames or ()]
+    for head in heads:
+        if head not in COLUMNS:
+            remedy = spelling.advice(head, COLUMNS, kind="column")
+            raise CaseError(f"has a column '{shortened(head)}'", where=str(path), remedy=remedy)
+    if "point" not in heads or not {"x", "y"} & set(heads):
+        raise CaseError(
+            "lacks the columns point and x or y", where=str(path), remedy="e.g. point,time,x,y,sd"
+        )
+    found = []
+    for number, line in enumerate(reader, start=2):
+        cells = {str(key).strip(): (value or "").strip() for key, value in line.items() if key}
+        where = f"{path}, line {number}"
+        if cells["point"] not in points:
+            remedy = spelling.advice(cells["point"], points, kind="measured point")
+            what = f"there is no measured point '{shortened(cells['point'])}'"
+            raise CaseError(what, where=where, remedy=remedy)
+        time, sd = (_number(cells.get(key, ""), where, key) for key in ("time", "sd"))
+        if time is not None and time < 0.0:
+            raise CaseError("is before the beginning", where=where, remedy="give a time from 0 on")
+        if sd is not None and sd <= 0.0:
+            raise CaseError("has no positive sd", where=where, remedy="leave it empty, or give one")
+        for part, key in enumerate(("x", "y")):
+            value = _number(cells.get(key, ""), where, key)
+            if value is not None:
+                one = Observation(point=cells["point"], part=part, value=value, time=time, sd=sd)
+                found.append(one)
+    if not found:
+        raise CaseError("has no observation", where=str(path), remedy="give at least one row")
+    if len({one.sd is None for one in found}) > 1:
+        raise CaseError("has an sd in some rows only", where=str(path), remedy="give all, or none")
+    return found
+
+
+def _number(text: str, where: str, column: str) -> float | None:
+    if not text:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        remedy = "write a number, or leave it empty"
+        raise CaseError(f"'{shortened(text)}' is no {column}", where=where, remedy=remedy)
+    return value
