@@ -74,7 +74,7 @@ def test_elementary_effects_of_a_plane_are_its_slopes() -> None:
     assert [one.index["mu"] / reach for one in indices] == pytest.approx([-5.0, 3.0, 0.0], abs=1e-9)
     assert [one.index["mu*"] / reach for one in indices] == pytest.approx([5.0, 3.0, 0.0], abs=1e-9)
     assert all(one.index["sigma"] < 1e-9 for one in indices)
-    assert [one.parameter for one in influences(found, found.measures["u"])][:2] == ["y", "x"]
+    assert influences(found, found.measures["u"]) == []
     assert probability(found) is None
 
 
@@ -110,11 +110,11 @@ def test_what_does_not_change_has_no_indices_and_too_few_runs_are_said() -> None
     [
         ({"n": 33}, "no power of two times 5"),
         ({"n": 5}, "no power of two times 5"),
-        ({"sampling": sampling_of("morris"), "n": 10}, "not several paths of 4"),
+        ({"sampling": "morris", "n": 10}, "not several paths of 4"),
         ({"correlate": (("x", "y", 0.5),)}, "none can be correlated"),
         ({"vary": parameters_of({"x": "numbered(1)", "y": clast.Uniform(0, 1)})}, "the number"),
     ],
 )
 def test_designs_that_cannot_be_made_are_refused(changes: dict[str, object], what: str) -> None:
     with pytest.raises(CaseError, match=what):
-        described("saltelli", 40, **changes)
+        described(**{"sampling": "saltelli", "n": 40, **changes})  # type: ignore[arg-type]

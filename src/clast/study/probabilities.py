@@ -193,8 +193,11 @@ class Influence:
 def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     """Return how values (k,) of the runs go with each parameter, the strongest first.
 
-    The number of a run orders nothing: a parameter that is one is left out.
+    The number of a run orders nothing: a parameter that is one is left out.  Runs on a grid of few
+    values have none.
     """
+    if not columns.study.sampling.OF_CHANCE:
+        return []
     found = []
     sound = np.isfinite(values)
     numbers = {one.name for one in columns.study.vary if isinstance(one.drawn, Numbered)}
