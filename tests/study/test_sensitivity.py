@@ -37,6 +37,7 @@ def results(study: Description, function: object, lost: tuple[int, ...] = ()) ->
         measures={"u": function(*points.T)},  # type: ignore[operator]
         fails=np.zeros(0),
         blocks={},
+        joints={},
         reasons={},
     )
 

@@ -9,26 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
-from clast.cli.study_tables import (
-    print_collapse,
-    print_fit,
-    print_results,
-    print_sensitivities,
-    print_trial,
-)
-from clast.cli.terminal import json_text, print_json, say, status, tell
+from clast.cli.study_tables import print_collapse, print_collected, print_fit, print_trial
+from clast.cli.terminal import json_text, print_json, status, tell
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
 
 if TYPE_CHECKING:
-    from clast.study.collapsing.collapse import Collapse
     from clast.study.description import FactorSettings
     from clast.study.executors import StudyProgress
     from clast.study.folder import StudyFolder
-    from clast.study.probabilities import StudyResults
-    from clast.study.sensitivity import SensitivityIndex
     from clast.study.study_api import HowMade
 
 app = typer.Typer(
@@ -63,7 +53,7 @@ Measure = Annotated[
 Fail = Annotated[
     str, typer.Option(metavar="EXPRESSION", help='When a run fails, e.g. "crest > 0.05".')
 ]
-Keep = Annotated[str, typer.Option(help="Result files to keep: none, failed or all.")]
+Keep = Annotated[str, typer.Option(help='Result files to keep: none, failed, "worst N" or all.')]
 Workers = Annotated[
     int | None,
     typer.Option(min=1, max=10_000, metavar="N", help="Runs at a time; one a processor if absent."),
@@ -120,7 +110,7 @@ def fos(
                 print_trial(number, trial)
 
         found = collapse(loaded, how, folder, watch)
-    _told_collapse(found, as_json, quiet)
+    print_collapse(found, as_json, quiet)
 
 
 @app.command()
@@ -275,7 +265,7 @@ def resume(
     if there.study.kind == COLLAPSE:
         with heard(), status():
             found = collapse.go_on(there, None if quiet or as_json else print_trial)
-        _told_collapse(found, as_json, quiet)
+        print_collapse(found, as_json, quiet)
         return
     _go_on(there, _how(workers, scheduler, array, retry), as_json, quiet)
 
@@ -298,7 +288,7 @@ def collect(
             where=str(folder),
             remedy=f"clast study resume {folder}",
         )
-    _collected(there, parquet, as_json, quiet)
+    print_collected(there, parquet, as_json, quiet)
 
 
 # What they have in common ------------------------------------------------------------------------
@@ -411,7 +401,7 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
     with heard(), _watched(quiet or as_json) as watch:
         study_api.make(there, replace(how, watch=watch))
     if how.array is None:
-        _collected(there, False, as_json, quiet)
+        print_collected(there, False, as_json, quiet)
     elif not quiet:
         tell(f"done; when all parts are: clast study collect {there.path}")
 
@@ -437,70 +427,3 @@ def _duration(seconds: float) -> str:
         if seconds >= 2.0 * size:
             return f"{seconds / size:.0f} {name}"
     return f"{seconds:.0f} s"
-
-
-def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
-    """Write table and report; print the results."""
-    from clast.study import probabilities, trial_table
-    from clast.study.study_report import write_report
-
-    rows = trial_table.write_csv(there, there.path / trial_table.CSV)
-    if parquet:
-        trial_table.write_parquet(there, there.path / trial_table.PARQUET)
-    columns = probabilities.columns_of(there)
-    report = write_report(there)
-    indices = _sensitivities(columns)
-    if as_json:
-        found = probabilities.probability(columns)
-        print_json(
-            {
-                "folder": str(there.path),
-                "runs": there.study.n,
-                "done": rows,
-                "no_result": columns.lost,
-                "probability_of_failure": None if found is None else vars(found),
-                "measures": {
-                    name: None if spread is None else vars(spread)
-                    for name, values in columns.measures.items()
-                    for spread in [probabilities.spread(columns, values)]
-                },
-                "sensitivity": {
-                    name: {one.parameter: one.index for one in listed}
-                    for name, listed in indices.items()
-                },
-                "blocks": dict(columns.blocks),
-            }
-        )
-    elif not quiet:
-        print_results(columns, rows)
-        for name, listed in indices.items():
-            print_sensitivities(name, listed)
-        tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
-
-
-def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
-    """Return the indices of sensitivity of each measure; say why where there are none."""
-    from clast.study.sensitivity import sensitivities
-
-    try:
-        return {name: sensitivities(columns, one) for name, one in columns.measures.items()}
-    except CaseError as error:
-        say(f"warning: {error.what}: {error.remedy}")
-        return {}
-
-
-def _told_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
-    """Write the report of a study of collapse; print its result."""
-    from clast.study.folder import StudyFolder
-    from clast.study.study_report import write_collapse
-
-    there = StudyFolder.opened(found.folder or Path())
-    report = write_collapse(there, found)
-    if as_json:
-        print_json(found.as_dict())
-    elif not quiet:
-        print_collapse(found)
-        tell(f"report: {report}")
-    if not found.is_settled:
-        say(f"warning: {found.sentence}")
-        raise typer.Exit(MISSED)

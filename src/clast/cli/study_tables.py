@@ -1,16 +1,22 @@
-"""Terminal output of clast study."""
+"""Results of clast study: tables and reports that are written, and terminal output."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clast.cli.terminal import print_table, tell
+import typer
+
+from clast.cli.exit_codes import MISSED
+from clast.cli.terminal import print_json, print_table, say, tell
+from clast.errors import CaseError
 
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
     from clast.study.fitting.back_analysis import Fit
+    from clast.study.folder import StudyFolder
     from clast.study.probabilities import StudyResults
     from clast.study.sensitivity import SensitivityIndex
 
@@ -26,11 +32,6 @@ def print_trial(number: int, trial: Trial) -> None:
         f"{number:4d}  {trial.factor:<10.6g} {trial.verdict:<10s} {trial.displacement:>9.3g} m  "
         f"{trial.steps:5d} steps  {named}"
     )
-
-
-def print_collapse(found: Collapse) -> None:
-    """Print the answer of a study of collapse."""
-    tell(found.sentence)
 
 
 def print_fit(found: Fit) -> None:
@@ -89,3 +90,73 @@ def print_results(columns: StudyResults, rows: int) -> None:
         tell(f"{int(columns.fails.sum())} of {len(columns.fails)} runs fail")
     for reason, count in columns.reasons.items():
         tell(f"{count} without a result: {reason}")
+
+
+def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
+    """Write table and report; print the results."""
+    from clast.study import probabilities, trial_table
+    from clast.study.kept_runs import keep_worst
+    from clast.study.study_report import write_report
+
+    rows = trial_table.write_csv(there, there.path / trial_table.CSV)
+    if parquet:
+        trial_table.write_parquet(there, there.path / trial_table.PARQUET)
+    columns = probabilities.columns_of(there)
+    keep_worst(there, columns)
+    report = write_report(there)
+    indices = _sensitivities(columns)
+    if as_json:
+        found = probabilities.probability(columns)
+        print_json(
+            {
+                "folder": str(there.path),
+                "runs": there.study.n,
+                "done": rows,
+                "no_result": columns.lost,
+                "probability_of_failure": None if found is None else vars(found),
+                "measures": {
+                    name: None if spread is None else vars(spread)
+                    for name, values in columns.measures.items()
+                    for spread in [probabilities.spread(columns, values)]
+                },
+                "sensitivity": {
+                    name: {one.parameter: one.index for one in listed}
+                    for name, listed in indices.items()
+                },
+                "blocks": dict(columns.blocks),
+                "joints": dict(columns.joints),
+            }
+        )
+    elif not quiet:
+        print_results(columns, rows)
+        for name, listed in indices.items():
+            print_sensitivities(name, listed)
+        tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
+
+
+def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
+    """Return the indices of sensitivity of each measure; say why where there are none."""
+    from clast.study.sensitivity import sensitivities
+
+    try:
+        return {name: sensitivities(columns, one) for name, one in columns.measures.items()}
+    except CaseError as error:
+        say(f"warning: {error.what}: {error.remedy}")
+        return {}
+
+
+def print_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
+    """Write the report of a study of collapse; print its result."""
+    from clast.study.folder import StudyFolder
+    from clast.study.study_report import write_collapse
+
+    there = StudyFolder.opened(found.folder or Path())
+    report = write_collapse(there, found)
+    if as_json:
+        print_json(found.as_dict())
+    elif not quiet:
+        tell(found.sentence)
+        tell(f"report: {report}")
+    if not found.is_settled:
+        say(f"warning: {found.sentence}")
+        raise typer.Exit(MISSED)

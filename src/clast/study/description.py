@@ -25,6 +25,7 @@ Its hash is the study: results that name another one are of another study.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -49,8 +50,10 @@ from clast.study.variables.texts import parsed
 SWEEP, MONTECARLO, COLLAPSE = "sweep", "montecarlo", "fos"
 """Kinds of studies."""
 KINDS = (SWEEP, MONTECARLO, COLLAPSE)
-KEEPS = ("none", "failed", "all")
+KEEPS = ("none", "failed", "worst N", "all")
 """Of which runs the result files are kept."""
+WORST = re.compile(r"worst [1-9][0-9]{0,4}")
+"""The choice to keep the worst runs: so many."""
 MOST_TRIALS = 1000
 """Most trials of a study of collapse."""
 COLUMNS = ("run", "status", "fails", "reason")
@@ -102,7 +105,7 @@ class Description:
     factor: FactorSettings | None = None
     """How factors are looked for where the study, or a measure, asks for one."""
     keep: str = "none"
-    """Of which runs the result files are kept: "none", "failed" or "all"."""
+    """Of which runs the result files are kept: "none", "failed", "worst N" or "all"."""
 
     # Runs ----------------------------------------------------------------------------------------
 
@@ -233,7 +236,8 @@ class Description:
         if self.kind not in KINDS:
             remedy = spelling.advice(str(self.kind), KINDS, kind="kind")
             raise CaseError(f"there is no kind '{self.kind}'", where="kind", remedy=remedy)
-        if self.keep not in KEEPS:
+        is_number = isinstance(self.keep, str) and WORST.fullmatch(self.keep)
+        if self.keep == KEEPS[2] or not (is_number or self.keep in KEEPS):
             remedy = spelling.advice(str(self.keep), KEEPS, kind="choice")
             raise CaseError(f"cannot keep '{self.keep}'", where="keep", remedy=remedy)
         if self.kind == COLLAPSE:

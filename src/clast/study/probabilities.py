@@ -66,6 +66,8 @@ class StudyResults:
     """1 where a run fails, else 0; shape (k,), or (0,) where nothing is said of it."""
     blocks: Mapping[str, int]
     """Block -> in how many runs it fails."""
+    joints: Mapping[str, int]
+    """Joint -> in how many runs blocks fail by sliding along it."""
     reasons: Mapping[str, int]
     """Why there is no result -> how often."""
 
@@ -83,6 +85,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
     measures: dict[str, list[float]] = {name: [] for name in study.measure}
     fails: list[bool] = []
     blocks: Counter[str] = Counter()
+    joints: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
     for result in folder.results():
         if result["status"] != DONE:
@@ -96,6 +99,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
         if study.fail:
             fails.append(result["fails"])
         blocks.update(result.get("blocks", ()))
+        joints.update(result.get("joints", ()))
     numeric = {
         name: np.array(values, np.float64)
         for name, values in parameters.items()
@@ -108,6 +112,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
         measures={name: np.array(values) for name, values in measures.items()},
         fails=np.array(fails, np.float64),
         blocks=dict(blocks.most_common()),
+        joints=dict(joints.most_common()),
         reasons=dict(reasons.most_common()),
     )
 
@@ -274,17 +279,18 @@ def cumulative(study: Description, values: Floats) -> tuple[Floats, Floats, Floa
     return ordered, share, np.full(len(ordered), half if independent else 0.0)
 
 
-def worst(columns: StudyResults) -> int | None:
-    """Return the number of the worst run, None where no run has a result.
+def worst(columns: StudyResults, count: int = 1) -> list[int]:
+    """Return the numbers of the worst runs, the worst first; fewer where there are not so many.
 
-    It has the largest first measure, of those that fail if any; of factors of safety the least.
+    They have the largest first measure, those that fail before others; of factors of safety the
+    least.
     """
     if not len(columns.run):
-        return None
+        return []
     values = next(iter(columns.measures.values()), columns.fails)
     name = next(iter(columns.study.measure.values()), "")
     score = np.where(np.isfinite(values), values, -math.inf)
     score = -score if name.strip().startswith("factor_of_safety") else score
-    if len(columns.fails) and columns.fails.any():
-        score = np.where(columns.fails > 0.0, score, -math.inf)
-    return int(columns.run[int(score.argmax())])
+    fails = columns.fails if len(columns.fails) else np.zeros(len(score))
+    order = np.lexsort((columns.run, -score, -fails))
+    return [int(columns.run[k]) for k in order[:count]]

@@ -31,6 +31,8 @@ from clast.study.description import (
 )
 from clast.study.executors import Driver, Watch, in_this_process, workers_of
 from clast.study.folder import StudyFolder
+from clast.study.kept_runs import keep_worst
+from clast.study.probabilities import columns_of
 from clast.study.trial_cases import given_case
 from clast.study.trial_table import TrialTable
 from clast.study.work import Bench
@@ -133,6 +135,7 @@ def go_on(folder: StudyFolder, how: HowMade = USUAL) -> TrialTable:
     make(folder, how)
     if how.array is None:
         trial_table.write_csv(folder, folder.path / trial_table.CSV)
+        keep_worst(folder, columns_of(folder))
     return trial_table.table_of(folder)
 
 

@@ -21,16 +21,17 @@ from clast.pictures.html_files import write_html
 from clast.pictures.page.document import page_text
 from clast.pictures.page.scene import scene_of
 from clast.pictures.study import figures
-from clast.results import Run, read_results
+from clast.results import read_results
 from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.study import probabilities
 from clast.study.collapsing.collapse import Collapse, ends
 from clast.study.description import MONTECARLO, SWEEP
 from clast.study.folder import StudyFolder
+from clast.study.kept_runs import made_again
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
 from clast.study.sensitivity import MEANING, sensitivities
-from clast.study.trial_cases import changed, content_of
+from clast.study.trial_cases import content_of
 from clast.study.variables.parameters import ParameterPlaces
 from clast.study.work import RUN_FILE
 
@@ -125,8 +126,7 @@ def write_report(folder: StudyFolder) -> Path:
         page.head("Which blocks fail")
         _blocks(page, folder, columns, pictures)
     _what_varies(page, folder)
-    number = probabilities.worst(columns)
-    if number is not None:
+    for number in probabilities.worst(columns):
         page.head(f"Worst run: {number}")
         drawn = zip((one.name for one in study.vary), study.values(number), strict=True)
         page.table(["parameter", "value"], list(drawn))
@@ -212,6 +212,9 @@ def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Pa
     if not rows:
         page.say("None.")
         return
+    joints = [[name, count, count / runs] for name, count in columns.joints.items()]
+    if joints:
+        page.table(["joint along which they slide", "runs", "share of the runs"], joints)
     path = pictures / "failing-blocks.png"
     if not _same_blocks(folder):
         places = share_of_places(folder)
@@ -258,22 +261,12 @@ def _what_varies(page: Page, folder: StudyFolder) -> None:
 def _worst(page: Page, folder: StudyFolder, number: int) -> None:
     """Put the page of the worst run into the report."""
     kept = folder.place(number) / RUN_FILE
-    run: Any = read_results(kept) if kept.exists() else _made_again(folder, number)
+    run: Any = read_results(kept) if kept.exists() else made_again(folder, number)
     if run is None:
         page.say("It could not be made again.", "remark")
         return
     page.run(run)
     page.say(f"clast run {folder.place(number) / 'case.toml'}", "remark")
-
-
-def _made_again(folder: StudyFolder, number: int) -> Run | None:
-    """Return a run, made again."""
-    settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
-    case = changed(folder.base, settings.case(folder.study.values(number)))
-    try:
-        return case.run(warn=lambda _text: None)
-    except CaseError:
-        return None
 
 
 # Collapse ----------------------------------------------------------------------------------------

@@ -91,7 +91,7 @@ class Bench:
             base = f"../../../{Path(study.case).parent.as_posix()}"
             text = case_text.to_toml(with_files(content, base))
             (part / CASE).write_text(text, encoding="utf-8")
-            output = None if study.keep == "none" else part / RUN_FILE
+            output = part / RUN_FILE if study.keep in ("failed", "all") else None
             result.update(self._result(content, output))
             if output is not None and study.keep == "failed" and not _is_failure(result):
                 for file in part.glob("run*"):
@@ -125,6 +125,7 @@ class Bench:
             result["fails"] = bool(study.condition.value(found, functions))
             if result["fails"] and one.is_made:
                 result["blocks"] = list(one.measured.blocks)
+                result["joints"] = list(one.measured.joints)
         return result
 
 

@@ -195,3 +195,19 @@ def test_a_million_runs_are_listed_without_being_held(slab, tmp_path):
     tracemalloc.stop()
     assert count == 1_000_000
     assert most < 5e6
+
+
+def test_the_worst_runs_are_kept_and_joints_are_counted(slab, tmp_path):
+    one = study(slab, keep="worst 3", measure={"u": "farthest()"})
+    one.run(tmp_path / "out", n=12, seed=5, how=HERE)
+    table = resume(tmp_path / "out", HowMade(workers=1))
+    kept = sorted(file.parent.name for file in (tmp_path / "out/runs").rglob("run.vtkhdf"))
+    u = [-1.0 if one is None else one for one in table["u"]]
+    order = sorted(range(12), key=lambda k: (not table["fails"][k], -u[k]))
+    assert kept == sorted(f"{k + 1:08d}" for k in order[:3])
+    for name in kept:
+        run = clast.read_results(tmp_path / f"out/runs/0000/{name}/run.vtkhdf")
+        assert bool(run.report.finished)
+    found = probabilities.columns_of(StudyFolder.opened(tmp_path / "out"))
+    failed = int(sum(table["fails"]))
+    assert failed > 0 and found.joints == {"plane": failed} and found.blocks == {"slab": failed}

@@ -20,10 +20,14 @@ from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS
 from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
-from clast.results.schema import BOLT_STATES
+from clast.results.schema import BOLT_STATES, LINK_STATES
 from clast.study.collapsing.trial import TOGETHER, moved
 from clast.study.judging.expressions import Expression
 
+BEYOND = ("yielded", "broken", "lost")
+"""States of a bolt or a link that has failed."""
+QUANTITIES = ("normal", "shear", "opening", "slip", "sliding")
+"""Quantities of a measured contact."""
 PARTS = ("x", "y")
 """Parts of a vector; without one its length is meant."""
 FOS = "factor_of_safety"
@@ -62,8 +66,30 @@ class RunResults:
         if not len(self.run.model.bolts):
             return 0
         state = self.run.bolts(-1).state
-        beyond = [BOLT_STATES.index(one) for one in ("yielded", "broken", "lost")]
+        beyond = [BOLT_STATES.index(one) for one in BEYOND]
         return int(np.isin(state, beyond).sum())
+
+    def bolt_yields(self, name: str) -> bool:
+        """Whether a bolt has yielded, broken or been lost at the end."""
+        names = list(self.run.model.bolts.name)
+        return BOLT_STATES[int(self.run.bolts(-1).state[names.index(name)])] in BEYOND
+
+    def link_force(self, name: str) -> Floats:
+        """Size of the force of a link, N/m, over time."""
+        return np.hypot(*self.run.link(name)["force"].T)
+
+    def links_failed(self) -> int:
+        """Number of links that have yielded or broken at the end."""
+        last = [int(self.run.link(name)["state"][-1]) for name in self.run.model.links]
+        return sum(LINK_STATES[state] in BEYOND for state in last)
+
+    def reaction(self, name: str, part: str = "") -> Floats:
+        """Reaction of a support, N/m, over time."""
+        return _of_vector(self.run.reaction(name).force, part)
+
+    def contact(self, name: str, quantity: str) -> Floats:
+        """A quantity of a measured contact over time: normal, shear, Pa; opening, slip, m."""
+        return np.asarray(self.run.measured_contact(name)[quantity])
 
     def normal_force(self, joint: str) -> float:
         """Sum of the normal forces along a joint at the end, N/m."""
@@ -119,6 +145,22 @@ class RunResults:
         return tuple(self.run.model.block_name[k] for k in chosen)
 
     @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """Joints along which blocks that fail slide on others at the end."""
+        try:
+            contacts = self.run.contacts(-1)
+        except CaseError:
+            return ()
+        model = self.run.model
+        fails = np.isin(model.block_name, self.blocks)
+        first, second = (
+            fails[np.searchsorted(model.block_start, contacts[end], side="right") - 1]
+            for end in ("vertex", "edge")
+        )
+        chosen = contacts["joint"][(first != second) & (contacts["mode"] == SLIDE)]
+        return tuple(model.joint_table.joints[k].name for k in np.unique(chosen))
+
+    @cached_property
     def _far(self) -> Floats:
         """How far each block has moved since the start, m, shape (n,)."""
         model = self.run.model
@@ -140,7 +182,12 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "speed": ("point or block", "part"),
     "rotation": ("point or block",),
     "bolt_force": ("bolt",),
+    "bolt_yields": ("bolt",),
     "bolts_failed": (),
+    "link_force": ("link",),
+    "links_failed": (),
+    "reaction": ("support", "part"),
+    "contact": ("measured contact", "quantity"),
     "normal_force": ("joint",),
     "shear_force": ("joint",),
     "sliding": ("joint",),
@@ -161,6 +208,10 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
         "point or block": (*model.measured_points.name, *model.block_name),
         "part": PARTS,
         "bolt": model.bolts.name,
+        "link": model.links,
+        "support": model.reactions.name,
+        "measured contact": model.measured_contacts.name,
+        "quantity": QUANTITIES,
         "joint": tuple(one.name for one in model.joint_table.joints),
         "entry": LEDGER_ENTRIES,
     }
