@@ -128,7 +128,7 @@ def _batches(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
 class TrialTable(dict[str, list[Any]]):
     """The results of a study: column name -> values, in the order of the runs.
 
-    ``pandas.DataFrame(table)`` takes it as it is.
+    ``to_pandas`` makes a data frame of it.
     """
 
     def __init__(self, names: Sequence[str], rows: Iterable[Sequence[Any]], folder: Path) -> None:
@@ -137,6 +137,21 @@ class TrialTable(dict[str, list[Any]]):
         for one in rows:
             for name, value in zip(names, one, strict=True):
                 self[name].append(value)
+
+    def to_pandas(self) -> Any:
+        """Return it as a data frame, a row for each run; values that are missing are NaN.
+
+        Raises CaseError where pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise CaseError(
+                "a data frame needs pandas, which is not installed",
+                where=str(self.folder),
+                remedy="install it: pip install 'clast[pandas]'",
+            ) from None
+        return pandas.DataFrame(dict(self)).set_index("run")
 
     def __len__(self) -> int:
         return len(self["run"])

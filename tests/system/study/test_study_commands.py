@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import clast
 from scenes.command_line import clast_command, good
 
 PHI = "joint.plane.friction_angle"
@@ -68,6 +69,40 @@ def test_results_are_written_as_parquet():
     assert table["run"] == [1, 2] and table[PHI] == [30.0, 34.0]
 
 
+def test_a_table_is_a_data_frame():
+    pytest.importorskip("pandas")
+    made = clast.Study(
+        "slab.toml", vary={PHI: [30.0, 95.0, 34.0]}, measure={"u": "displacement(A)"}
+    )
+    frame = made.run("out", array=(1, 1)).to_pandas()
+    assert list(frame.index) == [1, 2, 3] and list(frame[PHI]) == [30.0, 95.0, 34.0]
+    assert list(frame["u"].isna()) == [False, True, False]
+
+
+def test_indices_of_sensitivity_are_printed():
+    """The force across a plane that holds goes with the weight, not with its strength."""
+    pytest.importorskip("SALib")
+    words = [
+        "study",
+        "montecarlo",
+        "slab.toml",
+        "--vary",
+        "joint.plane.cohesion=uniform(20e3, 30e3)",
+    ]
+    words += [
+        "--vary",
+        "rock.rock.density=uniform(2500, 2700)",
+        "--measure",
+        "N=normal_force(plane)",
+    ]
+    words += ["--sampling", "saltelli", "-n", "16", "--workers", "1", "-o", "out", "--json"]
+    found = json.loads(good(*words))["sensitivity"]["N"]
+    assert list(found) == ["rock.rock.density", "joint.plane.cohesion"]
+    assert found["rock.rock.density"]["total"] > 0.5
+    assert found["joint.plane.cohesion"]["total"] == pytest.approx(0.0, abs=1e-6)
+    assert "plus or minus of total" in Path("out/report.html").read_text(encoding="utf-8")
+
+
 VARY = ["--vary", f"{PHI}=normal(30, 4)"]
 
 
@@ -97,6 +132,15 @@ VARY = ["--vary", f"{PHI}=normal(30, 4)"]
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--keep", "worst"], "cannot keep"),
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "3/2"], "no part"),
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "x"], "no part"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "-n", "7", "--sampling", "morris"], "paths"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "u=contact(C, slip)"], "measured contact"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "u=link_force(L)"], "link 'L'"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "u=reaction(base, z)"], "part 'z'"),
+        (
+            ["fit", "slab.toml", "--observe", "slab.toml", *VARY, "--method", "best"],
+            "method 'best'",
+        ),
+        (["fit", "slab.toml", "--observe", "slab.toml", *VARY, "--members", "2"], "members"),
         (["sweep", "slab.toml", *VARY, "--measure", U], "drawn by chance"),
         (["montecarlo", "slab.toml", "--vary", f"{PHI}=[1, 2]", "--measure", U], "is a list"),
         (["sweep", "slab.toml", "--vary", "a.b=[1]", "--measure", U], "no 'a'"),
