@@ -287,8 +287,13 @@ class Driver:
         )
 
 
-def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | None = None) -> None:
-    """Make runs one after the other, without any other process: those of an array job."""
+def in_this_process(
+    folder: StudyFolder, runs: Iterator[int], total: int, left: int, watch: Watch | None = None
+) -> None:
+    """Make runs one after the other, without any other process: those of an array job.
+
+    Of its ``total`` runs so many are ``left``.
+    """
     from clast.study.work import Bench
 
     bench = Bench.of(folder)
@@ -298,9 +303,8 @@ def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | Non
             bench.make(run)
         made += 1
         if watch is not None:
-            seconds = time.monotonic() - began
-            total = folder.study.n
-            watch(StudyProgress(done=made, total=total, lost=0, seconds=seconds, made=made))
+            seconds, done = time.monotonic() - began, total - left + made
+            watch(StudyProgress(done=done, total=total, lost=0, seconds=seconds, made=made))
 
 
 @contextmanager

@@ -148,8 +148,13 @@ def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
         )
     if how.array is not None:
         first, count = how.array
-        mine = folder.missing(lambda run: run % count == first % count, retry=how.retry)
-        in_this_process(folder, _again(folder, mine), how.watch)
+        total = len(range(first, study.n + 1, count))
+
+        def mine() -> Iterator[int]:
+            return folder.missing(lambda run: run % count == first % count, retry=how.retry)
+
+        left = sum(1 for _ in mine())
+        in_this_process(folder, _again(folder, mine()), total, left, how.watch)
         return
     with folder.driven(), workers_of(how.executor, how.workers, how.scheduler) as workers:
         left = study.n - folder.count()

@@ -211,3 +211,12 @@ def test_the_worst_runs_are_kept_and_joints_are_counted(slab, tmp_path):
     found = probabilities.columns_of(StudyFolder.opened(tmp_path / "out"))
     failed = int(sum(table["fails"]))
     assert failed > 0 and found.joints == {"plane": failed} and found.blocks == {"slab": failed}
+
+
+def test_progress_of_a_part_of_an_array_is_that_of_the_part(slab, tmp_path):
+    seen = []
+    one = study(slab)
+    one.run(tmp_path / "out", n=7, array=(1, 7))
+    one.run(tmp_path / "out", n=7, array=(1, 2), watch=seen.append)
+    assert [(at.done, at.total) for at in seen] == [(2, 4), (3, 4), (4, 4)]
+    assert seen[-1].left == 0.0

@@ -104,6 +104,7 @@ def test_indices_of_sensitivity_are_printed():
 
 
 VARY = ["--vary", f"{PHI}=normal(30, 4)"]
+MORRIS = ["--sampling", "morris"]
 
 
 @pytest.mark.parametrize(
@@ -132,7 +133,10 @@ VARY = ["--vary", f"{PHI}=normal(30, 4)"]
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--keep", "worst"], "cannot keep"),
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "3/2"], "no part"),
         (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "x"], "no part"),
-        (["montecarlo", "slab.toml", *VARY, "--measure", U, "-n", "7", "--sampling", "morris"], "paths"),
+        (
+            ["montecarlo", "slab.toml", *VARY, "--measure", U, "-n", "7", "--sampling", "morris"],
+            "paths",
+        ),
         (["montecarlo", "slab.toml", *VARY, "--measure", "u=contact(C, slip)"], "measured contact"),
         (["montecarlo", "slab.toml", *VARY, "--measure", "u=link_force(L)"], "link 'L'"),
         (["montecarlo", "slab.toml", *VARY, "--measure", "u=reaction(base, z)"], "part 'z'"),
