@@ -22,7 +22,7 @@ TESTS = ROOT / "tests"
 MOST_ARGUMENTS = 8
 """Arguments of a function, self and cls not counted."""
 
-COMMANDS = {"bench", "film", "fos", "import_", "montecarlo", "plot", "resume", "sweep"}
+COMMANDS = {"bench", "film", "fit", "fos", "import_", "montecarlo", "plot", "resume", "sweep"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",
