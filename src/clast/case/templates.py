@@ -15,6 +15,7 @@ from clast.case.masonry_templates import (
     shaken_wall,
 )
 from clast.case.rock_templates import KEY_BLOCK, SLOPE, TUNNEL
+from clast.case.support_templates import SETTLING_WALL, SHEAR_BOX, spreading_arch
 
 INCLINE = """\
 schema = 1
@@ -156,9 +157,12 @@ TEMPLATES: dict[str, Callable[[], str]] = {
     "key-block": lambda: KEY_BLOCK,
     "wall": lambda: WALL,
     "shaken-wall": shaken_wall,
+    "settling-wall": lambda: SETTLING_WALL,
     "arch": arch,
+    "spreading-arch": spreading_arch,
     "column": lambda: COLUMN,
     "dominoes": dominoes,
+    "shear-box": lambda: SHEAR_BOX,
     "heap": heap,
 }
 """The templates of ``clast new --template``."""

@@ -38,6 +38,7 @@ from clast.verification.problems.friction import (
 )
 from clast.verification.problems.masonry import (
     arch,
+    arch_falls,
     arch_load,
     arch_push,
     arch_spread,
@@ -176,6 +177,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         arch_load.PROBLEM,
         arch_push.PROBLEM,
         arch_spread.PROBLEM,
+        arch_falls.PROBLEM,
         wall_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,

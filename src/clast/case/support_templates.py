@@ -1,0 +1,230 @@
+"""Cases with supports that move, as texts: ``clast new NAME --template spreading-arch``."""
+
+from __future__ import annotations
+
+import math
+
+from clast.case.masonry_templates import block_text, point_text
+
+SPREADING_ARCH = """\
+# An arch whose right abutment gives way: joints open where the line of thrust touches the edges,
+# at the back of the crown and at the soffit of both haunches, and the crown sinks.
+#   radius    = {radius:<6g} m  of the middle line
+#   thickness = {thickness:<6g} m
+#   voussoirs = {voussoirs:<6}    an even number has a joint at the crown
+#   spread    = {spread:<6g} m  the way of the abutment
+# The voussoirs are listed one by one; a script writes the file for other numbers:
+#   from clast.case.templates import spreading_arch
+#   open("wide.toml", "w").write(spreading_arch(spread=0.5))
+# What else to change:
+#   table.spread: value       [0.0, 0.0, 0.5]: the arch falls when the abutment has moved by 0.471 m;
+#                             [0.0, 0.0, -0.05]: it is squeezed, and the crown rises
+#   joint.default             friction_angle = 20: voussoirs slide before
+
+schema = 1
+title = "Arch on an abutment that gives way"
+gravity = [0.0, -9.8]                  # m/s2
+
+[time]
+step = 1e-2
+end = 2.4
+dynamic_ratio = 0.0                    # static: no velocity is carried from step to step
+
+[rock.stone]
+young = 5e10                           # Pa
+poisson = 0.2
+density = 2400.0                       # kg/m3
+
+[joint.default]
+friction_angle = 40.0                  # degrees
+
+[table.spread]                         # m: first the arch bears its weight
+time = [0.0, 0.4, 2.4]
+value = [0.0, 0.0, {spread:g}]
+
+[[motion]]
+name = "spread"
+block = "right abutment"
+x = {{ displacement = "spread" }}
+
+[[measured_reaction]]                  # that of the motion is recorded by itself
+name = "left"
+block = "left abutment"
+
+[output]
+every = 0.04
+"""
+
+SHEAR_BOX = """\
+# A direct shear test of a rough joint: the upper half is pressed with 1 MPa and drawn by 10 mm.
+# Its reaction gives the strength: at the peak tan(phi_r + JRC log10(JCS/sigma)) = tan(48 degrees)
+# times the normal force.  The joint opens as it slides.
+# Try:
+#   motion.stress             [0.0, -5e6]: less steep, and it opens less
+#   joint.rough: jrc          4.0, a smooth joint; 16.0, a rough one
+#   stress, limit_speed       leave both out and give y = 0.0: the joint cannot open, and the
+#                             normal force grows
+#   clast export box.vtkhdf --to csv --tables reactions,points    for curves of your own
+
+schema = 1
+title = "Direct shear test of a rough joint"
+gravity = [0.0, 0.0]
+
+[time]
+step = 1e-3                            # s
+end = 1.2
+
+[rock.granite]
+young = 3e10                           # Pa
+poisson = 0.2
+density = 2650.0                       # kg/m3
+
+[joint.rough]
+between = [["lower half", "upper half"]]
+law = "barton-bandis"
+jrc = 10.0                             # joint roughness coefficient, 0 to 20
+jcs = 100e6                            # Pa: compressive strength of the walls
+residual_friction_angle = 28.0         # degrees
+sample_length = 0.3                    # m
+
+[joint.default]
+friction_angle = 30.0
+
+[[block]]
+name = "lower half"
+vertices = [[-0.05, -0.1], [0.35, -0.1], [0.35, 0], [-0.05, 0]]
+fixed = true
+
+[[block]]
+name = "upper half"
+vertices = [[0, 0], [0.3, 0], [0.3, 0.1], [0, 0.1]]
+
+[table.way]                            # m: first it is pressed
+time = [0.0, 0.2, 1.2]
+value = [0.0, 0.0, 0.01]
+
+[[motion]]
+name = "box"
+block = "upper half"
+x = { displacement = "way" }
+rotation = 0.0
+stress = [0.0, -1e6]                   # Pa: a servo presses downwards
+limit_speed = 1.0                      # m/s, where nothing resists
+ease = 0.05                            # s: begins without a shock
+
+[[measured_point]]
+name = "joint"
+at = [0.15, 0]
+block = "upper half"
+
+[output]
+every = 0.02
+"""
+
+SETTLING_WALL = """\
+# A wall of dry bricks on a foundation of which the right part settles by 30 mm: the bricks above
+# it turn, cracks open in steps from the joint of the foundation upwards.
+# Try:
+#   joint.mortar              cohesion = 2e5, tensile_strength = 1e5: the wall stays whole
+#   the two foundations       3.9 in place of 2.4 twice: the wall bridges the part that settles,
+#                             which carries no more than the bricks of its end
+#   motion: y                 "scale = -1" within the braces: it heaves
+
+schema = 1
+title = "Brick wall on a foundation that settles"
+gravity = [0.0, -9.8]                  # m/s2
+
+[time]
+step = 1e-2
+end = 2.2
+dynamic_ratio = 0.0                    # static: no velocity is carried from step to step
+
+[rock.brick]
+young = 5e9                            # Pa
+poisson = 0.2
+density = 1800.0                       # kg/m3
+
+[rock.concrete]
+young = 3e10
+poisson = 0.2
+density = 2400.0
+
+[joint.mortar]
+friction_angle = 35.0                  # degrees
+cohesion = 0.0                         # Pa
+
+[joint.default]                        # where no joint is named
+friction_angle = 35.0
+
+[domain]
+boundary = [[0, 0], [6, 0], [6, 3], [0, 3]]
+rock = "brick"
+
+[[block_pattern]]
+pattern = "running-bond"
+corner = [0, 0]                        # lower left
+size = [6.0, 3.0]
+brick = [0.6, 0.3]                     # width and height, m
+joint = "mortar"
+
+[[block]]
+name = "firm"
+vertices = [[-0.3, -0.5], [2.4, -0.5], [2.4, 0], [-0.3, 0]]
+rock = "concrete"
+fixed = true
+
+[[block]]
+name = "soft"
+vertices = [[2.4, -0.5], [6.3, -0.5], [6.3, 0], [2.4, 0]]
+rock = "concrete"
+fixed = true
+
+[table.settlement]                     # m: first the wall bears its weight
+time = [0.0, 0.2, 2.2]
+value = [0.0, 0.0, -0.03]
+
+[[motion]]
+name = "settlement"
+block = "soft"
+y = { displacement = "settlement" }
+
+[[measured_reaction]]                  # that of the motion is recorded by itself
+name = "firm part"
+block = "firm"
+
+[[measured_point]]
+name = "corner"
+at = [6.0, 3.0]
+
+[output]
+every = 0.1
+"""
+
+
+def spreading_arch(
+    radius: float = 4.0, thickness: float = 0.6, voussoirs: int = 16, spread: float = 0.4
+) -> str:
+    """Return a semicircular arch of a mean radius, m, whose right abutment moves out by a way, m."""
+    head = SPREADING_ARCH.format(
+        radius=radius, thickness=thickness, voussoirs=voussoirs, spread=spread
+    )
+    low, high = radius - 0.7 * thickness, radius + 1.2 * thickness
+    blocks = [
+        block_text(f"{name} abutment", corners, "fixed = true\n")
+        for name, corners in (
+            ("left", [(-high, -0.5), (-low, -0.5), (-low, 0.0), (-high, 0.0)]),
+            ("right", [(low, -0.5), (high, -0.5), (high, 0.0), (low, 0.0)]),
+        )
+    ]
+    joints = [
+        [
+            (round(reach * math.cos(angle), 6) + 0.0, round(reach * math.sin(angle), 6))
+            for reach in (radius - 0.5 * thickness, radius + 0.5 * thickness)
+        ]
+        for angle in (math.pi * k / voussoirs for k in range(voussoirs + 1))
+    ]
+    for k in range(voussoirs):
+        (first, second), (third, fourth) = joints[k], joints[k + 1]
+        blocks.append(block_text(f"voussoir {k + 1}", [first, second, fourth, third]))
+    crown = point_text("crown", (0.0, radius + 0.5 * thickness), f"voussoir {voussoirs // 2}")
+    return "\n".join([head, *blocks, crown])
