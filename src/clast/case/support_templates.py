@@ -17,7 +17,7 @@ SPREADING_ARCH = """\
 #   from clast.case.templates import spreading_arch
 #   open("wide.toml", "w").write(spreading_arch(spread=0.5))
 # What else to change:
-#   table.spread: value       [0.0, 0.0, 0.5]: the arch falls when the abutment has moved by 0.471 m;
+#   table.spread: value       [0.0, 0.0, 0.5]: the arch falls when it has moved by 0.471 m;
 #                             [0.0, 0.0, -0.05]: it is squeezed, and the crown rises
 #   joint.default             friction_angle = 20: voussoirs slide before
 
@@ -204,7 +204,7 @@ every = 0.1
 def spreading_arch(
     radius: float = 4.0, thickness: float = 0.6, voussoirs: int = 16, spread: float = 0.4
 ) -> str:
-    """Return a semicircular arch of a mean radius, m, whose right abutment moves out by a way, m."""
+    """Return a semicircular arch of a mean radius, m, whose right abutment moves out, m."""
     head = SPREADING_ARCH.format(
         radius=radius, thickness=thickness, voussoirs=voussoirs, spread=spread
     )

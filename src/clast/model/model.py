@@ -26,6 +26,7 @@ from clast.model.joints import JointTable
 from clast.model.openings import Opening, blocks_called
 from clast.model.repairs import Repair
 from clast.model.supports.lining_joints import LiningJoints
+from clast.model.supports.link_lines import LinkLines
 from clast.model.supports.reactions import Reactions, numbered
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
@@ -371,6 +372,20 @@ class Model:
         """The joints of linings."""
         found = [one.joints_in(self) for one in self.actions if hasattr(one, "joints_in")]
         return found[0] if found else LiningJoints()
+
+    @kept_property
+    def link_lines(self) -> LinkLines:
+        """The links that stand at a point, in coordinates of the user."""
+        found = [action.lines for action in self.actions if hasattr(action, "lines")]
+        if not found:
+            return LinkLines()
+        return LinkLines(
+            name=tuple(name for one in found for name in one.name),
+            block=np.concatenate([one.block for one in found]),
+            at=np.concatenate([one.at for one in found]) + self.origin,
+            along=np.concatenate([one.along for one in found]),
+            holds=np.concatenate([one.holds for one in found]),
+        )
 
     @kept_property
     def moved(self) -> Bools:

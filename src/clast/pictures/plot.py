@@ -29,7 +29,8 @@ from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, 
 from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
-from clast.pictures.supports.reactions import draw_reactions
+from clast.pictures.supports.links import draw_links, handles_of_links
+from clast.pictures.supports.reactions import draw_reactions, reaction_arrows
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -103,6 +104,7 @@ def draw_results(
         *handles_of(edges, part),
         *handles_of_water(waters, water),
         *draw_bolts.handles_of(bolted),
+        *handles_of_links(results, number),
         *layer_handles(above, results, number),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
@@ -113,7 +115,14 @@ def draw_results(
         per_inch = float(whole[1][0] - whole[0][0]) / size[0]
         arrows = arrows_of(results, number, *whole, per_inch, zoomed=zoomed)
         if not zoomed and len(arrows.at):
-            whole = canvas.seen(*_with_ends(part, arrows.ends, per_inch), size)
+            part = _with_ends(part, arrows.ends, per_inch)
+            whole = canvas.seen(*part, size)
+    pushes = []
+    if reactions:
+        pushes = reaction_arrows(results, number, float(whole[1][0] - whole[0][0]))
+        if pushes and not zoomed:
+            tails = np.array([one.behind for one in pushes])
+            whole = canvas.seen(*_with_ends(part, tails, 0.0), size)
     sheet = canvas.sheet_for(size, title, keys.lines + 1, bars, narrowest)
     few = len(results.block_name) <= FEW_BLOCKS
     figure = canvas.new_figure(sheet.size, look.dpi or (160 if few else 220))
@@ -133,8 +142,8 @@ def draw_results(
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     draw_bolts.draw_bolts(axes, bolted)
     draw_layers(above, axes, results, number)
-    if reactions:
-        draw_reactions(axes, results, number)
+    draw_links(axes, results, number)
+    draw_reactions(axes, pushes)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":

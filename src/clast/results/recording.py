@@ -56,6 +56,7 @@ from clast.results.schema import (
     STEPS,
     TableSchema,
 )
+from clast.results.supports_record import Supported, supported_by
 
 NOTEBOOK = "clast.pictures.notebook"
 """Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
@@ -119,6 +120,8 @@ class Recording:
     """Name of each link."""
     lining_joints: LiningJoints = field(default_factory=LiningJoints, repr=False)
     """The joints of linings."""
+    supported: Supported = field(default_factory=Supported, repr=False)
+    """Blocks of reactions, and places of links."""
     origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
     """Point that coordinates of the model are relative to, m, shape (2,)."""
     gravity: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
@@ -399,6 +402,7 @@ def parts_of(model: Model) -> dict[str, Any]:
         "reaction_name": model.reactions.name,
         "link_name": model.links,
         "lining_joints": model.lining_joints,
+        "supported": supported_by(model),
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,

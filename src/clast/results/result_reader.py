@@ -33,6 +33,7 @@ from clast.results.schema import (
     REACTIONS,
     TableSchema,
 )
+from clast.results.supports_record import supported_in
 
 LARGEST = 1e150
 """No place and no force is that large."""
@@ -214,6 +215,7 @@ def _results(path: Path, file: Any) -> Results:
         reaction_name=reactions,
         link_name=links,
         lining_joints=lined,
+        supported=supported_in(file, len(blocks.name), len(reactions), links),
         measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),

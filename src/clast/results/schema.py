@@ -620,6 +620,38 @@ MODEL = (
         since="reactions",
     ),
     OfModel(
+        name="reaction_of_block",
+        of=REACTIONS,
+        packed=False,
+        value=lambda m: m.reactions.of_block,
+        meaning="reaction, and a block that it holds or moves, in each row",
+        since="the blocks of reactions",
+    ),
+    OfModel(
+        name="link_line",
+        of=LINKS,
+        packed=False,
+        value=lambda m: np.array([m.links.index(name) for name in m.link_lines.name], np.int64),
+        meaning="which of the links each of those with a place is",
+        since="the places of links",
+    ),
+    *(
+        OfModel(
+            name=f"link_{key}",
+            of=LINKS,
+            packed=False,
+            value=lambda m, key=key: getattr(m.link_lines, key),
+            meaning=meaning,
+            since="the places of links",
+        )
+        for key, meaning in (
+            ("block", "the two blocks of each link with a place"),
+            ("at", "its point at the start, m"),
+            ("along", "unit vector of its direction at the start"),
+            ("holds", "along, across, rotation: 0 free, 1 spring or dashpot, 2 rigid"),
+        )
+    ),
+    OfModel(
         name="link_name",
         of=LINKS,
         texts=True,

@@ -41,6 +41,7 @@ from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.linear.system import stretches
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
+from clast.model.supports.link_lines import FREE, RIGID, SOFT, LinkLines
 
 ARM = 1e5
 """Length of the arms of rows against rotation, in units of the system."""
@@ -64,6 +65,16 @@ class Links:
     def links(self) -> tuple[str, ...]:
         """Names of the links."""
         return self.rows.name
+
+    @property
+    def lines(self) -> LinkLines:
+        """Where the links are at the start, and what they hold, for pictures."""
+        rows = self.rows
+        holds = np.full((len(rows.name), len(COMPONENTS)), FREE)
+        holds[rows.link, rows.component] = np.where(np.isinf(rows.stiffness), RIGID, SOFT)
+        return LinkLines(
+            name=rows.name, block=rows.block, at=rows.at, along=rows.along, holds=holds
+        )
 
     @property
     def waits(self) -> tuple[tuple[str, str], ...]:

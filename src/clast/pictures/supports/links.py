@@ -1,0 +1,132 @@
+"""Links on a picture: hinges, clamps, springs and struts, coloured by their state.
+
+Circles are hinges, filled where a spring or a clamp holds their rotation; squares hold rotation
+alone; a bar lies along the one direction that a link holds, in zigzag where it is a spring.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Floats, Ints
+from clast.model.supports.link_lines import FREE, RIGID
+from clast.results import Recording
+from clast.results.schema import LINK_STATES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOURS = dict(zip(LINK_STATES, ("#8a8a8a", "#0b6b50", "#8e24aa", "#c0143c"), strict=True))
+"""Colour of a link by its state."""
+BROKEN = LINK_STATES.index("broken")
+REACH = 0.018
+"""Half of the length of bars, in units of the picture's width."""
+TEETH = 8
+"""Corners of a zigzag."""
+SIZE, EDGE = 6.0, 1.4
+"""Size of circles and squares, and width of their edges, points."""
+
+
+def states_of(results: Recording, frame: int) -> Ints:
+    """Return the states of the links with a place in a frame, by their numbers, shape (k,)."""
+    found = []
+    for name in results.supported.links.name:
+        rows = results.link(name)
+        row = int(np.abs(rows["time"] - results.times[frame]).argmin())
+        found.append(int(rows["state"][row]))
+    return np.array(found, np.int64)
+
+
+def places_of(results: Recording, frame: int) -> Floats:
+    """Return where both blocks of each link carry its point, m, shape (k, 2, 2)."""
+    links, start = results.supported.links, results.block_start
+    before, now = results.vertices(0), results.vertices(frame)
+    found = np.zeros((len(links.at), 2, 2))
+    for link, (blocks, at) in enumerate(zip(links.block, links.at, strict=True)):
+        for end, block in enumerate(blocks):
+            own = slice(start[block], start[block + 1])
+            middle = before[own].mean(axis=0)
+            # a block moves as x -> a + B x, all of its vertices and the point alike
+            ones = np.ones((start[block + 1] - start[block], 1))
+            known = np.hstack([before[own] - middle, ones])
+            moves, *_ = np.linalg.lstsq(known, now[own], rcond=None)
+            found[link, end] = np.append(at - middle, 1.0) @ moves
+    return found
+
+
+def handles_of_links(results: Recording, frame: int) -> list[Any]:
+    """Return the legend of the links: an entry for each state."""
+    from matplotlib.lines import Line2D
+
+    found = []
+    for state in np.unique(states_of(results, frame)).tolist():
+        said = LINK_STATES[state]
+        found.append(
+            Line2D(
+                [],
+                [],
+                ls="",
+                marker="x" if state == BROKEN else "o",
+                ms=SIZE,
+                mfc="white",
+                mec=COLOURS[said],
+                mew=EDGE,
+                label="link" if said == "intact" else f"link, {said}",
+            )
+        )
+    return found
+
+
+def draw_links(axes: Axes, results: Recording, frame: int) -> None:
+    """Draw the links of a frame; a line joins the two points of one that is drawn apart."""
+    links = results.supported.links
+    if not links.name:
+        return
+    wide = float(np.ptp(axes.get_xlim()))
+    states, places = states_of(results, frame), places_of(results, frame)
+    for state, ends, along, block, holds in zip(
+        states, places, links.along, links.block, links.holds, strict=True
+    ):
+        colour, middle = COLOURS[LINK_STATES[state]], ends.mean(axis=0)
+        axes.plot(*ends.T, "-", color=colour, lw=EDGE, zorder=5.5)
+        if np.count_nonzero(holds[:2]) == 1:
+            component = int(np.flatnonzero(holds[:2])[0])
+            turned = _turned(results, frame, int(block[0]), along)
+            way = turned if component == 0 else np.array([-turned[1], turned[0]])
+            bar = _bar(middle, way, REACH * wide, int(holds[component]))
+            axes.plot(*bar.T, "-", color=colour, lw=EDGE, zorder=5.5)
+        if holds[:2].all() or holds[2]:
+            hinge = holds[:2].any()
+            axes.plot(
+                *middle,
+                "o" if hinge else "s",
+                ms=SIZE,
+                mfc=colour if holds[2] else "white",
+                mec=colour,
+                mew=EDGE,
+                zorder=5.6,
+            )
+        if state == BROKEN:
+            axes.plot(*middle, "x", color=colour, ms=1.5 * SIZE, mew=EDGE, zorder=5.7)
+
+
+def _turned(results: Recording, frame: int, block: int, along: Floats) -> Floats:
+    """Return a direction (2,) turned as the first edge of a block has turned."""
+    first = int(results.block_start[block])
+    before, now = (results.vertices(k)[first + 1] - results.vertices(k)[first] for k in (0, frame))
+    turn = complex(*now) / complex(*before)
+    found = complex(*along) * turn / abs(turn)
+    return np.array([found.real, found.imag])
+
+
+def _bar(middle: Floats, way: Floats, reach: float, holds: int) -> Floats:
+    """Return the line of a link that holds one direction, m, shape (p, 2)."""
+    if holds in (FREE, RIGID):
+        return np.stack([middle - reach * way, middle + reach * way])
+    across = np.array([-way[1], way[0]])
+    place = np.linspace(-1.0, 1.0, TEETH)
+    swing = 0.35 * np.where(np.arange(TEETH) % 2, 1.0, -1.0)
+    swing[[0, -1]] = 0.0
+    return np.asarray(middle + reach * (place[:, None] * way + swing[:, None] * across))
