@@ -62,9 +62,7 @@ SHEAR_BOX = """\
 # Try:
 #   motion.stress             [0.0, -5e6]: less steep, and it opens less
 #   joint.rough: jrc          4.0, a smooth joint; 16.0, a rough one
-#   stress, limit_speed       leave both out and give y = 0.0: the joint cannot open, and the
-#                             normal force grows
-#   clast export box.vtkhdf --to csv --tables reactions,points    for curves of your own
+#   clast export shear-box.vtkhdf --to csv --tables reactions    the forces over time
 
 schema = 1
 title = "Direct shear test of a rough joint"
@@ -125,10 +123,9 @@ SETTLING_WALL = """\
 # A wall of dry bricks on a foundation of which the right part settles by 30 mm: the bricks above
 # it turn, cracks open in steps from the joint of the foundation upwards.
 # Try:
-#   joint.mortar              cohesion = 2e5, tensile_strength = 1e5: the wall stays whole
-#   the two foundations       3.9 in place of 2.4 twice: the wall bridges the part that settles,
-#                             which carries no more than the bricks of its end
-#   motion: y                 "scale = -1" within the braces: it heaves
+#   the two foundations       3.9 in place of 2.4, twice each: the wall bridges what settles, and
+#                             a twelfth of its weight is left on it
+#   joint.mortar              cohesion = 2e5, tensile_strength = 1e5: cracks run through mortar
 
 schema = 1
 title = "Brick wall on a foundation that settles"

@@ -43,7 +43,8 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     deep than a fiftieth of ``critdis``, m, are not reported.
     """
     vertices, block_start = state.vertices, model.block_start
-    pairs = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, gone=model.gone)
+    near = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, gone=model.gone)
+    pairs = model.meeting(near)  # others may overlap: their links say so
     contacts, pair = _closed(model, state.memory.corners, pairs)
     direction, _ = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
