@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -535,6 +536,11 @@ class OfModel:
     """Whether its numbers are compressed."""
 
 
+def _of_lines(key: str, model: Model) -> Any:
+    """Return an array of the links that stand at a point."""
+    return getattr(model.link_lines, key)
+
+
 MODEL = (
     OfModel(
         name="block_name", texts=True, value=lambda m: m.block_name, meaning="name of each block"
@@ -640,7 +646,7 @@ MODEL = (
             name=f"link_{key}",
             of=LINKS,
             packed=False,
-            value=lambda m, key=key: getattr(m.link_lines, key),
+            value=partial(_of_lines, key),
             meaning=meaning,
             since="the places of links",
         )
