@@ -129,5 +129,7 @@ PROBLEM = Problem(
     set_up=slider,
     examine=examine,
     variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    left_out="midpoint: it does not damp the normal force that begins with the weight, and slips "
+    "where that is least; after a static stage it is within 0.5 %",
     quick=(CONVEX,),
 )
