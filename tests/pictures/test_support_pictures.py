@@ -83,6 +83,20 @@ def test_links_are_drawn_where_they_are_by_their_state(tmp_path: Path):
     assert "#8e24aa" not in before
 
 
+def test_the_summary_counts_links_by_state_and_says_when_they_give_way(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    from clast.cli.result_commands import info
+
+    file = tmp_path / "run.vtkhdf"
+    run = clast.simulate(linked().build(), end=0.2, step=2e-3, output=file)
+    assert [(one.kind, one.what) for one in run.events] == [("yielded", "knee"), ("broke", "tie")]
+    info(file)
+    printed = capsys.readouterr().out
+    assert "1 intact, 1 yielded, 1 broken" in printed
+    assert "link 'knee' yields (rotation)" in printed and "link 'tie' breaks (across)" in printed
+
+
 def test_linked_blocks_that_may_overlap_are_no_overlap():
     run = clast.simulate(linked().build(), end=0.3, step=2e-3)
     assert not [one for one in run.report.warnings if "overlap" in one]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +27,7 @@ from clast.cli.terminal_tables import print_points, print_stages, two_columns
 from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
+    from clast.model.stages.records import Event
     from clast.results import Results
 
 
@@ -52,8 +53,13 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
-        **({"bolts at the end": _bolts(content["bolts"])} if content["bolts"] else {}),
+        **{
+            f"{kind} at the end": _states(content[kind])
+            for kind in ("bolts", "links")
+            if content[kind]
+        },
         **{f"lining {name}": _lining(found) for name, found in content["linings"].items()},
+        **({"events": _first(results.events)} if results.events else {}),
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
         **({"warnings": "\n".join(warnings)} if warnings else {}),
@@ -65,8 +71,8 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     print_points(content["measured_points"])
 
 
-def _bolts(counts: dict[str, int]) -> str:
-    """Return how many bolts are in which state, in words."""
+def _states(counts: dict[str, int]) -> str:
+    """Return how many bolts or links are in which state, in words."""
     return ", ".join(f"{count} {state}" for state, count in counts.items())
 
 
@@ -82,6 +88,17 @@ def _lining(found: dict[str, float | None]) -> str:
     ]
     used = found["utilisation"]
     return ", ".join([*parts, *([] if used is None else [f"utilisation {used:.3g}"])])
+
+
+EVENTS = 8
+"""Events that are shown at most."""
+
+
+def _first(events: Sequence[Event]) -> str:
+    """Return the first events, a line each, and how many more there are."""
+    lines = [str(one) for one in events[:EVENTS]]
+    more = len(events) - EVENTS
+    return "\n".join([*lines, f"and {more} more: clast info --json has all"] if more > 0 else lines)
 
 
 def plot(

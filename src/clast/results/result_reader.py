@@ -26,6 +26,7 @@ from clast.results.schema import (
     FORMAT,
     KIND_FIELDS,
     LINING_JOINTS,
+    LINK_STATES,
     LINKS,
     MEASURED_CONTACTS,
     PLANE_VECTORS,
@@ -257,6 +258,7 @@ def summary(results: Results) -> dict[str, Any]:
         "contacts": len(results.contacts(-1)),
         "bolts": _count_bolts(results),
         "linings": {name: _extremes(results, name) for name in results.lining_name},
+        "links": _count_links(results),
         "measured_points": {name: _last_row(results, name) for name in results.point_name},
         "energy": {name: float(values[-1]) for name, values in results.energy.items()},
         "report": report.as_dict() if report else None,
@@ -282,6 +284,12 @@ def _count_bolts(results: Results) -> dict[str, int]:
     """Return how many bolts are in which state at the end."""
     state = results.bolts(-1).state
     return {name: int(np.sum(state == k)) for k, name in enumerate(BOLT_STATES) if k in state}
+
+
+def _count_links(results: Results) -> dict[str, int]:
+    """Return how many links are in which state at the end."""
+    state = [int(results.link(name)["state"][-1]) for name in results.link_name]
+    return {name: state.count(k) for k, name in enumerate(LINK_STATES) if k in state}
 
 
 def _last_row(results: Results, name: str) -> dict[str, Any]:
