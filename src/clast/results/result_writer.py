@@ -30,6 +30,7 @@ from clast.results.run_report import Report
 from clast.results.schema import (
     BOLT_POINTS,
     BOLT_TABLE,
+    CHUNK_BYTES,
     CHUNK_ROWS,
     ENERGY,
     FIELDS,
@@ -356,7 +357,7 @@ def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, An
 def _write_table(file: Any, one: TableSchema, model: Model) -> None:
     """Make room for a table."""
     if one.of is None:
-        batch = CHUNK_ROWS if one.per is Per.FRAME else 1
+        batch = min(CHUNK_ROWS, max(LARGE, 8 * model.block_count)) if one.per is Per.FRAME else 1
         _growing(file, one.name, dtype=one.row, batch=batch)
     elif one.of.path:
         for place in one.places(one.of.names(model)):
@@ -460,9 +461,9 @@ def _growing(
     # Whole batches to a chunk: reading one frame then reads little else.  What shares a chunk with
     # later rows is not compressed: that would be done again, and elsewhere, at every frame.  Single
     # numbers are not either: they save a tenth.
-    alone = batch >= LARGE
-    rows = batch if alone else batch * (CHUNK_ROWS // batch)
-    packs = alone and np.dtype(dtype).itemsize * math.prod(shape) > np.dtype(float).itemsize
+    alone, size = batch >= LARGE, np.dtype(dtype).itemsize * math.prod(shape)
+    rows = batch if alone else batch * max(8, CHUNK_BYTES // (batch * size))
+    packs = alone and size > np.dtype(float).itemsize
     group.create_dataset(
         name,
         shape=(0, *shape),

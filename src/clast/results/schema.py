@@ -48,6 +48,8 @@ VTKHDF_VERSION = (2, 2)
 POLYGON = 7
 """VTK's number for a polygonal cell."""
 SLIP = "opening and slip of contacts"
+CHUNK_BYTES = 2048
+"""Bytes that small things share a chunk of the file with."""
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 PLANE, TENSOR = ("x", "y"), ("xx", "yy", "xy")
