@@ -19,7 +19,8 @@ import argparse
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -109,7 +110,8 @@ def rows(results: Results, folder: Path) -> Iterator[str]:
     made = process_time() - begun
     for renderer, arguments in RENDERERS.items():
         faults: list[str] = []
-        with sync_playwright() as driver:
+        with sync_playwright() as playwright:
+            driver: Any = playwright  # its types do not know of lists that are filled
             browser = driver.chromium.launch(
                 executable_path=shutil.which("chromium"), args=["--no-sandbox", *arguments]
             )
@@ -154,9 +156,9 @@ def main() -> None:
         folder.mkdir(parents=True, exist_ok=True)
         sys.stdout.write(HEAD + "\n")
         counts = [] if given.files else [int(one) for one in given.blocks.split(",")]
-        runs = [lambda file=file: read_results(file) for file in given.files]
+        runs: list[Callable[[], Results]] = [partial(read_results, file) for file in given.files]
         runs += [
-            lambda count=count: collapsed(count, given.frames, folder / f"wall-{count}.vtkhdf")
+            partial(collapsed, count, given.frames, folder / f"wall-{count}.vtkhdf")
             for count in counts
         ]
         for run in runs:
