@@ -247,7 +247,7 @@ times are five to ten times those of a quiet one. The other rows are older than 
 (decision 41) and seams (40).
 
 The heap's peak penetration of some 9 mm does not depend on the stiffness: a corner that passes
-another one comes to lie behind an edge, its spring begins there without force (`step/relief.py`),
+another one comes to lie behind an edge, its spring begins there without force (`step/spring_offset.py`),
 and it stays as deep until blocks part. It lies in by a tip: the area of overlap is a hundredth of a
 square centimetre on stiff springs. The drift of 990 soft bricks in columns (p/E = 0.01: each joint
 closes by 6 mm, 45 on top of each other) is that of a stack that leans as it comes to rest, 0.5 to

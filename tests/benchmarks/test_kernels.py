@@ -25,7 +25,7 @@ from clast.linear.coarse_space import aggregates_of
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import SHIFT, TRIED, Attempt
 from clast.linear.system import BlockSystem, graph_of, symmetric_system
-from clast.minimise.schedule import SmallIslands
+from clast.minimise.strategy import SmallIslands
 from clast.model.model import Ints, Model
 from clast.model.state import State
 from clast.step.method import Method

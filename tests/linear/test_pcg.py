@@ -8,8 +8,8 @@ import pytest
 from clast.contact.contacts import ContactResponse
 from clast.linear import pcg
 from clast.linear.block_matrix import coupled_pairs, inertia_shares, multiply, row_pointers
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.pattern import Patterns
-from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import (
     PCG,
     SAFE_SHIFT,

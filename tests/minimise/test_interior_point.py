@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.compute.parallel import CONTACTS
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.solvers import Direct
 from clast.linear.system import gap_at_end, slip_in_step
 from clast.minimise import interior_point as interior

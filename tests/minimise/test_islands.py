@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from clast.linear.solvers import Automatic
 from clast.minimise.islands import connected, listed
-from clast.minimise.schedule import Schedule, SmallIslands
+from clast.minimise.strategy import MinimisationStrategy, SmallIslands
 from clast.studies.bench.scenes import SCENES
 from scenes.potentials import at_rest, by_newton, caught, some_of, strengthened, tolerance_of, work
 from scenes.systems import at_start, box, bricks, by_convex, heap, open_ledger, system, wall
@@ -178,7 +178,7 @@ def test_large_islands_stay_where_they_are_and_go_on_by_themselves():
     assert not np.array_equal(found.unknowns[~large], before.unknowns[~large])
     assert left.sum() > tolerance
     for most in (0.0, 1.0):  # all together, and without the tower
-        found = Schedule(most=most).minimise(one, before, tolerance, work(Automatic()))
+        found = MinimisationStrategy(most=most).minimise(one, before, tolerance, work(Automatic()))
         check_minimum(one, found, tolerance)
 
 
@@ -186,7 +186,7 @@ def test_large_islands_stay_where_they_are_and_go_on_by_themselves():
 @pytest.mark.parametrize("model", [heap(60, 15), wall(5, 5)], ids=["heap", "wall"])
 def test_what_is_not_finished_goes_on_together(model, most):
     """Where islands may take one iteration only, and with or without those that are finished."""
-    one_each = Schedule(small=SmallIslands(iterations=1), most=most)
+    one_each = MinimisationStrategy(small=SmallIslands(iterations=1), most=most)
     unfinished = 0
     for one in some_of(caught(model, 5e9, 2.5e-3, 0.3 if len(model.mass) > 50 else 0.02)):
         tolerance, before = tolerance_of(one), at_rest(one)
@@ -202,7 +202,9 @@ def test_who_asks_for_a_solver_has_everything_solved_by_it():
     tolerance = tolerance_of(one)
     for few in (0, 200):
         how = work()
-        found = Schedule(small=SmallIslands(few=few)).minimise(one, at_rest(one), tolerance, how)
+        found = MinimisationStrategy(small=SmallIslands(few=few)).minimise(
+            one, at_rest(one), tolerance, how
+        )
         check_minimum(one, found, tolerance)
         assert (how.factor.factorised > 0) == (few == 0)
 

@@ -10,18 +10,18 @@ import numpy as np
 from clast.compute.stopwatch import Stages
 from clast.contact.clipped_spring import Clipped
 from clast.linear.factor import LinearSolver
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.solvers import Direct
-from clast.minimise.newton import Newton, Work
+from clast.minimise.newton import Newton, SolverContext
 from clast.minimise.potential import Point, Potential
-from clast.minimise.schedule import NonlinearElimination, Schedule, SmallIslands
+from clast.minimise.strategy import MinimisationStrategy, NonlinearElimination, SmallIslands
 from clast.model.model import Model
 from clast.step.convex import Convex
 from scenes.systems import by_convex, march
 
 TOLERANCE = 1e-7
 """Share of the norm of a step's forces to which minima are found."""
-ALONE = Schedule(
+ALONE = MinimisationStrategy(
     newton=Newton(iterations=500),
     small=SmallIslands(few=0),
     elimination=NonlinearElimination(large=10**9),
@@ -40,19 +40,21 @@ class Scheduled(Convex):
     kept: list[Potential] = field(default_factory=list)
     """All potentials with springs."""
 
-    def schedule(self, factor: FactorOfStep) -> Schedule:
+    def schedule(self, factor: FactorOfStep) -> MinimisationStrategy:
         """Return the usual schedule with some things changed."""
         usual = replace(super().schedule(factor), **self.changes)
         return Keeping(kept=self.kept, **vars(usual))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Keeping(Schedule):
+class Keeping(MinimisationStrategy):
     """A schedule that keeps what it is asked to minimise."""
 
     kept: list[Potential]
 
-    def minimise(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+    def minimise(
+        self, potential: Potential, point: Point, tolerance: float, work: SolverContext
+    ) -> Point:
         """Return the minimum."""
         if len(potential.springs):
             self.kept.append(potential)
@@ -71,9 +73,9 @@ def some_of(potentials: list[Potential]) -> list[Potential]:
     return potentials[:: max(1, len(potentials) // 8)]
 
 
-def work(solver: LinearSolver | None = None) -> Work:
+def work(solver: LinearSolver | None = None) -> SolverContext:
     """Return what minimisations share."""
-    return Work(factor=FactorOfStep(solver or Direct()), counts={}, stages=Stages())
+    return SolverContext(factor=FactorOfStep(solver or Direct()), counts={}, stages=Stages())
 
 
 def at_rest(potential: Potential) -> Point:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.minimise.potential import Point, Potential
-from clast.minimise.schedule import Schedule
+from clast.minimise.strategy import MinimisationStrategy
 from clast.step.convex import Convex, FrictionLoop
 from scenes.potentials import ALONE, work
 from scenes.sliding import FRICTION_ANGLE, STEEP, sliding
@@ -31,7 +31,7 @@ class Asked:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Listening(Schedule):
+class Listening(MinimisationStrategy):
     """A schedule that writes down what is asked for."""
 
     asked: list[Asked]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.block import polygon
-from clast.contact import seams
+from clast.contact import flush_faces
 from clast.contact.memory import first_rows, pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
 from clast.model.model import Floats, Ints
@@ -91,13 +91,13 @@ def find_candidates(
     outlines = vertices, direction, length, vertex_block, block_start
     of_memory = memory.vertex, memory.block, memory.gap
     bearing = (
-        *seams.rows_by_block(of_memory, vertex_block, len(box), reach.critdis),
+        *flush_faces.rows_by_block(of_memory, vertex_block, len(box), reach.critdis),
         memory.vertex,
         memory.block,
         memory.edge,
         memory.gap,
         np.zeros((len(box), 3)) if strain is None else strain,
-        seams.goes_on(pairs, box, outlines, reach.critdis),
+        flush_faces.goes_on(pairs, box, outlines, reach.critdis),
     )
     depth = pair_penetration(vertex_block, pairs, memory)
     groups, pair, gap, along = _found(

@@ -22,7 +22,7 @@ from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.carried import carried_by, taken_along
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
-from clast.contact.crossings import Chosen, with_crossings
+from clast.contact.edge_intersections import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.barton_bandis import with_roughness
 from clast.contact.joints.bonded_corners import without_points_in_bonds

@@ -8,8 +8,8 @@ the edge that starts at each, the block of each (nv,) and the first vertex of ea
 ``own`` are the two edges of a vertex, pointing away from it, (ax, ay, bx, by); ``shift`` (nv, 2) is
 how far the velocities would carry each vertex in the step, m; ``distances`` are how far to look, m,
 in front of an edge, behind it, beyond an end where corners coincide (critdis), and for a tip;
-``bearing`` has the ground of each block, and where outlines go on over joints (contact/seams.py).
-The last three together are ``looks``.
+``bearing`` has the ground of each block, and where outlines go on over joints
+(contact/flush_faces.py).  The last three together are ``looks``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from clast.block.edge_lists import FEW, edges_around, edges_near
 from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, EACH, shared
-from clast.contact.seams import is_covered, is_in_joint, is_no_corner, stands_beyond
+from clast.contact.flush_faces import is_covered, is_in_joint, is_no_corner, stands_beyond
 
 PART = CONTACTS.part
 """Pairs of blocks that a thread takes at a time."""

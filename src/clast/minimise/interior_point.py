@@ -33,7 +33,7 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
 from clast.contact.clipped_spring import Forces, in_piece
 from clast.linear.system import BlockSystem, contact_motions, symmetric_system
-from clast.minimise.newton import Work
+from clast.minimise.newton import SolverContext
 from clast.minimise.potential import MOMENTUM_SHARE, Point, Potential
 from clast.model.model import Floats
 
@@ -82,7 +82,7 @@ class Conditions:
     """The conditions above for one potential."""
 
     potential: Potential
-    work: Work
+    work: SolverContext
 
     @property
     def bounds(self) -> int:
@@ -234,7 +234,9 @@ class InteriorPoint:
     smallest: float = 1e-6
     """mu, in units of the tolerance, below which round-off has taken over."""
 
-    def minimise(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+    def minimise(
+        self, potential: Potential, point: Point, tolerance: float, work: SolverContext
+    ) -> Point:
         """Return the best point that was found: from ``point`` on, to within ``tolerance``, J/m."""
         conditions = Conditions(potential=potential, work=work)
         bounds = conditions.bounds

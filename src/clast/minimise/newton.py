@@ -11,13 +11,13 @@ import numpy as np
 from clast.compute.reductions import is_any
 from clast.compute.stopwatch import Stages
 from clast.linear.block_matrix import dot
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Floats
 
 
 @dataclass(frozen=True, kw_only=True)
-class Work:
+class SolverContext:
     """The shared data of the minimisations of a step."""
 
     factor: FactorOfStep
@@ -55,7 +55,7 @@ class Newton:
         potential: Potential,
         point: Point,
         tolerance: float,
-        work: Work,
+        work: SolverContext,
         before: Callable[[Point], Point],
     ) -> tuple[Point, Ending]:
         """Return where it comes to, and how it ends.
@@ -90,7 +90,7 @@ class Newton:
         return float(needed / gained) if gained > 0.0 else np.inf
 
 
-def iterate(potential: Potential, point: Point, work: Work) -> tuple[Point, float]:
+def iterate(potential: Potential, point: Point, work: SolverContext) -> tuple[Point, float]:
     """Return the point that an iteration leads to, and the decrement r.dd before it, J/m."""
     direction = potential.direction(point, work.factor, work.stages)
     decrement = float(dot(point.residual, direction))

@@ -22,7 +22,7 @@ from clast.compute.stopwatch import Stages
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import block_matrix, residual
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
     Bearing,
     BlockSystem,

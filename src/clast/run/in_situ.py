@@ -39,7 +39,7 @@ from clast.contact.joints.wear import borne_already
 from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
 from clast.errors import ModelError
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import (
     BlockSystem,
@@ -50,9 +50,9 @@ from clast.linear.system import (
     with_contact_forces,
 )
 from clast.minimise.islands import islands_of
-from clast.minimise.newton import Work
+from clast.minimise.newton import SolverContext
 from clast.minimise.potential import Potential
-from clast.minimise.schedule import Schedule
+from clast.minimise.strategy import MinimisationStrategy
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import State
 from clast.step.convex import FrictionLoop, Search
@@ -167,11 +167,11 @@ def _minimum(
     search = Search(
         law=law,
         rows=slice(None),
-        schedule=Schedule(),
+        schedule=MinimisationStrategy(),
         friction=FrictionLoop(),
         # by the bound that holds without springs, for which there is nothing but inertia
         tolerance=(NEAR * _largest(model, balance)) ** 2 / (RESTING * model.stiffest),
-        work=Work(factor=factor, counts={}, stages=Stages()),
+        work=SolverContext(factor=factor, counts={}, stages=Stages()),
     )
     return search.minimum(potential, contacts, (np.zeros((model.block_count, 6)),))
 

@@ -19,7 +19,7 @@ import shapely
 from numpy.typing import NDArray
 
 from clast.block import polygon
-from clast.contact import crossings
+from clast.contact import edge_intersections
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State
@@ -50,8 +50,8 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     box = polygon.boxes(vertices, block_start)
     outlines = (vertices, direction, block_start)
     limits, bore = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
-    found = crossings.unseen(outlines, box, pairs, contacts, pair, limits, bore)
-    inside = crossings.swallowed(vertices, block_start, box, pairs)
+    found = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, bore)
+    inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
     np.maximum.at(deepest, pair, -contacts[2])
     give = np.zeros(model.block_count)

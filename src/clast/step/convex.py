@@ -34,7 +34,7 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
     Bearing,
     DiagonalTerms,
@@ -46,9 +46,9 @@ from clast.linear.system import (
 from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.fixed_point import Guesses
 from clast.minimise.islands import islands_of
-from clast.minimise.newton import Newton, Work, best_of
+from clast.minimise.newton import Newton, SolverContext, best_of
 from clast.minimise.potential import Point, Potential
-from clast.minimise.schedule import Schedule, SmallIslands
+from clast.minimise.strategy import MinimisationStrategy, SmallIslands
 from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
@@ -57,10 +57,10 @@ from clast.step.energy_balance import noise_of, round_off
 from clast.step.impact import ImpactResult, after_impacts, bearing, first_bases, scheme_of
 from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
-from clast.step.relief import relieved
+from clast.step.search_distance import ContactSearch, search_as_far_as, travel_expected
+from clast.step.spring_offset import relieved
 from clast.step.start import StepContext, diagonal_terms
 from clast.step.take_step import take_step
-from clast.step.travel import ContactSearch, search_as_far_as, travel_expected
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
@@ -132,7 +132,7 @@ class Convex:
             friction=self.friction(method),
             tolerance=self.tolerated(context, potential),
             each=self.each_block(context, len(potential.springs)),
-            work=Work(factor=factor, counts=counts, stages=stages),
+            work=SolverContext(factor=factor, counts=counts, stages=stages),
         )
         largest = potential.sum_of_forces()
         base_of_friction = first_friction_base(context, contacts, impacts, largest)
@@ -180,17 +180,17 @@ class Convex:
             round_off(context.model, context.method, context.state, links),
         )
 
-    def schedule(self, factor: FactorOfStep) -> Schedule:
+    def schedule(self, factor: FactorOfStep) -> MinimisationStrategy:
         """Return how a potential is minimised whose systems ``factor`` solves."""
         # who asks for a solver has everything solved by it
-        return self._schedule if factor.is_free else self._all_together
+        return self._schedule if factor.chooses_solver else self._all_together
 
     @cached_property
-    def _schedule(self) -> Schedule:
-        return Schedule(newton=Newton(iterations=self.iterations))
+    def _schedule(self) -> MinimisationStrategy:
+        return MinimisationStrategy(newton=Newton(iterations=self.iterations))
 
     @cached_property
-    def _all_together(self) -> Schedule:
+    def _all_together(self) -> MinimisationStrategy:
         return changed(self._schedule, small=SmallIslands(few=0))
 
     def each_block(self, context: StepContext, links: int) -> EachBlock | None:
@@ -250,11 +250,11 @@ class Search:
     """Where in the step the contacts' forces are taken; None: at its end."""
     rows: Rows
     """Where the contacts are in the table of springs."""
-    schedule: Schedule
+    schedule: MinimisationStrategy
     friction: FrictionLoop
     tolerance: float
     """Distance from the minimum at which the step is solved, J/m."""
-    work: Work
+    work: SolverContext
     each: EachBlock | None = None
     """The balance that is asked of each block, too."""
 

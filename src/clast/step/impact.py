@@ -39,7 +39,7 @@ from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_f
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.read_only import changed
-from clast.step import collisions, stopping
+from clast.step import collisions, inertia_projection
 from clast.step.integration import HalfWay, Scheme
 from clast.step.start import StepContext
 
@@ -252,7 +252,7 @@ def scheme_of(
     if not is_any(closes):
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
-    stopped: tuple[Ints, Floats, Floats] = stopping.stopped_motions(
+    stopped: tuple[Ints, Floats, Floats] = inertia_projection.stopped_motions(
         context.frames.mass_matrix,
         model.fixed,
         graph,

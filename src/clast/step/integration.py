@@ -40,7 +40,7 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.step import stopping
+from clast.step import inertia_projection
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class Scheme:
     step: float
     """h, s."""
     stopped: tuple[Ints, Floats, Floats] | None = None
-    """Motions with theta = 1, as kernels take them (step/stopping.py)."""
+    """Motions with theta = 1, as kernels take them (step/inertia_projection.py)."""
 
     @property
     def inertia(self) -> float:
@@ -70,7 +70,9 @@ def end_velocity(scheme: Scheme, displacement: Floats, drift: Floats, velocity: 
     change = displacement - drift
     result: Floats = velocity + scheme.inertia * scheme.step * change
     if scheme.stopped is not None:
-        stopping.add_velocities(scheme.stopped, scheme.of_stopped * scheme.step, change, result)
+        inertia_projection.add_velocities(
+            scheme.stopped, scheme.of_stopped * scheme.step, change, result
+        )
     return result
 
 

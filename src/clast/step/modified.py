@@ -21,7 +21,7 @@ from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.errors import StepOutcome, shortened
-from clast.linear.reuse import FactorOfStep
+from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
     BlockSystem,
     DiagonalTerms,
@@ -35,10 +35,10 @@ from clast.model.state import State, initial_state
 from clast.step.impact import advice_without
 from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
+from clast.step.search_distance import ContactSearch
 from clast.step.start import StepContext, diagonal_terms
 from clast.step.supports.prescribed import Held
 from clast.step.take_step import take_step
-from clast.step.travel import ContactSearch
 
 THROWN = (
     "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "

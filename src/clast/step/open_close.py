@@ -42,9 +42,9 @@ from clast.step.modified import (
     solution_of,
     stability_number,
 )
+from clast.step.search_distance import ContactSearch, search_as_far_as
 from clast.step.start import StepContext, diagonal_terms
 from clast.step.take_step import take_step
-from clast.step.travel import ContactSearch, search_as_far_as
 
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""

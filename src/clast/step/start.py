@@ -28,7 +28,7 @@ from clast.contact.detection import detect
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step import stopping
+from clast.step import inertia_projection
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
 from clast.step.supports.prescribed import Held, held_by
@@ -169,7 +169,7 @@ def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> Diago
     )
     if scheme.stopped is not None:
         terms = matrix, force, momentum
-        stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
+        inertia_projection.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
     add_shares(context.shares, matrix, force)
     base = DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
     if context.held is None:

@@ -9,8 +9,8 @@ from clast.model.model import Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.method import Method, StepResult, StepSolution, Workspace
+from clast.step.search_distance import ContactSearch, searched_again
 from clast.step.start import StepContext, again, begin
-from clast.step.travel import ContactSearch, searched_again
 
 TRIES = 4
 """Times that a step is solved once more for points that are led, at most."""

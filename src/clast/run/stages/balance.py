@@ -17,8 +17,8 @@ from clast.linear.system import graph_of, with_contact_forces
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.step.method import Method, StepResult
+from clast.step.search_distance import search_within_step, travel_expected
 from clast.step.start import begin, diagonal_terms
-from clast.step.travel import search_within_step, travel_expected
 
 
 @dataclass(frozen=True, kw_only=True)

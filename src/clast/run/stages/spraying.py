@@ -26,8 +26,8 @@ from clast.model.stages.stage import Stage
 from clast.model.state import ContactMemory, State
 from clast.run.excavation import without
 from clast.step.method import Method
+from clast.step.search_distance import search_within_step, travel_expected
 from clast.step.start import begin
-from clast.step.travel import search_within_step, travel_expected
 
 
 def added_by(model: Model, stage: Stage) -> tuple[OneLining, ...]:

@@ -94,7 +94,7 @@ class Held:
         return contact_motions(links, self.displacement)
 
     def unstopped(self, stopped: tuple[Ints, Floats, Floats]) -> tuple[Ints, Floats, Floats]:
-        """Return motions that contacts stop (step/stopping.py) without those prescribed."""
+        """Return motions that contacts stop without those prescribed."""
         count, motions, momenta = stopped
         for block in np.flatnonzero(self.free.any(axis=1)):
             motions[block][:, self.free[block]] = 0.0

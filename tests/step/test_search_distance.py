@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.step import convex
-from clast.step.travel import SPARE, farther
+from clast.step.search_distance import SPARE, farther
 from scenes.systems import at_start, box, by_convex, heap, march, method, system
 
 MAX = 0.05

@@ -23,7 +23,7 @@ from clast.compute.reductions import is_any
 from clast.errors import StepOutcome, StepRejected
 from clast.minimise.interior_point import InteriorPoint
 from clast.minimise.islands import are_small, minimise_each
-from clast.minimise.newton import Ending, Newton, Work, iterate
+from clast.minimise.newton import Ending, Newton, SolverContext, iterate
 from clast.minimise.potential import Point, Potential
 from clast.minimise.subproblem import copied, subproblem, with_neighbours
 from clast.model.model import Bools, Floats
@@ -44,7 +44,7 @@ class SmallIslands:
     """Share of the tolerance that islands may hold together which are left as they are."""
 
     def minimise(
-        self, potential: Potential, point: Point, tolerance: float, work: Work
+        self, potential: Potential, point: Point, tolerance: float, work: SolverContext
     ) -> tuple[Point, Floats]:
         """Return the point where small islands are at their minimum, and all distances, J/m, (r,).
 
@@ -126,7 +126,9 @@ class NonlinearElimination:
     least: float = 1e-4
     """Smallest share of the distance that the iterations of few blocks can reach."""
 
-    def lower(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+    def lower(
+        self, potential: Potential, point: Point, tolerance: float, work: SolverContext
+    ) -> Point:
         """Return a lower point: the worst blocks are near their minimum, where they are few.
 
         They are done where they have no more left to it than all others together.
@@ -172,7 +174,7 @@ class NonlinearElimination:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Schedule:
+class MinimisationStrategy:
     """How a potential is minimised: small islands, the worst blocks, all of them."""
 
     newton: Newton = field(default_factory=Newton)
@@ -192,7 +194,9 @@ class Schedule:
     most: float = 0.9
     """Share of the blocks up to which those of the other islands go on without them."""
 
-    def minimise(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+    def minimise(
+        self, potential: Potential, point: Point, tolerance: float, work: SolverContext
+    ) -> Point:
         """Return the minimum of the potential, from ``point`` on.
 
         Done where twice the potential is within ``tolerance``, J/m, of its minimum.  Raises

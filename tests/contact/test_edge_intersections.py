@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from clast.block import polygon
-from clast.contact import crossings, detection
-from clast.contact.crossings import SHALLOW, with_crossings
+from clast.contact import detection, edge_intersections
+from clast.contact.edge_intersections import SHALLOW, with_crossings
 from clast.model.state import ContactMemory
 from clast.run.overlap import unseen_overlaps
 from scenes.systems import (
@@ -39,7 +39,7 @@ def crossings_of(outlines, floor=0.0):
     pairs = np.array([[0, 1]])
     contacts = (*NONE[:3], owner)
     limits, bore = (1.01, floor), np.zeros(1, np.bool_)
-    return crossings.unseen(
+    return edge_intersections.unseen(
         (vertices, direction, start), box_of, pairs, contacts, NO_PAIR, limits, bore
     )
 

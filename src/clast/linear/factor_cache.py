@@ -69,7 +69,7 @@ class FactorOfStep:
         return self._factor
 
     @property
-    def is_free(self) -> bool:
+    def chooses_solver(self) -> bool:
         """True where no solver is asked for: small systems may be solved in a way of their own."""
         return isinstance(self._solver, Automatic)
 

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from clast.minimise.newton import Newton, best_of
-from clast.minimise.schedule import NonlinearElimination, Schedule, SmallIslands, unfinished
+from clast.minimise.strategy import (
+    MinimisationStrategy,
+    NonlinearElimination,
+    SmallIslands,
+    unfinished,
+)
 from clast.minimise.subproblem import subproblem, touched, with_neighbours
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.scenes import heap as falling_squares
@@ -173,7 +178,7 @@ def test_the_others_stand_still_and_the_potential_falls(potentials):
 @pytest.mark.parametrize("odd", [None, 1, 2])
 def test_the_minimum_is_the_same(potentials, odd):
     """Also with springs of all kinds (``odd`` is their seed)."""
-    always = Schedule(
+    always = MinimisationStrategy(
         newton=Newton(iterations=500),
         small=SmallIslands(few=0),
         elimination=NonlinearElimination(large=0, few=0.7),
