@@ -105,6 +105,28 @@ and says what each stage takes. On one core of a slow machine that other program
 Areas sum up to the domain's to the last bit or two. Half of the time goes where lines meet
 (*noding*), a sixth each into faces and into short edges and small blocks.
 """
+STATICS = """\
+## Statics of 20,000 blocks
+
+The slope of the table above (h = 5 ms, p/E = 1), loaded by its weight in one static stage until it
+is in equilibrium, on 27 November 2026, on an AMD EPYC with 2 cores that other programs shared.
+Processor time, compilation and the construction of the model not counted:
+
+| blocks | contacts | steps | passes | factorisations | pcg | processor |
+| ---: | ---: | ---: | ---: | ---: | ---: | ---: |
+| 1,008 | 7,339 | 3 | 94 | 91 | 1,469 | 0.8 s |
+| 4,986 | 38,271 | 4 | 120 | 232 | 3,370 | 5.5 s |
+| 20,236 | 157,205 | 4 | 213 | 398 | 9,033 | 31.3 s |
+
+- The four steps of 20,236 blocks take 112, 57, 33 and 11 passes, and 13.5, 8.5, 5.8 and 3.2 s; the
+  memory is 659 MiB at most. At the end no block is out of balance by more than 5e-6 of its forces.
+- Conjugate gradients take 44 % of the time, preconditioners and assembly 19 %, and detection of
+  contacts 19 %, once a step.
+- The narrow phase of detection takes twice as long per contact as with 4,986 blocks in as many
+  rows.
+- With the mass term of the 5 ms steps instead of the path of equilibria (decision 70), which is how
+  the modified process still settles, 1,008 blocks are not in equilibrium after 950 steps and 80 s.
+"""
 LARGE = """\
 ## A million blocks, height, order, and threads
 
@@ -185,7 +207,7 @@ def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None, note: str = 
         machine = machine_text(bench["machine"])
         lines.append(SCENES.format(machine=machine, triad=bench["triad"] / 1e9, **settings))
         cells = [bench_cells(row, bench["triad"]) for row in bench["rows"]]
-        lines += [*markdown_table(BENCH_HEADINGS, cells), "", CUTTING, LARGE]
+        lines += [*markdown_table(BENCH_HEADINGS, cells), "", STATICS, CUTTING, LARGE]
     return "\n".join(lines).rstrip() + "\n"
 
 
