@@ -117,7 +117,7 @@ def taken_along(
 def _turn_rest_forces(first, last, row, before, ways, forces):
     """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
 
-    A rest force belongs to the face that bore it before the run.  Where its vertex has passed to
+    A rest force belongs to the face that carried it before the run.  Where its vertex has passed to
     the next edge of the block, the same force has other shares along normal and edge.  ``before``
     are the edges in the memory.
     """

@@ -400,7 +400,7 @@ class Model:
         """True for segments of linings, which stages may add, shape (n,)."""
         found = np.zeros(self.block_count, np.bool_)
         for action in self.actions:
-            found[getattr(action, "segments", ())] = True
+            found[np.asarray(getattr(action, "segments", ()), np.int64)] = True
         return found
 
     @kept_property

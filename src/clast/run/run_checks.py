@@ -243,7 +243,7 @@ class Watch:
         )
 
     def _of_stress(self, state: State, step: float) -> str:
-        """Return a warning where the mean stress of the start is gone.
+        """Return a warning where the mean stress of the start has been lost.
 
         Where blocks have been excavated it has changed because it goes round the void.
         """

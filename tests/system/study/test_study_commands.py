@@ -139,7 +139,10 @@ MORRIS = ["--sampling", "morris"]
         ),
         (["montecarlo", "slab.toml", *VARY, "--measure", "u=contact(C, slip)"], "measured contact"),
         (["montecarlo", "slab.toml", *VARY, "--measure", "u=link_force(L)"], "link 'L'"),
-        (["montecarlo", "slab.toml", *VARY, "--measure", "u=reaction(base, z)"], "part 'z'"),
+        (
+            ["montecarlo", "slab.toml", *VARY, "--measure", "u=reaction('fixed blocks', z)"],
+            "part 'z'",
+        ),
         (
             ["fit", "slab.toml", "--observe", "slab.toml", *VARY, "--method", "best"],
             "method 'best'",

@@ -33,11 +33,11 @@ class InteractionCurve:
 
     @property
     def largest(self) -> float:
-        """The largest moment that the section bears, N."""
+        """Largest moment of the section, N."""
         return float(self.moment.max())
 
     def moment_at(self, normal: Floats) -> Floats:
-        """Return the moments (k,), N, that the section bears with normal forces (k,), N/m."""
+        """Return the largest moments (k,), N, of the section under normal forces (k,), N/m."""
         return np.asarray(np.interp(normal, self.normal, self.moment))
 
     def utilisation(self, normal: Floats, moment: Floats) -> Floats:
