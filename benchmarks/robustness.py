@@ -241,16 +241,16 @@ HEAD = """# Where the convex process holds
 
 Written by `python -m benchmarks.robustness`; only runs that have been made are listed. No number
 was tuned for any row: one method, penalty law, constant acceleration, default tolerance.
-Made anew in November 2026, all but the columns of 990 bricks at 0.2 ms, which are older than impacts
-as events (decision 41) and seams (40); on a machine with many other programs, so that wall times
-are five to thirty times those of a quiet one.
+Made anew in November 2026, all but the columns of 990 bricks at 0.2 ms, which are older than
+impacts as events (decision 41) and seams (40); on a machine with many other programs, so that
+wall times are five to thirty times those of a quiet one.
 
 The heap's peak penetration of some 9 mm does not depend on the stiffness: a corner that passes
 another one comes to lie behind an edge, its spring begins there without force
-(`step/spring_offset.py`), and it stays as deep until blocks part. It lies in by a tip: the area of
-overlap is a hundredth of a square centimetre on stiff springs. The drift of 990 soft bricks in columns (p/E = 0.01: each joint
-closes by 6 mm, 45 on top of each other) is that of a stack that leans as it comes to rest, 0.5 to
-12 mm with other steps.
+(`step/spring_offset.py`), and it stays as deep until blocks part. It lies in by a tip: the area
+of overlap is a hundredth of a square centimetre on stiff springs. The drift of 990 soft bricks
+in columns (p/E = 0.01: each joint closes by 6 mm, 45 on top of each other) is that of a stack
+that leans as it comes to rest, 0.5 to 12 mm with other steps.
 
 ## Walls
 
