@@ -197,6 +197,173 @@ at = [6.0, 3.0]
 every = 0.1
 """
 
+LINED_TUNNEL = """\
+# A tunnel in two joint sets at a depth of some 100 m, in stages: the rock is in balance, the top
+# heading is dug and bolted, the bench is dug, shotcrete is sprayed while a third of the forces of
+# the bench is still to be released, and an earthquake shakes what stands.
+# Try:
+#   lining.shotcrete           thickness = 0.1: an eighth of the stiffness in bending
+#   stage bench: time          0.3: all is released before the shotcrete comes, which bears less
+#   ground_motion              scale = 2.0: a stronger earthquake
+#   clast plot lined-tunnel.vtkhdf --layers moments --zoom=-6,-5,6,6
+
+schema = 1
+title = "Tunnel dug in two parts, bolted, sprayed and shaken"
+plane = "strain"
+gravity = [0.0, -9.8]
+
+[time]
+step = 1e-2                            # s
+end = 1.0                              # longest time of a stage
+
+[rock.gneiss]
+young = 5e9                            # Pa
+poisson = 0.25
+density = 2700.0
+
+[joint.default]                        # what no set names
+friction_angle = 35.0
+
+[joint.foliation]
+friction_angle = 30.0
+
+[joint.joints]
+friction_angle = 35.0
+
+[joint.bond]                           # between shotcrete and rock
+friction_angle = 35.0
+cohesion = 5e5                         # Pa
+tensile_strength = 5e5
+normal_stiffness = 5e10                # Pa/m
+shear_stiffness = 5e9
+
+[in_situ]                              # stress before anything is dug: from the weight above
+vertical = "overburden"
+k0 = 0.7                               # horizontal by vertical stress
+datum = 100.0                           # height y of the surface, m
+
+[domain]                               # what is cut: clast cut lined-tunnel.toml -o tunnel.png
+boundary = [[-12,-12],[12,-12],[12,12],[-12,12]]
+rock = "gneiss"
+smallest_block = 0.2                   # m2: smaller ones join a neighbour
+fixed_sides = ["bottom", "left", "right"]
+
+[[joint_set]]
+name = "foliation"
+joint = "foliation"
+angle = 35.0                           # degrees from +x, counter-clockwise
+spacing = 2.0
+origin = [0.9, -0.3]
+
+[[joint_set]]
+name = "joints"
+joint = "joints"
+angle = -62.0
+spacing = 2.2
+origin = [0.9, -0.3]
+
+[[opening]]                            # rock until a stage takes it out
+name = "heading"
+shape = "polygon"
+points = [
+    [-3,-0.5], [3,-0.5], [3,0], [2.853,0.927], [2.427,1.763], [1.763,2.427], [0.927,2.853],
+    [0,3], [-0.927,2.853], [-1.763,2.427], [-2.427,1.763], [-2.853,0.927], [-3,0],
+]
+
+[[opening]]
+name = "bench"
+shape = "box"
+corner = [-3, -3]
+size = [6, 2.5]
+
+[bolt_kind.swellex]                    # numbers per metre along the tunnel
+stiffness = 2e7                        # N/m
+yield_force = 1.2e5                    # N/m
+rupture_elongation = 0.1               # m
+pretension = 1e4                       # N/m
+
+[[bolt_pattern]]
+kind = "swellex"
+opening = "heading"
+length = 4.0
+spacing = 1.3                          # along the roof
+from = 0.0                             # degrees round the middle of the heading
+to = 180.0
+anchorage = "grouted"                  # one spring for every joint that a bolt crosses
+free_length = 0.3
+stage = "bolts"
+
+[[lining]]                             # counter-clockwise: right wall, roof, left wall
+name = "shotcrete"
+polyline = [
+    [3,-3], [3,0], [2.853,0.927], [2.427,1.763], [1.763,2.427], [0.927,2.853], [0,3],
+    [-0.927,2.853], [-1.763,2.427], [-2.427,1.763], [-2.853,0.927], [-3,0], [-3,-3],
+]
+thickness = 0.2                        # m
+segment = 0.8                          # m, at most
+young = 1.5e10                         # Pa
+poisson = 0.2
+tension = 2e6                          # Pa
+compression = 2.5e7
+joint = "bond"
+stage = "shotcrete"
+
+[ground_motion]
+acts = "body-force"                    # motion is relative to the ground
+time = [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]   # s
+acceleration = [0, 1.5, 0, -3.0, 0, 1.5, 0] # m/s2; the ground ends at rest where it was
+
+[[measured_point]]
+name = "crown"
+at = [0, 3.05]
+
+[[stage]]
+name = "settled"
+dynamic_ratio = 0.0                    # static
+reset_displacement = true              # displacements count from here
+
+[[stage]]
+name = "heading"
+dynamic_ratio = 0.0
+excavate = ["heading"]
+relax = 0.6
+relax_time = 0.3
+until = "time"
+time = 0.1
+
+[[stage]]
+name = "bolts"
+dynamic_ratio = 0.0
+
+[[stage]]
+name = "bench"
+dynamic_ratio = 0.0
+excavate = ["bench"]
+relax = 0.5                            # share of the support that ends at once,
+relax_time = 0.3                       # s: the rest in this time
+until = "time"
+time = 0.1
+
+[[stage]]
+name = "shotcrete"
+dynamic_ratio = 0.0
+
+[[stage]]
+name = "earthquake"
+step = 2e-3
+dynamic_ratio = 1.0
+ground_motion = true
+until = "time"
+time = 0.6
+damping = { mass = 0.5, stiffness = 1e-4 }
+
+[method]
+integrator = "midpoint"                # waves are not damped by the steps
+
+[output]
+every = 0.05
+"""
+
 
 def spreading_arch(
     radius: float = 4.0, thickness: float = 0.6, voussoirs: int = 16, spread: float = 0.4

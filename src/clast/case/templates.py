@@ -15,7 +15,12 @@ from clast.case.masonry_templates import (
     shaken_wall,
 )
 from clast.case.rock_templates import KEY_BLOCK, SLOPE, TUNNEL
-from clast.case.support_templates import SETTLING_WALL, SHEAR_BOX, spreading_arch
+from clast.case.support_templates import (
+    LINED_TUNNEL,
+    SETTLING_WALL,
+    SHEAR_BOX,
+    spreading_arch,
+)
 
 INCLINE = """\
 schema = 1
@@ -154,6 +159,7 @@ TEMPLATES: dict[str, Callable[[], str]] = {
     "incline": incline,
     "slope": lambda: SLOPE,
     "tunnel": lambda: TUNNEL,
+    "lined-tunnel": lambda: LINED_TUNNEL,
     "key-block": lambda: KEY_BLOCK,
     "wall": lambda: WALL,
     "shaken-wall": shaken_wall,

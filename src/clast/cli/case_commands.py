@@ -185,8 +185,8 @@ def new(
     template: Annotated[
         str,
         typer.Option(
-            help="incline, slope, tunnel, key-block, wall, shaken-wall, settling-wall, arch, "
-            "spreading-arch, column, dominoes, shear-box or heap."
+            help="incline, slope, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
+            "settling-wall, arch, spreading-arch, column, dominoes, shear-box or heap."
         ),
     ] = "incline",
 ) -> None:
