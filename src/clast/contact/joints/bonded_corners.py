@@ -66,8 +66,8 @@ def _are_joined(points, faces, contacts, vertices, near):
     met = np.empty(MOST, np.int64)
     for c in points:
         x, y = vertices[vertex[c], 0], vertices[vertex[c], 1]
-        met[0], count, at = vertex_block[c], 1, 0
-        while at < count and not joined[c]:
+        met[0], known, at = vertex_block[c], 1, 0
+        while at < known and not joined[c]:
             b, at = met[at], at + 1
             for k in range(start[b], start[b + 1]):
                 f = of_block[k]
@@ -78,9 +78,9 @@ def _are_joined(points, faces, contacts, vertices, near):
                 if other == edge_block[c]:
                     joined[c] = True
                     break
-                if count < MOST and not _is_among(other, met, count):
-                    met[count] = other
-                    count += 1
+                if known < MOST and not _is_among(other, met, known):
+                    met[known] = other
+                    known += 1
     return joined
 
 
