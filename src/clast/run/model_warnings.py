@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from clast.actions.linings.linings import linings_of
 from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
@@ -60,6 +61,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_coarse_steps(model, step),
         *_water_warnings(model),
         *_bolt_warnings(model),
+        *_lining_warnings(model),
         *slide_warnings(model),
     ]
 
@@ -465,3 +467,15 @@ def _bolt_warnings(model: Model) -> Iterator[str]:
             f"bolts yield at {forces.max():g} N/m at most: that looks like kN. Give yield_force in "
             "N per metre of thickness"
         )
+
+
+def _lining_warnings(model: Model) -> Iterator[str]:
+    """Warn of linings that are to be bonded where there is no rock."""
+    linings, _ = linings_of(model)
+    for one in linings.each if linings else ():
+        if len(one.loose):
+            yield (
+                f"Lining '{shortened(one.name)}' has no rock beside {len(one.loose)} of its "
+                f"{len(one.segments)} segments ({named(model, one.loose)}): they carry nothing "
+                "of it. Draw it along the faces of blocks, or without joint."
+            )

@@ -209,3 +209,21 @@ def test_pictures_have_diagrams(tmp_path: Path):
     for name in ("moments", "normal-forces", "shear-forces"):
         look = clast.Look(layers=(name,))
         assert clast.plot_results(run, tmp_path / f"{name}.png", look=look).stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("away", [0.0, 0.02])
+def test_a_lining_to_be_bonded_where_there_is_no_rock_is_warned_of(away: float):
+    builder = ModelBuilder(title="wall", gravity=(0.0, 0.0))
+    builder.add_rock("stone", young=2e10, poisson=0.2, density=2500.0)
+    builder.add_joint("bond", friction_angle=35.0, cohesion=1e6, tensile_strength=1e6)
+    builder.block(name="wall", vertices=[(0, -1), (2, -1), (2, 0), (0, 0)], fixed=True)
+    line = [(2.0, away), (0.0, away)]
+    builder.lining("plate", polyline=line[::-1], side="left", joint="bond", **CONCRETE)
+    said = [
+        one for one in clast.simulate(builder.build(), **STATIC).report.warnings if "Lining" in one
+    ]
+    if away:
+        assert len(said) == 1
+        assert "no rock beside 20 of its 20 segments ('plate/1', 'plate/2'" in said[0]
+    else:
+        assert said == []

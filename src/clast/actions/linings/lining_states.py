@@ -68,6 +68,8 @@ class OneLining:
     """How it lies."""
     inside: Ints
     """Blocks that must have been excavated where it comes, shape (r,)."""
+    loose: Ints
+    """Blocks of segments that are to be bonded and have no rock beside them, shape (q,)."""
 
 
 @dataclass(frozen=True, kw_only=True)

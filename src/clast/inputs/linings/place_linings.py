@@ -58,6 +58,12 @@ class PlacedLining:
         return tuple(f"{self.table.name}/{k}" for k in range(1, len(self.cut.first) + 1))
 
     @property
+    def loose(self) -> tuple[str, ...]:
+        """Names of its segments that are to be bonded and touch no block."""
+        touching = {segment for segment, _ in self.beside}
+        return tuple(name for name in self.names if self.table.joint and name not in touching)
+
+    @property
     def rock(self) -> str:
         """Name of its material among the rocks."""
         return f"lining {self.table.name}"
@@ -228,6 +234,7 @@ def linings_of_ground(
                 face=springs.face,
                 shape=_shape(one, ground),
                 inside=np.array([number[name] for name in one.inside], np.int64),
+                loose=np.array([number[name] for name in one.loose], np.int64),
             )
         )
         rows.append(springs)
