@@ -25,7 +25,13 @@ from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    OPEN_CLOSE,
+    PASSES,
+    Variant,
+)
 
 RADII = (2.0, 2.5, 3.2, 4.2, 5.5, 7.5, 10.0, 11.0)
 """Radii of the rings of blocks, the last of which is fixed, m."""
@@ -155,7 +161,6 @@ PROBLEM = Problem(
     source="Panet & Guenot (1982), linear ground",
     set_up=scene,
     examine=examine,
-    variants=(CONVEX, CONVEX_MULTIPLIERS),
-    left_out="modified and open-close: for their time; static steps keep the mass term",
+    variants=(CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES),
     quick=(),
 )
