@@ -39,9 +39,8 @@ def test_what_is_listed_is_there_and_takes_as_many_arguments():
 
 def test_what_the_first_case_calls_is_listed():
     Case.from_toml(INCLINE, ["time.end=0.003"]).run()
-    known = {(root.module, root.name) for root in ROOTS}
-    convex = {(one.module, one.name) for one in called()}
-    assert len(convex & known) > 50
+    lacking = {f"{one.module}.{one.name}" for one in set(called()) - set(ROOTS)}
+    assert len(lacking) <= 3, f"python tools/compile_cost.py --write: {lacking}"
 
 
 def test_no_kernel_is_larger_than_it_was():
