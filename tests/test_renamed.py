@@ -3,10 +3,14 @@
 import importlib
 import warnings
 
+import numpy as np
 import pytest
 
 from clast import rockmass
+from clast.actions.action import ActionResult
 from clast.case.api import ModelBuilder
+from clast.contact.clipped_spring import clipped_from, table
+from clast.model.state import Ledger
 from clast.results.checkpoints.encode import MOVED
 from clast.rockmass import BlockRepair
 
@@ -54,3 +58,27 @@ def test_a_builder_without_earlier_names_warns_of_nothing():
 def test_classes_that_older_checkpoints_name_are_there(present: str):
     module, _, name = present.partition(":")
     assert isinstance(getattr(importlib.import_module(module), name), type)
+
+
+def test_arms_of_springs_and_states_of_actions_are_known_by_their_earlier_names():
+    one = np.ones(1)
+    given = {
+        "vertex_block": np.array([0]),
+        "edge_block": np.array([1]),
+        "gap": one,
+        "slip": one,
+        "normal": clipped_from(one, one, -one, one),
+        "shear": clipped_from(one, one, -one, one),
+    }
+    with pytest.warns(DeprecationWarning, match="levers is called arms now"):
+        springs, _ = table(levers=np.ones((1, 6)), **given)
+    with pytest.warns(DeprecationWarning, match="levers is called arms now"):
+        assert springs.levers is springs.arms
+    with pytest.warns(DeprecationWarning, match="own is called state now"):
+        assert ActionResult(work=0.0, ledger=Ledger(), own=7).state == 7
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        table(arms=np.ones((1, 6)), **given)
+        ActionResult(work=0.0, ledger=Ledger(), state=7)
+    with pytest.raises(TypeError, match="lacks arms"):
+        table(**given)

@@ -61,8 +61,9 @@ def page(schema: Schema) -> str:
     """Return the page as Markdown."""
     tables = schema["$defs"]
     # tables that only stand in another one are written there
-    top = {"": _table(schema["properties"], schema["required"])}
-    for key, value in schema["properties"].items():
+    properties = _present(schema["properties"])
+    top = {"": _table(properties, schema["required"])}
+    for key, value in properties.items():
         name = _reference(value)
         if name is not None:
             top[_heading(key, value)] = _section(tables[name], tables)
@@ -71,6 +72,11 @@ def page(schema: Schema) -> str:
     parts = [HEAD, "## Top of the file\n\n", top.pop("")]
     parts += [f"\n## {heading}\n\n{text}" for heading, text in top.items()]
     return "".join(parts)
+
+
+def _present(keys: Schema) -> Schema:
+    """Return keys without earlier names, which the schema has for editors."""
+    return {key: value for key, value in keys.items() if not value.get("deprecated")}
 
 
 def _heading(key: str, value: Schema) -> str:
@@ -82,7 +88,7 @@ def _heading(key: str, value: Schema) -> str:
 
 def _section(table: Schema, tables: Schema) -> str:
     """Return the description of a table, its keys and the tables within it."""
-    keys, required = table["properties"], table.get("required", [])
+    keys, required = _present(table["properties"]), table.get("required", [])
     text = _plain(table.get("description", "")) + "\n\n"
     if table["title"] == "MethodTable":
         text += METHOD_HEAD

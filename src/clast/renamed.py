@@ -27,7 +27,7 @@ def names_of(module: str, names: Mapping[str, str]) -> Callable[[str], Any]:
 
 
 class Renamed:
-    """An attribute of a dataclass by its earlier name; its field takes this as its default."""
+    """An attribute or method by its earlier name; a field of a dataclass has it as its default."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -50,3 +50,11 @@ class Renamed:
         if value is not self:
             warn_of(self.earlier, self.name)
             setattr(one, self.name, value)
+
+
+def earlier_argument(earlier: str, name: str, given: Any, value: Any) -> Any:
+    """Return the ``value`` of the argument ``name``, or the one ``given`` by its earlier name."""
+    if given is None:
+        return value
+    warn_of(earlier, name, depth=4)
+    return given

@@ -104,8 +104,8 @@ def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: f
     """Thrown down with v the box is stopped by a force Fy at last; then it swings elastically."""
     strength = 2e4
     builder = with_bolt(hung(gravity=0.0, yield_force=strength))
-    builder.point_load((0, 0), (0.0, -1.5 * strength), block="box", factor="pull")
-    builder.add_table("pull", time=[0.0, 0.02, 0.04], value=[1.0, 1.0, 0.0])
+    builder.point_load((0, 0), (0.0, -1.5 * strength), block="box", amplitude="pull")
+    builder.add_amplitude("pull", time=[0.0, 0.02, 0.04], value=[1.0, 1.0, 0.0])
     run = clast.simulate(
         builder, end=0.1, step=1e-4, process=process, contact_law=law("penalty", stiffness)
     )

@@ -19,18 +19,18 @@ def block(**loads: str) -> clast.ModelBuilder:
     builder = clast.ModelBuilder(gravity=(0.0, 0.0))
     builder.add_rock("rock", young=1e9, poisson=0.0, density=MASS)
     builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
-    builder.add_table("ramp", TIME, VALUE)
+    builder.add_amplitude("ramp", TIME, VALUE)
     return builder
 
 
 def push(builder: clast.ModelBuilder, kind: str, factor: str | None = "ramp") -> None:
     """Push the block down by FORCE in one of three ways."""
     if kind == "point":
-        builder.point_load((0.5, 0.5), (0.0, -FORCE), factor=factor)
+        builder.point_load((0.5, 0.5), (0.0, -FORCE), amplitude=factor)
     elif kind == "line":
-        builder.line_load((0, 1), (1, 1), (0.0, -FORCE), factor=factor)
+        builder.line_load((0, 1), (1, 1), (0.0, -FORCE), amplitude=factor)
     else:
-        builder.pressure((0, 1), (1, 1), FORCE, factor=factor)
+        builder.pressure((0, 1), (1, 1), FORCE, amplitude=factor)
 
 
 def at(time: float) -> float:
@@ -87,7 +87,7 @@ def test_fixed_points_bear_the_ramp(way: tuple[str, str]):
 @pytest.mark.parametrize("kind", ["point", "line", "pressure"])
 def test_a_factor_of_one_changes_no_bit(kind: str):
     plain, times_one = block(), block()
-    times_one.add_table("one", [0.0, 1.0], [1.0, 1.0])
+    times_one.add_amplitude("one", [0.0, 1.0], [1.0, 1.0])
     push(plain, kind, factor=None)
     push(times_one, kind, factor="one")
     runs = [clast.simulate(builder, end=0.05, step=1e-3) for builder in (plain, times_one)]

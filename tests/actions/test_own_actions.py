@@ -32,16 +32,16 @@ class Thrust:
     def begin(self, model: Model) -> float:
         return 0.0
 
-    def share(self, start: StepStart, own: float) -> Contribution:
+    def share(self, start: StepStart, state: float) -> Contribution:
         force = np.zeros((1, 6))
         force[0, :2] = start.end * np.array(self.slope)
         return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
     def finish(
-        self, start: StepStart, own: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, share: Contribution, solution: Solution
     ) -> ActionResult:
         work = float(np.sum(share.force * solution.displacement[share.block]))
-        return ActionResult(work=work, ledger=Ledger(loads=work), own=own + work)
+        return ActionResult(work=work, ledger=Ledger(loads=work), state=state + work)
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Tether:
     def begin(self, model: Model) -> None:
         return None
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         k, (number, way) = self.stiffness, self._stretched(start)
         force, stiffness = np.zeros((1, 6)), np.zeros((1, 6, 6))
         force[0, :2] = -k * way
@@ -62,7 +62,7 @@ class Tether:
         return Contribution(block=np.array([number]), force=force, stiffness=stiffness)
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         work, stored = energy_of_linear(share, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(actions=stored))
@@ -86,7 +86,7 @@ class Tie:
         outlines = [model.polygon(b).mean(axis=0) for b in (one, other)]
         return float(np.hypot(*(outlines[0] - outlines[1])))
 
-    def share(self, start: StepStart, own: float) -> Contribution:
+    def share(self, start: StepStart, state: float) -> Contribution:
         one, other = self._numbers(start.model)
         way = start.frames.centroid[one] - start.frames.centroid[other]
         length = float(np.hypot(*way))
@@ -102,8 +102,8 @@ class Tie:
         springs, _ = table(
             vertex_block=np.array([one]),
             edge_block=np.array([other]),
-            levers=np.array([[*(way / length), 0.0, 0.0, 0.0, 0.0]]),
-            gap=np.array([length - own]),
+            arms=np.array([[*(way / length), 0.0, 0.0, 0.0, 0.0]]),
+            gap=np.array([length - state]),
             slip=np.zeros(1),
             normal=normal,
             shear=none,
@@ -111,11 +111,11 @@ class Tie:
         return Contribution(springs=springs)
 
     def finish(
-        self, start: StepStart, own: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, share: Contribution, solution: Solution
     ) -> ActionResult:
         assert share.springs is not None
         work, stored = energy_of_springs(share.springs, solution)
-        return ActionResult(work=work, ledger=Ledger(actions=stored), own=own)
+        return ActionResult(work=work, ledger=Ledger(actions=stored), state=state)
 
     def _numbers(self, model: Model) -> tuple[int, int]:
         one, other = (model.block_name.index(name) for name in self.blocks)
@@ -172,7 +172,7 @@ def test_a_force_of_ones_own_pushes(process: str, stiffness: float):
     impulse = 9e5 * 0.5 * 0.1 * (0.1 + 1e-3) - mu * 25e3 * 0.1
     assert run.final.velocity[1, 0] == pytest.approx(2.0 + impulse / 2500.0, rel=2e-3)
     assert_closed(run)
-    (done,) = [own for own in run.final.actions if own is not None]
+    (done,) = [state for state in run.final.actions if state is not None]
     assert done == pytest.approx(run.report.ledger.loads, rel=1e-12)
 
 

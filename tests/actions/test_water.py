@@ -220,8 +220,8 @@ def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
 @pytest.mark.parametrize("way", SETTLING)
 def test_water_rises_by_a_table(way: tuple[str, str]):
     builder = stack((1.0,))
-    builder.add_table("rise", [0.0, 0.2, 0.3, 5.0], [0.0, 0.5, 0.5, 0.5])
-    builder.water(1.0, factor="rise")
+    builder.add_amplitude("rise", [0.0, 0.2, 0.3, 5.0], [0.0, 0.5, 0.5, 0.5])
+    builder.water(1.0, amplitude="rise")
     run = at_rest(builder, way)
     weight, lift = 2.0 * ROCK * GRAVITY, 2.0 * WATER * GRAVITY
     assert borne(run, 1) == pytest.approx(weight - 0.5 * lift, rel=2e-4)

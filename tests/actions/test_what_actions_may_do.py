@@ -42,14 +42,14 @@ class Acts:
     def begin(self, model: Any) -> int:
         return 0
 
-    def share(self, start: StepStart, own: int) -> Contribution:
-        return self.share_of(start) if own == AT_STEP else Contribution()
+    def share(self, start: StepStart, state: int) -> Contribution:
+        return self.share_of(start) if state == AT_STEP else Contribution()
 
     def finish(
-        self, start: StepStart, own: int, share: Contribution, solution: Solution
+        self, start: StepStart, state: int, share: Contribution, solution: Solution
     ) -> ActionResult:
-        done = self.done_of(start) if own == AT_STEP else no_done(start)
-        return replace(done, own=own + 1) if isinstance(done, ActionResult) else done
+        done = self.done_of(start) if state == AT_STEP else no_done(start)
+        return replace(done, state=state + 1) if isinstance(done, ActionResult) else done
 
 
 def on_a_floor(*actions: Any) -> clast.ModelBuilder:
@@ -155,7 +155,7 @@ def springs(**changes: Any) -> Contribution:
     found, _ = table(
         vertex_block=np.array([1]),
         edge_block=np.array([0]),
-        levers=np.zeros((1, 6)),
+        arms=np.zeros((1, 6)),
         gap=none,
         slip=none,
         normal=clipped,
@@ -204,7 +204,7 @@ SHARES: dict[str, tuple[Any, str]] = {
     "links": (springs(vertex_block=np.array([5])), "springs with vertex_block 5, and there are"),
     "pairs": (springs(pairs=np.array([[0, 9]])), "springs with pairs 9"),
     "pair": (springs(pair=np.array([1])), "springs with pair 1"),
-    "levers": (springs(levers=np.zeros((1, 4))), "springs with levers of shape (1, 4)"),
+    "arms": (springs(arms=np.zeros((1, 4))), "springs with arms of shape (1, 4)"),
 }
 
 

@@ -12,7 +12,7 @@ CASE = """
 schema = 1
 time = {step = 1e-3, end = 0.1}
 rock = {stone = {young = 1e9, poisson = 0.2, density = 2500}}
-table = {ramp = {time = [0, 1, 2], value = [0, 1, 1]}}
+amplitude = {ramp = {time = [0, 1, 2], value = [0, 1, 1]}}
 [[block]]
 name = "base"
 vertices = [[0, -1], [4, -1], [4, 0], [0, 0]]
@@ -24,29 +24,38 @@ vertices = [[0, 0], [1, 0], [1, 2], [0, 2]]
 start = [0, 0]
 end = [0, 2]
 value = [2e4, 0]
-factor = "ramp"
+amplitude = "ramp"
 """
 
 BROKEN = {
-    "time falls": (["table.ramp.time=[0, 2, 1]"], ["[table.ramp] time", "instant 3", "not after"]),
+    "time falls": (
+        ["amplitude.ramp.time=[0, 2, 1]"],
+        ["[amplitude.ramp] time", "instant 3", "not after"],
+    ),
     "instant twice": (
-        ["table.ramp.time=[0, 0, 1]"],
-        ["[table.ramp] time", "instant 2"],
+        ["amplitude.ramp.time=[0, 0, 1]"],
+        ["[amplitude.ramp] time", "instant 2"],
     ),
     "lengths differ": (
-        ["table.ramp.value=[0, 1]"],
-        ["[table.ramp] value", "2 values for 3"],
+        ["amplitude.ramp.value=[0, 1]"],
+        ["[amplitude.ramp] value", "2 values for 3"],
     ),
     "one instant": (
-        ["table.ramp.time=[0]", "table.ramp.value=[1]"],
-        ["[table.ramp] time", "1 instants", "at least 2"],
+        ["amplitude.ramp.time=[0]", "amplitude.ramp.value=[1]"],
+        ["[amplitude.ramp] time", "1 instants", "at least 2"],
     ),
-    "value is nan": (["table.ramp.value=[0, nan, 1]"], ["[table.ramp] value 2", "finite"]),
-    "value is text": (["table.ramp.value=[0, 'one', 1]"], ["[table.ramp] value 2", "number"]),
-    "value is huge": (["table.ramp.value=[0, 1e30, 1]"], ["[table.ramp] value 2", "too large"]),
-    "no values": (["table.ramp={time=[0, 1]}"], ["[table.ramp] value", "is missing"]),
-    "unknown key": (["table.ramp.times=[0]"], ["[table.ramp] times", "'time'"]),
-    "unknown table": (["pressure.1.factor=rmap"], ["pressure 1, factor", "mean 'ramp'"]),
+    "value is nan": (["amplitude.ramp.value=[0, nan, 1]"], ["[amplitude.ramp] value 2", "finite"]),
+    "value is text": (
+        ["amplitude.ramp.value=[0, 'one', 1]"],
+        ["[amplitude.ramp] value 2", "number"],
+    ),
+    "value is huge": (
+        ["amplitude.ramp.value=[0, 1e30, 1]"],
+        ["[amplitude.ramp] value 2", "too large"],
+    ),
+    "no values": (["amplitude.ramp={time=[0, 1]}"], ["[amplitude.ramp] value", "is missing"]),
+    "unknown key": (["amplitude.ramp.times=[0]"], ["[amplitude.ramp] times", "'time'"]),
+    "unknown table": (["pressure.1.amplitude=rmap"], ["pressure 1, amplitude", "mean 'ramp'"]),
     "no edge near": (
         ["pressure.1.start=[-0.1, 0]", "pressure.1.end=[-0.1, 2]"],
         ["pressure 1", "no edge", "block 2 'wall'", "0.1 m away", "on the outline"],
@@ -80,21 +89,24 @@ def test_what_cannot_be_is_refused(fault: str):
 Change = Callable[[clast.ModelBuilder], object]
 REFUSED: dict[str, tuple[Change, list[str]]] = {
     "table twice": (
-        lambda b: (b.add_table("a", [0, 1], [0, 1]), b.add_table("a", [0, 1], [0, 1])),
-        ["two tables of that name", "'a'"],
+        lambda b: (b.add_amplitude("a", [0, 1], [0, 1]), b.add_amplitude("a", [0, 1], [0, 1])),
+        ["two amplitudes of that name", "'a'"],
     ),
-    "table of pairs": (lambda b: b.add_table("a", [(0, 1)], [1]), ["[table.a] time 1", "number"]),
+    "table of pairs": (
+        lambda b: b.add_amplitude("a", [(0, 1)], [1]),
+        ["[amplitude.a] time 1", "number"],
+    ),
     "instant at infinity": (
-        lambda b: b.add_table("a", [0, math.inf], [1, 1]),
-        ["[table.a] time 2", "finite"],
+        lambda b: b.add_amplitude("a", [0, math.inf], [1, 1]),
+        ["[amplitude.a] time 2", "finite"],
     ),
     "factor of a point load": (
-        lambda b: b.point_load((0.5, 0.5), (1, 1), factor="x"),
-        ["point load 1, factor", "no table 'x'"],
+        lambda b: b.point_load((0.5, 0.5), (1, 1), amplitude="x"),
+        ["point load 1, amplitude", "no amplitude 'x'"],
     ),
     "factor of a line load": (
-        lambda b: b.line_load((0, 0), (1, 0), (1, 1), factor=3),  # type: ignore[arg-type]
-        ["[[line_load]] 1 factor", "text in quotes"],
+        lambda b: b.line_load((0, 0), (1, 0), (1, 1), amplitude=3),  # type: ignore[arg-type]
+        ["[[line_load]] 1 amplitude", "text in quotes"],
     ),
     "pressure of text": (lambda b: b.pressure((0, 0), (1, 0), "x"), ["[[pressure]] 1 value"]),
     "pressure beyond range": (lambda b: b.pressure((0, 0), (1, 0), 1e30), ["too large", "Pa"]),
@@ -134,8 +146,8 @@ def test_rounded_corners_are_found_and_pressed_whole():
 
 
 def test_a_table_that_no_load_names_is_warned_of():
-    case = clast.Case.from_toml(CASE.replace('factor = "ramp"', ""))
-    assert any("no load has the factor 'ramp'" in text for text in case.examine().warnings)
+    case = clast.Case.from_toml(CASE.replace('amplitude = "ramp"', ""))
+    assert any("no load has the amplitude 'ramp'" in text for text in case.examine().warnings)
 
 
 def test_pressures_count_as_loads():

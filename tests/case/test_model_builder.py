@@ -305,7 +305,7 @@ ENTRIES = {
     "blocks": {"vertices": np.array([SQUARE]) + 3.0, "start": None, "names": ["b"], "rock": "r"}
     | {"fixed": False, "velocity": (0, 0, 0), "initial_stress": None},
     "fixed_point": {"at": (0, 0), "block": None},
-    "add_table": {"name": "t", "time": [0, 1], "value": [0, 1]},
+    "add_amplitude": {"name": "t", "time": [0, 1], "value": [0, 1]},
     "point_load": {"at": (0, 0), "force": (1, 1), "block": None, "factor": "t"},
     "line_load": {"start": (0, 0), "end": (1, 0), "traction": (1, 1), "block": None}
     | {"factor": None},

@@ -79,12 +79,12 @@ def everything() -> clast.ModelBuilder:
     builder.fixed_point(at(9.5, -0.1))
     builder.point_load(at(1, 1), (1e3, -1e4 / 3), block="2")
     builder.line_load(at(2, 1), at(3, 1), (0, -5e3), block="a")
-    builder.add_table("ramp up", [0.0, 0.1, 0.30000000000000004], np.array([0.0, 1 / 3, 1.0]))
-    builder.add_table("pulse", [0, 1], [1, 0])
-    builder.point_load(at(2, 1), (1e3, 0), block="a", factor="pulse")
-    builder.line_load(at(4, 1), at(5, 1), (0, -5e3), block="b", factor="ramp up")
+    builder.add_amplitude("ramp up", [0.0, 0.1, 0.30000000000000004], np.array([0.0, 1 / 3, 1.0]))
+    builder.add_amplitude("pulse", [0, 1], [1, 0])
+    builder.point_load(at(2, 1), (1e3, 0), block="a", amplitude="pulse")
+    builder.line_load(at(4, 1), at(5, 1), (0, -5e3), block="b", amplitude="ramp up")
     builder.pressure(at(0, 1), at(0.7, 1), 1e5 / 3)
-    builder.pressure(at(6, 1), at(6, 0), np.array([0.1, 2e4]), block="c.d", factor="ramp up")
+    builder.pressure(at(6, 1), at(6, 0), np.array([0.1, 2e4]), block="c.d", amplitude="ramp up")
     builder.measured_point("top", at(0, 1), block="2")
     return builder
 

@@ -32,7 +32,7 @@ fixed = true
 [[block]]
 name = "box"
 vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]
-[table.rise]
+[amplitude.rise]
 time = [0, 1]
 value = [0, 1]
 [[pressure]]
@@ -148,7 +148,7 @@ def test_a_ground_motion_that_acts_in_no_stage_is_refused():
 
 
 def test_a_name_of_a_load_and_a_table_is_refused():
-    both = CASE.replace("[table.rise]", "[table.pool]")
+    both = CASE.replace("[amplitude.rise]", "[amplitude.pool]")
     with pytest.raises(CaseError, match="of loads and of a table"):
         Case.from_toml(f'{both}\n[[stage]]\nname = "a"\nloads = ["pool"]\n').examine()
 
@@ -181,8 +181,8 @@ def test_a_script_writes_its_stages_and_names_back(tmp_path: Path):
     builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], name="box")
     builder.fixed_point((0, 0))
     builder.fixed_point((1, 0))
-    builder.add_table("rise", time=[0, 1], value=[0, 1])
-    builder.point_load((0, 1), (1e3, 0), name="push", factor="rise")
+    builder.add_amplitude("rise", time=[0, 1], value=[0, 1])
+    builder.point_load((0, 1), (1e3, 0), name="push", amplitude="rise")
     builder.line_load((0, 1), (1, 1), (0, -1e3), name="bank")
     builder.pressure((0, 1), (1, 1), 1e3, name="pool")
     stages = (

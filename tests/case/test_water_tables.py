@@ -14,7 +14,7 @@ gravity = [0.0, -9.81]
 time = {step = 1e-3, end = 0.1}
 rock = {stone = {young = 1e9, poisson = 0.2, density = 2500}}
 joint = {default = {friction_angle = 30}, bed = {friction_angle = 20, between = [["base", "wall"]]}}
-table = {ramp = {time = [0, 1, 2], value = [0, 1, 1]}, wild = {time = [0, 1], value = [0, 2]}}
+amplitude = {ramp = {time = [0, 1, 2], value = [0, 1, 1]}, wild = {time = [0, 1], value = [0, 2]}}
 [[block]]
 name = "base"
 vertices = [[0, -1], [4, -1], [4, 0], [0, 0]]
@@ -54,9 +54,9 @@ BROKEN = {
         ['water.1.joints=["bed"]', "water.1.acts_on=faces"],
         ["[[water]] 1", "outer faces alone", 'acts_on = "joints"'],
     ),
-    "unknown table": (["water.1.factor=rmap"], ["water 1, factor", "'rmap'", "mean 'ramp'"]),
-    "table beyond one": (["water.1.factor=wild"], ["water 1, factor", "goes from 0 to 2"]),
-    "share beyond one": (["water.1.factor=1.5"], ["[[water]] 1 factor", "1.5 is no share"]),
+    "unknown table": (["water.1.amplitude=rmap"], ["water 1, amplitude", "'rmap'", "mean 'ramp'"]),
+    "table beyond one": (["water.1.amplitude=wild"], ["water 1, amplitude", "goes from 0 to 2"]),
+    "share beyond one": (["water.1.amplitude=1.5"], ["[[water]] 1 amplitude", "1.5 is no share"]),
     "drain beside": (
         ["water.1.drained_at=[[0.5, 0.3]]"],
         ["water 1, drained_at, point 1", "(0.5, 0.3) is on no joint", "0.3 m away"],
@@ -91,7 +91,7 @@ SCRIPTS = {
     "no number": ({"level": "high"}, ["level", "'high'"]),
     "no points": ({"level": None, "line": 3.0}, ["line", "list in brackets"]),
     "no list of joints": ({"joints": "bed"}, ["joints", "list in brackets"]),
-    "no share": ({"factor": None}, ["factor", "number"]),
+    "no share": ({"amplitude": None}, ["amplitude", "number"]),
 }
 
 
@@ -133,7 +133,7 @@ WARNED = {
         ["water.1.level=-0.5", "water.1.acts_on=faces", "block.2.fixed=true"],
         "water 1 has no effect: all blocks that it touches are fixed",
     ),
-    "factor of zero": (["water.1.factor=0.0"], "water 1 has no effect: its factor is zero"),
+    "factor of zero": (["water.1.amplitude=0.0"], "water 1 has no effect: its amplitude is zero"),
     "above everything": (["water.1.level=7"], "water 1 stands 5 m above the highest block"),
     "odd density": (["water.1.density=800"], "water 1 has a density of 800 kg/m3"),
 }
@@ -147,11 +147,11 @@ def test_what_is_odd_is_warned_of(name: str):
 
 
 def test_sound_water_is_not_warned_of():
-    settings = ["water.1.factor=ramp", "table.wild=" + "{time=[0, 1], value=[0, 1]}"]
+    settings = ["water.1.amplitude=ramp", "amplitude.wild=" + "{time=[0, 1], value=[0, 1]}"]
     warnings = clast.Case.from_toml(CASE, settings).examine().warnings
     assert not any("water" in text for text in warnings)
     assert not any("'ramp'" in text for text in warnings)
-    assert any("no load has the factor 'wild'" in text for text in warnings)
+    assert any("no load has the amplitude 'wild'" in text for text in warnings)
 
 
 def test_two_waters_in_one_joint_are_warned_of():
@@ -187,13 +187,13 @@ def test_a_file_without_columns_is_refused(tmp_path: Path):
     [
         {},
         {"name": "pool", "acts_on": "joints", "density": 1025.0, "wetted": "closed"},
-        {"level": None, "line": [(0.0, 1.5), (2.0, 0.5)], "factor": 0.5},
-        {"joints": ["bed"], "drained_at": [(0.5, 0.0)], "factor": "ramp"},
+        {"level": None, "line": [(0.0, 1.5), (2.0, 0.5)], "amplitude": 0.5},
+        {"joints": ["bed"], "drained_at": [(0.5, 0.0)], "amplitude": "ramp"},
     ],
 )
 def test_a_script_writes_its_water_as_a_case_file(keys: dict[str, object]):
     builder = script(**keys)
-    builder.add_table("ramp", [0.0, 1.0], [0.0, 1.0])
+    builder.add_amplitude("ramp", [0.0, 1.0], [0.0, 1.0])
     one = builder.build().water
     other = clast.Case.from_toml(builder.to_toml(end=0.1)).model().water
     assert len(one) == len(other) == 1

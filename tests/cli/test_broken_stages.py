@@ -42,7 +42,7 @@ vertices = [[1, 0], [2, 0], [2, 1], [1, 1]]
 [[opening]]
 name = "heading"
 blocks = ["beside"]
-[table.rise]
+[amplitude.rise]
 time = [0, 1]
 value = [0, 1]
 [[pressure]]
@@ -50,7 +50,7 @@ name = "pool"
 start = [0, 2]
 end = [1, 2]
 value = 1e3
-factor = "rise"
+amplitude = "rise"
 """
 BOLT = """
 [bolt_kind.cable]
@@ -266,8 +266,14 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     "stage as a table": (CASE + '[stage]\nname = "a"\n', ("[stage]", "write [[stage]]")),
     "stage misspelt": (stage("excavat = []"), ("'first' excavat", "did you mean 'excavate'?")),
     # loads over time
-    "time falls": (of("time = [0, 1]", "time = [1, 0]"), ("[table.rise] time", "order the inst")),
-    "value of nan": (of("value = [0, 1]", "value = [0, nan]"), ("[table.rise] value 2", "finite")),
+    "time falls": (
+        of("time = [0, 1]", "time = [1, 0]"),
+        ("[amplitude.rise] time", "order the inst"),
+    ),
+    "value of nan": (
+        of("value = [0, 1]", "value = [0, nan]"),
+        ("[amplitude.rise] value 2", "finite"),
+    ),
     "pressure off": (
         of("start = [0, 2]", "start = [9, 9]"),
         ("pressure 1", "no edge", "outline of a"),

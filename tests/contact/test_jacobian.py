@@ -39,16 +39,16 @@ def t_at(offset):
 
 def jacobian(contacts):
     """Return n_i, n_j, t_i and t_j (m, 4, 6) of the contacts."""
-    normal = contacts.levers[:, :2]
+    normal = contacts.arms[:, :2]
     tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    i, j = t_at(contacts.levers[:, 2:4]), -t_at(contacts.levers[:, 4:])
+    i, j = t_at(contacts.arms[:, 2:4]), -t_at(contacts.arms[:, 4:])
     parts = [np.einsum("mxk,mx->mk", t, e) for e in (normal, tangent) for t in (i, j)]
     return np.stack(parts, axis=1)
 
 
 def test_rows_are_t_times_normal_and_tangent(found):
     _, contacts = found
-    assert contacts.levers.shape == (len(contacts), 6)
+    assert contacts.arms.shape == (len(contacts), 6)
     np.testing.assert_allclose(contacts.rows, jacobian(contacts), rtol=1e-13, atol=1e-15)
 
 
@@ -57,9 +57,9 @@ def test_offsets_are_those_of_vertex_and_foot_from_the_centroids(found):
     state = at_start(model)
     centroid = centroids(model, state)
     vertex = state.vertices[contacts.vertex] - centroid[contacts.vertex_block]
-    np.testing.assert_allclose(contacts.levers[:, 2:4], vertex, atol=1e-14)
+    np.testing.assert_allclose(contacts.arms[:, 2:4], vertex, atol=1e-14)
     foot = contacts.foot - centroid[contacts.edge_block]
-    np.testing.assert_allclose(contacts.levers[:, 4:], foot, atol=1e-14)
+    np.testing.assert_allclose(contacts.arms[:, 4:], foot, atol=1e-14)
 
 
 def test_motions_and_forces(found):
@@ -88,7 +88,7 @@ def test_stiffness_of_links(found):
     kn, ks = rng.normal(size=(2, len(contacts))) * (rng.random(len(contacts)) < 0.8)
     base = rng.normal(size=(count, 6, 6))
     graph = graph_of(contacts, count)
-    springs = contacts.vertex_block, contacts.levers, kn, ks
+    springs = contacts.vertex_block, contacts.arms, kn, ks
     own, upper = assembly.assemble(base, model.fixed, contacts.pairs, graph, springs)
     wanted_own, wanted_upper = base.copy(), np.zeros_like(upper)
     ends = contacts.vertex_block, contacts.edge_block

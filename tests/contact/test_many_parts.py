@@ -57,7 +57,7 @@ def test_copies_of_a_system_have_copies_of_its_contacts(seed):
         assert np.array_equal(all_of_them.vertex_block[mine] - k * blocks, one.vertex_block)
         assert np.array_equal(all_of_them.gap[mine], one.gap)
         assert np.array_equal(all_of_them.length[mine], one.length)
-        assert all_of_them.levers[mine] == pytest.approx(one.levers, abs=1e-11)
+        assert all_of_them.arms[mine] == pytest.approx(one.arms, abs=1e-11)
 
 
 def response_of(contacts, copies, gap):

@@ -39,16 +39,16 @@ class LinearSprings:
     def begin(self, model):
         return self.at
 
-    def share(self, start, own):
-        way = own[:, 0] - own[:, 1]
+    def share(self, start, state):
+        way = state[:, 0] - state[:, 1]
         length = np.hypot(*way.T)
         before = np.hypot(*(self.at[:, 0] - self.at[:, 1]).T)
         zero = np.zeros(len(length))
-        offset = own - start.frames.centroid[self.block]
+        offset = state - start.frames.centroid[self.block]
         springs, _ = table(
             vertex_block=self.block[:, 0],
             edge_block=self.block[:, 1],
-            levers=np.hstack([way / length[:, None], offset[:, 0], offset[:, 1]]),
+            arms=np.hstack([way / length[:, None], offset[:, 0], offset[:, 1]]),
             gap=length - before,
             slip=zero,
             normal=Clipped(
@@ -58,13 +58,13 @@ class LinearSprings:
         )
         return Contribution(springs=springs)
 
-    def finish(self, start, own, share, solution):
+    def finish(self, start, state, share, solution):
         work, stored = energy_of_springs(share.springs, solution)
-        block, at = self.block.ravel(), own.reshape(-1, 2)
+        block, at = self.block.ravel(), state.reshape(-1, 2)
         offset = polygon.offsets(at, block, start.frames.centroid)
         moved = movements(start.rotation, offset, solution.displacement, block)
         return ActionResult(
-            work=work, ledger=Ledger(actions=stored), own=(at + moved).reshape(-1, 2, 2)
+            work=work, ledger=Ledger(actions=stored), state=(at + moved).reshape(-1, 2, 2)
         )
 
 
@@ -81,7 +81,7 @@ class Spring(Table):
     """Force by elongation, N/m per m."""
 
     @classmethod
-    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the action of all springs."""
         lines = [np.array([one.start, one.end]) - ground.outlines.origin for one in records]
         blocks = [

@@ -39,7 +39,7 @@ def one_link(at_zero, stiffness, low, high):
     return table(
         vertex_block=np.array([1]),
         edge_block=np.array([0]),
-        levers=np.array([[0.0, 1.0, 0.0, -0.5, 0.0, 0.5]]),
+        arms=np.array([[0.0, 1.0, 0.0, -0.5, 0.0, 0.5]]),
         gap=zero,
         slip=zero,
         normal=Clipped(at_zero=given[0], stiffness=given[1], low=given[2], high=given[3]),
@@ -65,7 +65,7 @@ def random_table(rng, blocks, count):
     given = {
         "vertex_block": ends[:, 0],
         "edge_block": ends[:, 1],
-        "levers": rng.normal(size=(count, 6)),
+        "arms": rng.normal(size=(count, 6)),
         "gap": rng.normal(size=count),
         "slip": rng.normal(size=count),
         "normal": springs(),
@@ -84,7 +84,7 @@ def check_is_table(springs: Springs):
 
 def check_rows(springs, rows, given):
     """Assert that the links given are in some rows."""
-    for name in ("vertex_block", "edge_block", "levers", "gap", "slip"):
+    for name in ("vertex_block", "edge_block", "arms", "gap", "slip"):
         assert np.array_equal(getattr(springs, name)[rows], given[name])
     for kind in ("normal", "shear"):
         for one, other in zip(getattr(springs, kind).arrays, given[kind].arrays, strict=True):

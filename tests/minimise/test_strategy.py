@@ -101,7 +101,7 @@ def test_blocks_that_have_links_go_without_the_others_where_they_are_few():
         rows = part.rows(slice(None))
         assert np.array_equal(part.links[rows], np.arange(len(one.springs)))
         assert np.array_equal(part.rows(np.array([0])), rows[:1])
-        assert np.array_equal(part.potential.springs.levers[rows], one.springs.levers)
+        assert np.array_equal(part.potential.springs.arms[rows], one.springs.arms)
         share = len(part.blocks) / np.count_nonzero(~one.fixed)
         assert touched(one, point, 0.999 * share) is None
 

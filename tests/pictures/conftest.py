@@ -137,7 +137,7 @@ def wet_run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
     builder.block(name="base", vertices=[(1e4, -1), (10004, -1), (10004, 0), (1e4, 0)], fixed=True)
     builder.block(name="pier", vertices=[(10001, 0), (10002, 0), (10002, 2), (10001, 2)])
-    builder.add_table("rise", [0.0, 0.02], [0.0, 1.0])
-    builder.water(2.4, name="pool", factor="rise", drained_at=[(10001.5, 0)])
+    builder.add_amplitude("rise", [0.0, 0.02], [0.0, 1.0])
+    builder.water(2.4, name="pool", amplitude="rise", drained_at=[(10001.5, 0)])
     path = tmp_path_factory.mktemp("water") / "pier.vtkhdf"
     return clast.simulate(builder, end=0.02, step=1e-3, output=path)

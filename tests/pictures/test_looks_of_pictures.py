@@ -28,9 +28,9 @@ def staged(request, tmp_path_factory):
     builder.block(vertices=[(0, -1), (4, -1), (4, 0), (0, 0)], fixed=True, rock="stone")
     builder.block(name="pier", vertices=[(1, 0), (4, 0), (4, 2), (1, 2)], rock=LONG)
     builder.measured_point("upper right corner of the pier", (4, 2), block="pier")
-    builder.add_table("rise", [0.0, 0.01], [0.0, 1.0])
+    builder.add_amplitude("rise", [0.0, 0.01], [0.0, 1.0])
     builder.water(0.5, name="pool")
-    builder.water(1.0, name="flood", factor="rise")
+    builder.water(1.0, name="flood", amplitude="rise")
     stages = [
         clast.Stage(name="dry", until="time", time=0.01),
         clast.Stage(name="wet", until="time", time=0.01, loads=["pool"]),

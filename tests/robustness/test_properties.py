@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
 from clast.inputs.builder import InputBuilder
-from clast.linear.factor import Factor
+from clast.linear.factor import Factorisation
 from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
 from clast.linear.unsymmetric import Scipy, sparse_matrix
@@ -123,7 +123,7 @@ class Looking:
 
     seen: list[int]
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         matrix = sparse_matrix(system).toarray()
         assert np.abs(matrix - matrix.T).max() <= 1e-12 * np.abs(matrix).max()
         scale = 1.0 / np.sqrt(np.diag(matrix))

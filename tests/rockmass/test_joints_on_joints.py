@@ -10,7 +10,7 @@ import shapely
 
 from clast.rockmass import CrossJointed, Domain, JointSet, Opening, Polygon, Region, Trace, cut
 from clast.rockmass.cut_lines import set_lines, site
-from clast.rockmass.report_of_cut import place_text
+from clast.rockmass.cut_report import place_text
 from scenes.command_line import clast_command, good
 from scenes.cuttings import assert_tiles
 from scenes.parted import Placed, ladder, parted, rectangle

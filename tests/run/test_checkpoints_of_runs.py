@@ -74,8 +74,8 @@ def test_a_run_that_stops_leaves_one(case: clast.Case, tmp_path: Path):
     assert stopped.value.run.report.steps == 0
     assert stopped.value.run.checkpoint is None  # there is nothing to go on from
     falls = shaken()
-    falls.add_table("later", [0.0, 0.03, 0.031], [0.0, 0.0, 1.0])
-    falls.point_load((-0.3, 1.25), (1e12, 0.0), block="2-1", factor="later")
+    falls.add_amplitude("later", [0.0, 0.03, 0.031], [0.0, 0.0, 1.0])
+    falls.point_load((-0.3, 1.25), (1e12, 0.0), block="2-1", amplitude="later")
     with pytest.raises(RunStopped) as stopped:
         falls.case(step=2e-3, end=0.1, smallest_step=1.9e-3).run(output=tmp_path / "b.vtkhdf")
     run: Any = stopped.value.run

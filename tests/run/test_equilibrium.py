@@ -165,8 +165,8 @@ def test_a_heap_that_has_fallen_comes_to_rest():
 
 def test_loads_that_still_rise_are_no_equilibrium():
     builder = on_plane(-5.0)
-    builder.add_table("slow", time=[0.0, 0.4], value=[0.0, 1.0])
-    builder.point_load((0, 1), (0.0, -10.0), factor="slow", block="block")
+    builder.add_amplitude("slow", time=[0.0, 0.4], value=[0.0, 1.0])
+    builder.point_load((0, 1), (0.0, -10.0), amplitude="slow", block="block")
     run = run_of(builder, Stage(name="rest", time=1.0, dynamic_ratio=0.0), step=2e-3)
     assert run.stages[0].outcome == "equilibrium"
     assert run.stages[0].end > 0.4

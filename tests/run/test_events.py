@@ -20,15 +20,15 @@ class Clock:
         """Return the time."""
         return 0.0
 
-    def share(self, start: StepStart, own: float) -> Contribution:
+    def share(self, start: StepStart, state: float) -> Contribution:
         """Return nothing."""
         return Contribution()
 
     def finish(
-        self, start: StepStart, own: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the time at the end of the step."""
-        return ActionResult(work=0.0, ledger=Ledger(), own=start.end)
+        return ActionResult(work=0.0, ledger=Ledger(), state=start.end)
 
     def events(self, model: Model, before: float, after: float) -> Iterable[tuple[str, str, str]]:
         """Tell that the time is over, once."""

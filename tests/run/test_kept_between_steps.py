@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from clast.actions.acting import ActiveActions, actions_of
+from clast.actions.active import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
 from clast.compute.reductions import is_any, largest_size, least
 from clast.compute.stopwatch import Stages

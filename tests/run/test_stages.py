@@ -33,8 +33,8 @@ def wall() -> clast.ModelBuilder:
             x, y = column + 0.4 * (row % 2) - 0.5, 0.5 * row
             corners = [(x, y), (x + 1, y), (x + 1, y + 0.5), (x, y + 0.5)]
             builder.block(vertices=corners, name=f"{row}-{column}")
-    builder.add_table("ramp", [0.0, 0.02], [0.0, 1.0])
-    builder.point_load((0.0, 0.75), (1e3, 0.0), block="1-0", name="push", factor="ramp")
+    builder.add_amplitude("ramp", [0.0, 0.02], [0.0, 1.0])
+    builder.point_load((0.0, 0.75), (1e3, 0.0), block="1-0", name="push", amplitude="ramp")
     builder.pressure((0.0, 1.0), (1.9, 1.0), 1e3, name="snow")
     builder.measured_point("top", (1.0, 1.0), block="1-1")
     time = np.linspace(0.0, 0.04, 21)
@@ -186,8 +186,8 @@ def test_a_table_that_a_stage_names_begins_with_it():
     builder = clast.ModelBuilder(gravity=(0.0, 0.0))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=1000.0)
     builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], name="free")
-    builder.add_table("push", [0.0, 0.1], [0.0, 1.0])
-    builder.point_load((0.5, 0.5), (500.0, 0.0), block="free", factor="push")
+    builder.add_amplitude("push", [0.0, 0.1], [0.0, 1.0])
+    builder.point_load((0.5, 0.5), (500.0, 0.0), block="free", amplitude="push")
     stages = [Stage(name=name, until="time", time=0.2) for name in ("wait", "go")]
     stages[1] = dataclasses.replace(stages[1], loads=("push",))
     run = clast.simulate(builder.build(), step=1e-3, stages=stages)

@@ -213,11 +213,11 @@ class Push:
     def begin(self, model):
         """Return no state."""
 
-    def share(self, start, own):
+    def share(self, start, state):
         """Return the force."""
         return Contribution(block=np.array([1]), force=np.array([[1e3, 0.0, 0.0, 0.0, 0.0, 0.0]]))
 
-    def finish(self, start, own, share, solution):
+    def finish(self, start, state, share, solution):
         """Return the work."""
         work = 1e3 * self.reported * float(solution.displacement[1, 0])
         return ActionResult(work=work, ledger=Ledger(loads=work))

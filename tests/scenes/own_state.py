@@ -32,23 +32,23 @@ class Closer:
     def begin(self, model: Model) -> Wear:
         return Wear(0.0, np.zeros(2))
 
-    def share(self, start: StepStart, own: Wear) -> Contribution:
+    def share(self, start: StepStart, state: Wear) -> Contribution:
         force = np.zeros((1, 6))
-        force[0, 0] = -self.force * float(np.exp(-10.0 * own.ways[1]))
+        force[0, 0] = -self.force * float(np.exp(-10.0 * state.ways[1]))
         return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
     def finish(
-        self, start: StepStart, own: Wear, share: Contribution, solution: Solution
+        self, start: StepStart, state: Wear, share: Contribution, solution: Solution
     ) -> ActionResult:
         way = solution.displacement[share.block][0, :2]
         work = float(np.sum(share.force * solution.displacement[share.block]))
         new = Wear(
-            own.work + work,
-            own.ways + np.array([way[0], np.hypot(*way)]),
-            ("worn", *own.words)[:3],
-            {**own.counts, "steps": own.counts.get("steps", 0) + 1},
+            state.work + work,
+            state.ways + np.array([way[0], np.hypot(*way)]),
+            ("worn", *state.words)[:3],
+            {**state.counts, "steps": state.counts.get("steps", 0) + 1},
         )
-        return ActionResult(work=work, ledger=Ledger(loads=work), own=new)
+        return ActionResult(work=work, ledger=Ledger(loads=work), state=new)
 
 
 @dataclass(frozen=True)
@@ -58,10 +58,10 @@ class Forgetful:
     def begin(self, model: Model) -> Any:
         return iter([1.0])
 
-    def share(self, start: StepStart, own: Any) -> Contribution:
+    def share(self, start: StepStart, state: Any) -> Contribution:
         return Contribution()
 
     def finish(
-        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+        self, start: StepStart, state: Any, share: Contribution, solution: Solution
     ) -> ActionResult:
-        return ActionResult(work=0.0, ledger=Ledger(), own=own)
+        return ActionResult(work=0.0, ledger=Ledger(), state=state)

@@ -29,9 +29,9 @@ def shaken() -> clast.ModelBuilder:
     builder.block(
         vertices=[(0, 1.7), (0.4, 1.7), (0.4, 2.1), (0, 2.1)], name="falls", velocity=(1, -2, 3)
     )
-    builder.add_table("ramp", [0.0, 0.05, 0.1], [0.2, 1.0, 0.5])
-    builder.point_load((-1.6, 0.25), (1e3, -2e3), block="0-0", factor="ramp")
-    builder.pressure((0, 1.7), (0.3, 1.7), [2e3, 5e2], factor="ramp")
+    builder.add_amplitude("ramp", [0.0, 0.05, 0.1], [0.2, 1.0, 0.5])
+    builder.point_load((-1.6, 0.25), (1e3, -2e3), block="0-0", amplitude="ramp")
+    builder.pressure((0, 1.7), (0.3, 1.7), [2e3, 5e2], amplitude="ramp")
     builder.measured_point("top", (0.3, 2.0), block="falls")
     time = np.linspace(0.0, 0.5, 51)
     acceleration = np.stack([3.0 * np.sin(40.0 * time), np.cos(30.0 * time)], axis=1)

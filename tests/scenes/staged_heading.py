@@ -79,8 +79,8 @@ def heading(finer: float = 1.0) -> clast.ModelBuilder:
     builder.bolt_pattern(
         outline, kind="bar", length=2.5, spacing=0.9, angles=(30.0, 150.0), pretension_is="jacked"
     )
-    builder.add_table("rise", [0.0, 0.02], [0.0, 1.0])
-    builder.water(8.0, acts_on="joints", name="groundwater", factor="rise")
+    builder.add_amplitude("rise", [0.0, 0.02], [0.0, 1.0])
+    builder.water(8.0, acts_on="joints", name="groundwater", amplitude="rise")
     builder.measured_point("crown", (6.0, 5.6))
     time = np.linspace(0.0, 0.04, 21)
     record = np.stack([3.0 * np.sin(2.0 * np.pi * time / 0.04), 0.0 * time], axis=1)

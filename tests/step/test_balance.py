@@ -13,7 +13,7 @@ def wanted(potential, unknowns, normal, shear):
     """Return F - K d + sum of N n + T t (n, 6), 0 where fixed, and r.K^-1 r (n,)."""
     links, base = potential.springs, potential.base
     residual = base.force - np.einsum("nij,nj->ni", base.diagonal, unknowns)
-    rows = rows_of(links.levers)
+    rows = rows_of(links.arms)
     for row, force in enumerate((normal, normal, shear, shear)):
         block = links.edge_block if row % 2 else links.vertex_block
         np.add.at(residual, block, force[:, None] * rows[:, row])

@@ -149,8 +149,8 @@ def test_the_ledger_closes_with_bolts_supports_loads_and_damping(damping):
         found.fixed_point((x, 0.0))
     found.add_bolt_kind("rod", stiffness=1e8, pretension=1e4, yield_force=2e4)
     found.bolt((1.0, 0.5), (1.0, 1.5), kind="rod")
-    found.add_table("push", [0.0, 0.02, 0.04], [0.0, 1.0, 0.0])
-    found.point_load((0.0, 2.0), force=(5e4, 0.0), block="top", factor="push")
+    found.add_amplitude("push", [0.0, 0.02, 0.04], [0.0, 1.0, 0.0])
+    found.point_load((0.0, 2.0), force=(5e4, 0.0), block="top", amplitude="push")
     model = found.build()
     run = ran(model, replace(method(model), damping=damping), 1e-3, 0.1)
     whole = np.ptp(held(run.energy)) + np.abs(run.energy["gravity"]).max()
@@ -181,8 +181,8 @@ def test_steps_damp_nothing_that_is_brought_to_rest_anyway():
     """Warned of is a load that swings where the blocks may swing."""
     found, time = builder(), np.linspace(0.0, 1.0, 401)
     found.block(name="base", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
-    found.add_table("push", time, np.sin(40.0 * np.pi * time))
-    found.point_load((0.0, 1.0), force=(5e4, 0.0), block="base", factor="push")
+    found.add_amplitude("push", time, np.sin(40.0 * np.pi * time))
+    found.point_load((0.0, 1.0), force=(5e4, 0.0), block="base", amplitude="push")
     model, schedule = found.build(), Schedule(step=2e-3, end=1.0, every=1.0)
     for damping, told in ((Undamped(), True), (Rayleigh(mass=1.0), True), (Adaptive(), False)):
         how = replace(method(model, scheme=ConstantAcceleration()), damping=damping)

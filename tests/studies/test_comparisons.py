@@ -48,7 +48,7 @@ time = 0.2
 
 
 @pytest.fixture(scope="module")
-def incline() -> studies.Comparison:
+def incline() -> studies.ComparedMethods:
     case = Case.from_toml(INCLINE, [END, "reference=[]"])
     return studies.compare(case, ["modified", "convex"], ["penalty", "augmented-lagrangian"])
 

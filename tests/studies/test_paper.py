@@ -12,7 +12,7 @@ from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.model.state import Ledger
 from clast.results import Report
-from clast.studies.comparing import Row
+from clast.studies.comparing import ComparedRun
 from clast.studies.paper import (
     STUDIES,
     JobResult,
@@ -91,7 +91,7 @@ def invented(job: PaperRun) -> JobResult:
         wall_seconds=1.0,
     )
     model = case.model()
-    row = Row(
+    row = ComparedRun(
         combination=job.combination,
         report=report,
         time=0.1,

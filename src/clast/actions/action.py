@@ -9,7 +9,7 @@ to ``ModelBuilder.actions``, is one more (see the how-to page on actions).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
@@ -23,7 +23,7 @@ from clast.contact.clipped_spring import Springs
 from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
-from clast.renamed import names_of
+from clast.renamed import earlier_argument, names_of
 
 INSTANT = 1e-5
 """Time over which a mean is taken as the value of an instant, s."""
@@ -200,8 +200,12 @@ class ActionResult:
     Stored and lost energy count as they are, and energy brought in from outside as ``loads`` or
     ``water``.
     """
-    own: Any = None
+    state: Any = None
     """Its own state at the end of the step."""
+    own: InitVar[Any] = None
+
+    def __post_init__(self, own: Any) -> None:
+        object.__setattr__(self, "state", earlier_argument("own", "state", own, self.state))
 
 
 NOTHING = ActionResult(work=0.0, ledger=Ledger())
@@ -243,12 +247,12 @@ class Action(Protocol):
         """Return its own state at the start of a run: any frozen data, None where it has none."""
         ...
 
-    def share(self, start: StepStart, own: Any) -> Contribution:
+    def share(self, start: StepStart, state: Any) -> Contribution:
         """Return its contribution to the equations of a step, ``own`` being its own state."""
         ...
 
     def finish(
-        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+        self, start: StepStart, state: Any, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the result of its forces in a step that is solved."""
         ...

@@ -51,12 +51,12 @@ class Undamped:
     def begin(self, model: Model) -> None:
         """Return None: nothing is known before the first step."""
 
-    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
+    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return nothing."""
         return NO_SHARE
 
     def finish(
-        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return that nothing was done."""
         return NOTHING
@@ -78,7 +78,7 @@ class Rayleigh:
     def begin(self, model: Model) -> None:
         """Return None: nothing is known before the first step."""
 
-    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
+    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
@@ -87,7 +87,7 @@ class Rayleigh:
         return _resistance(matrix)
 
     def finish(
-        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that damping has taken."""
         work, _ = energy_of_linear(share, solution.displacement)
@@ -109,21 +109,21 @@ class Adaptive:
     def begin(self, model: Model) -> None:
         """Return None: nothing is known before the first step."""
 
-    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
+    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return the share of the velocities that damping leaves."""
-        frequency = 0.0 if own is None else own.frequency
+        frequency = 0.0 if state is None else state.frequency
         return Contribution(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
 
     def finish(
-        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
         force = np.einsum("nij,nj->ni", mass, solution.gained) / start.step
         momentum = np.einsum("nij,nj->ni", mass, moved)
         square, inertia = 0.0, float(np.sum(moved * momentum))
-        if own is not None and len(own.force) and inertia > 0.0:
-            square = max(0.0, float(np.sum(moved * (own.force - force))) / inertia)
+        if state is not None and len(state.force) and inertia > 0.0:
+            square = max(0.0, float(np.sum(moved * (state.force - force))) / inertia)
         frequency = float(np.sqrt(square))
         entered = solution.velocity
         before = np.einsum("nij,nj->ni", mass, entered)
@@ -142,13 +142,13 @@ class Kinetic:
     def begin(self, model: Model) -> None:
         """Return None: nothing is known before the first step."""
 
-    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
+    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
-        passed = own is not None and start.state.ledger.kinetic < own.kinetic
+        passed = state is not None and start.state.ledger.kinetic < state.kinetic
         return Contribution(carried=0.0) if passed else Contribution()
 
     def finish(
-        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the kinetic energy that a stop has taken."""
         kept = share.carried * start.state.ledger.kinetic
@@ -161,7 +161,7 @@ def _resistance(matrix: Floats) -> Contribution:
     return Contribution(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
 
-def _slowed(start: StepStart, share: Contribution, own: DampingState) -> ActionResult:
+def _slowed(start: StepStart, share: Contribution, state: DampingState) -> ActionResult:
     """Return the kinetic energy that did not enter the step."""
     taken = (1.0 - share.carried**2) * start.state.ledger.kinetic
-    return ActionResult(work=0.0, ledger=Ledger(damping=taken), own=own)
+    return ActionResult(work=0.0, ledger=Ledger(damping=taken), state=state)

@@ -32,12 +32,12 @@ class Gravity:
     def begin(self, model: Model) -> None:
         """Return nothing: weight has no state."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return the acceleration of gravity at the end of the step."""
         return Contribution(acceleration=gravity_at(start.model, start.time_of_forces))
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of weight, which the potential energy of gravity has lost.
 

@@ -17,12 +17,12 @@ class GroundAcceleration:
     def begin(self, model: Model) -> None:
         """Return None: the motion of the ground is known beforehand."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return minus the mean acceleration of the ground in the step."""
         return Contribution(acceleration=self._acceleration(start))
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the body force, which comes from outside."""
         work = work_on_masses(start.model, self._acceleration(start), solution.displacement)

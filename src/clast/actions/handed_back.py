@@ -124,7 +124,7 @@ def _of_springs(springs: Any, blocks: int) -> Iterator[str]:
     yield from _of_blocks("springs with pairs", np.ravel(springs.pairs), blocks)
     if any(len(one) != count for one in (springs.vertex_block, springs.edge_block, springs.pair)):
         yield "springs whose blocks are not as many as their gaps"
-    for name, shape in {"levers": (count, 6), "gap": (count,), "slip": (count,)}.items():
+    for name, shape in {"arms": (count, 6), "gap": (count,), "slip": (count,)}.items():
         yield from _of_numbers(f"springs with {name}", getattr(springs, name), shape)
     for name in ("normal", "shear"):
         clipped: Clipped = getattr(springs, name)

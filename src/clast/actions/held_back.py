@@ -28,13 +28,13 @@ class HeldBack:
     def begin(self, model: Model) -> None:
         """Return nothing: it has no state of its own."""
 
-    def share(self, start: StepStart, own: Any) -> Contribution:
+    def share(self, start: StepStart, state: Any) -> Contribution:
         """Return the forces."""
         return Contribution(block=np.arange(len(self.force)), force=self.force)
 
     def finish(
-        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+        self, start: StepStart, state: Any, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return their work, which is numerical: they are no forces of the system."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return ActionResult(work=work, ledger=Ledger(), own=own)
+        return ActionResult(work=work, ledger=Ledger(), state=state)

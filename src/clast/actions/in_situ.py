@@ -19,7 +19,7 @@ from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Ints, Model
 from clast.model.outline import outer_boundary, outline_edges
 from clast.model.state import Ledger
-from clast.model.water.faces import edges_of
+from clast.model.water.facing_edges import edges_of
 
 NOTHING = 1e-9
 """Share of the largest traction below which an edge is free: the ground surface."""
@@ -73,29 +73,29 @@ class InSituBoundary:
             hold=weight[:, None, None] * np.tile(hold, (2, 1, 1)),
         )
 
-    def share(self, start: StepStart, own: LoadedEnds) -> Contribution:
+    def share(self, start: StepStart, state: LoadedEnds) -> Contribution:
         """Return the forces at the ends, and how they fall with the displacements."""
-        at = start.state.vertices[own.vertex]
-        moved = at - start.model.vertices[own.vertex]
-        force = own.force - np.einsum("kxy,ky->kx", own.hold, moved)
-        rows = basis(at - start.frames.centroid[own.block])
+        at = start.state.vertices[state.vertex]
+        moved = at - start.model.vertices[state.vertex]
+        force = state.force - np.einsum("kxy,ky->kx", state.hold, moved)
+        rows = basis(at - start.frames.centroid[state.block])
         return Contribution(
-            block=own.block,
+            block=state.block,
             force=np.einsum("kxi,kx->ki", rows, force),
-            stiffness=start.forces_at * np.einsum("kxi,kxy,kyj->kij", rows, own.hold, rows),
+            stiffness=start.forces_at * np.einsum("kxi,kxy,kyj->kij", rows, state.hold, rows),
             forces_at=start.forces_at,
         )
 
     def finish(
-        self, start: StepStart, own: LoadedEnds, share: Contribution, solution: Solution
+        self, start: StepStart, state: LoadedEnds, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of traction and springs: that of traction comes from outside."""
         work, stored = energy_of_linear(share, solution.displacement)
-        rows = basis(start.state.vertices[own.vertex] - start.frames.centroid[own.block])
-        moved = np.einsum("kxi,ki->kx", rows, solution.displacement[own.block])
-        brought = float(np.sum(own.force * moved))
+        rows = basis(start.state.vertices[state.vertex] - start.frames.centroid[state.block])
+        moved = np.einsum("kxi,ki->kx", rows, solution.displacement[state.block])
+        brought = float(np.sum(state.force * moved))
         return ActionResult(
-            work=work, ledger=Ledger(loads=brought, fixed_points=stored + brought), own=own
+            work=work, ledger=Ledger(loads=brought, fixed_points=stored + brought), state=state
         )
 
 

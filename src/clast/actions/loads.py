@@ -23,7 +23,7 @@ class Loads:
     def begin(self, model: Model) -> None:
         """Return nothing: the loads are known beforehand."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return the generalised force of each load, times its factor when forces are taken."""
         model, points, midway = start.model, start.model.point_slices, start.midway
         first, last = midway.points[points.line_start], midway.points[points.line_end]
@@ -39,7 +39,7 @@ class Loads:
         return Contribution(block=block, force=np.einsum("kxi,kx->ki", rows, force))
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the loads, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)
@@ -62,7 +62,7 @@ class Moments:
     def begin(self, model: Model) -> None:
         """Return nothing: the moments are known beforehand."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return each moment, times its factor when forces are taken."""
         factors = factors_at(start.model.factors, self.factor, start.time_of_forces)
         force = np.zeros((len(self.block), 6))
@@ -70,7 +70,7 @@ class Moments:
         return Contribution(block=self.block, force=force)
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the moments, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)

@@ -49,7 +49,7 @@ class Pressures:
     def begin(self, model: Model) -> None:
         """Return nothing: where the edges are follows from the blocks."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return the generalised force of the pressure on each part of an edge."""
         model, loads, midway = start.model, start.model.pressures, start.midway
         after = loads.edge + 1
@@ -64,7 +64,7 @@ class Pressures:
         return Contribution(block=loads.block, force=force)
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the pressures, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)

@@ -91,24 +91,24 @@ class Relaxation:
         """Return no forces."""
         return no_forces(model.gone)
 
-    def share(self, start: StepStart, own: SupportForces) -> Contribution:
+    def share(self, start: StepStart, state: SupportForces) -> Contribution:
         """Return the remaining forces at the time at which forces are taken."""
-        if not len(own.block):
+        if not len(state.block):
             return Contribution()
-        first, second = start.midway.vertices[own.vertex.T]
-        at = first + own.share[:, None] * (second - first)
-        rows = basis(at - start.midway.centroid[own.block])
-        left = np.clip(1.0 - (start.time_of_forces - own.since) / own.duration, 0.0, 1.0)
+        first, second = start.midway.vertices[state.vertex.T]
+        at = first + state.share[:, None] * (second - first)
+        rows = basis(at - start.midway.centroid[state.block])
+        left = np.clip(1.0 - (start.time_of_forces - state.since) / state.duration, 0.0, 1.0)
         return Contribution(
-            block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)
+            block=state.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * state.force)
         )
 
     def finish(
-        self, start: StepStart, own: SupportForces, share: Contribution, solution: Solution
+        self, start: StepStart, state: SupportForces, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the forces: it is that of blocks that were taken out."""
-        if not len(own.block):
-            return ActionResult(work=0.0, ledger=Ledger(), own=own)
+        if not len(state.block):
+            return ActionResult(work=0.0, ledger=Ledger(), state=state)
         work, _ = energy_of_linear(share, solution.displacement)
-        acting = own.since + own.duration > start.end
-        return ActionResult(work=work, ledger=Ledger(removed=-work), own=own.rows(acting))
+        acting = state.since + state.duration > start.end
+        return ActionResult(work=work, ledger=Ledger(removed=-work), state=state.rows(acting))

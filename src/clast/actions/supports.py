@@ -47,14 +47,14 @@ class Supports:
         led = any(hasattr(action, "anchors") for action in model.actions)
         return np.zeros((len(model.fixed_points.block), 2)) if led else None
 
-    def share(self, start: StepStart, own: Floats | None) -> Contribution:
+    def share(self, start: StepStart, state: Floats | None) -> Contribution:
         """Return the forces of the springs and their stiffness k T^T T."""
         rows, drift, led = self._rows(start)
         k, place = self.stiffness, np.where(led, 1.0, start.forces_at)
         stiffness = np.add.reduce(rows[:, :, :, None] * rows[:, :, None], axis=1)  # T^T T
         pull = -k * drift
-        if own is not None:
-            pull[led] += own[led]
+        if state is not None:
+            pull[led] += state[led]
         return Contribution(
             block=start.model.fixed_points.block,
             force=np.add.reduce(rows * pull[:, :, None], axis=1),
@@ -80,7 +80,7 @@ class Supports:
         return replace(share, force=share.force + np.add.reduce(rows * more[:, :, None], axis=1))
 
     def finish(
-        self, start: StepStart, own: Floats | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: Floats | None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return work and energy of the springs, and the work of a moving ground.
 
@@ -89,11 +89,11 @@ class Supports:
         """
         work, stored = energy_of_linear(share, solution.displacement)
         ground = start.model.ground_motion
-        if own is None and isinstance(ground, Still):
-            return ActionResult(work=work, ledger=Ledger(fixed_points=stored), own=own)
+        if state is None and isinstance(ground, Still):
+            return ActionResult(work=work, ledger=Ledger(fixed_points=stored), state=state)
         rows, drift, led = self._rows(start)
-        motions, forces = 0.0, own
-        if own is not None:
+        motions, forces = 0.0, state
+        if state is not None:
             followed = self._followed(rows, share, solution.displacement)
             place = np.where(led, 1.0, start.forces_at)[:, None]
             # T begins with the identity
@@ -103,11 +103,11 @@ class Supports:
             motions = float(np.sum((forces * followed)[led]))
         change = Ledger(fixed_points=stored, motions=motions)
         if isinstance(ground, Still):
-            return ActionResult(work=work, ledger=change, own=forces)
+            return ActionResult(work=work, ledger=change, state=forces)
         before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
         moved = after - before
         if not moved.any():
-            return ActionResult(work=work, ledger=change, own=forces)
+            return ActionResult(work=work, ledger=change, state=forces)
         # what held an excavated block does not stretch any more
         still = start.model.gone[share.block] | led
         moved = np.where(still[:, None], 0.0, moved)
@@ -117,7 +117,7 @@ class Supports:
         mean = (1.0 - at) * followed + drift + (at - 0.5) * moved
         stored -= self.stiffness * float(np.sum(mean * moved))
         change = replace(change, fixed_points=stored, loads=brought)
-        return ActionResult(work=work, ledger=change, own=forces)
+        return ActionResult(work=work, ledger=change, state=forces)
 
     def _followed(self, rows: Floats, share: Contribution, displacement: Floats) -> Floats:
         """Return the movement of the points, m, (k, 2)."""

@@ -39,7 +39,7 @@ class Reaction:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Acting:
+class _Active:
     """Forces at the Gauss points in a step; edge, point, component."""
 
     rows: Floats
@@ -72,46 +72,46 @@ class BoundaryDashpots:
         count = len(model.viscous_edges)
         return Reaction(force=np.zeros((count, 2, 2)), held=np.ones(count, np.bool_))
 
-    def share(self, start: StepStart, own: Reaction) -> Contribution:
+    def share(self, start: StepStart, state: Reaction) -> Contribution:
         """Return forces at the Gauss points and how they fall with the displacements."""
-        acting = self._acting(start, own)
-        rows = acting.rows
-        force = acting.resting + acting.pull + acting.wave
+        active = self._active(start, state)
+        rows = active.rows
+        force = active.resting + active.pull + active.wave
         return Contribution(
             block=start.model.viscous_edges.block,
             force=np.einsum("kgxi,kgx->ki", rows, force),
-            stiffness=np.einsum("kgxi,kxy,kgyj->kij", rows, acting.stiffness, rows),
+            stiffness=np.einsum("kgxi,kxy,kgyj->kij", rows, active.stiffness, rows),
         )
 
     def finish(
-        self, start: StepStart, own: Reaction, share: Contribution, solution: Solution
+        self, start: StepStart, state: Reaction, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that left through the boundary, and that of springs that hold."""
-        acting = self._acting(start, own)
-        moved = _movement(acting.rows, solution.displacement[share.block])
-        resisted = np.einsum("kgx,kxy,kgy->k", moved, acting.stiffness, moved)
-        came = float(np.sum((acting.resting + acting.wave) * moved))
-        pulled = float(np.sum(acting.pull * moved))
-        taken, stretched = float(resisted[~acting.held].sum()), float(resisted[acting.held].sum())
+        active = self._active(start, state)
+        moved = _movement(active.rows, solution.displacement[share.block])
+        resisted = np.einsum("kgx,kxy,kgy->k", moved, active.stiffness, moved)
+        came = float(np.sum((active.resting + active.wave) * moved))
+        pulled = float(np.sum(active.pull * moved))
+        taken, stretched = float(resisted[~active.held].sum()), float(resisted[active.held].sum())
         return ActionResult(
             work=came + pulled - taken - stretched,
             ledger=Ledger(
                 boundary=taken - came,
-                fixed_points=0.5 / start.forces_at * stretched - pulled - acting.released,
-                removed=acting.released,
+                fixed_points=0.5 / start.forces_at * stretched - pulled - active.released,
+                removed=active.released,
             ),
-            own=Reaction(force=acting.resting, held=acting.held),
+            state=Reaction(force=active.resting, held=active.held),
         )
 
     def after(
-        self, model: Model, own: Reaction, vertices: Floats, centroid: Floats, unknowns: Floats
+        self, model: Model, state: Reaction, vertices: Floats, centroid: Floats, unknowns: Floats
     ) -> Reaction:
         """Return the reaction when springs have carried d (n, 6), which moves nothing."""
         block = model.viscous_edges.block
         at, _, _ = gauss_points(model, vertices)
         moved = _movement(_rows(at, centroid[block]), unknowns[block])
-        force = own.force - np.einsum("kxy,kgy->kgx", self._hold(model), moved)
-        return replace(own, force=force)
+        force = state.force - np.einsum("kxy,kgy->kgx", self._hold(model), moved)
+        return replace(state, force=force)
 
     def _hold(self, model: Model) -> Floats:
         """Return the stiffness of the springs, in the directions with dashpots, (k, 2, 2)."""
@@ -120,16 +120,16 @@ class BoundaryDashpots:
         held = np.stack([edges.normal > 0.0, edges.tangential > 0.0], axis=1)
         return self.stiffness * _along_and_across(normal, held.astype(np.float64))
 
-    def _acting(self, start: StepStart, own: Reaction) -> _Acting:
+    def _active(self, start: StepStart, state: Reaction) -> _Active:
         """Return the forces of a step."""
         model, edges = start.model, start.model.viscous_edges
         at, length, normal = gauss_points(model, start.state.vertices)
         held = start.state.time < edges.begins - ROUNDING * start.step
-        going = own.held & ~held
+        going = state.held & ~held
         hold = self._hold(model)
         away = at - gauss_points(model, model.vertices)[0]
         pull = -np.einsum("kxy,kgy->kgx", hold, away)
-        kept = edges.kept[:, None, None] * (own.force + pull)
+        kept = edges.kept[:, None, None] * (state.force + pull)
         impedance = model.impedances[edges.block] * (0.5 * length)[:, None]
         multiple = np.stack([edges.normal, edges.tangential], axis=1)
         dashpots = _along_and_across(normal, multiple * impedance)
@@ -137,10 +137,10 @@ class BoundaryDashpots:
         speed = model.ground_motion.incoming_velocity(*start.span)
         wave = 2.0 * below[:, None] * (_along_and_across(normal, impedance) @ speed)
         by_springs = held[:, None, None]
-        return _Acting(
+        return _Active(
             rows=_rows(at, start.frames.centroid[edges.block]),
             held=held,
-            resting=np.where(going[:, None, None], kept, own.force),
+            resting=np.where(going[:, None, None], kept, state.force),
             pull=np.where(by_springs, pull, 0.0),
             wave=np.repeat(wave[:, None], 2, axis=1),
             stiffness=np.where(by_springs, start.forces_at * hold, dashpots / start.step),

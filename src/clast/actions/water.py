@@ -80,7 +80,7 @@ class WaterPressure:
     def begin(self, model: Model) -> None:
         """Return nothing: where water is follows from where the blocks are."""
 
-    def share(self, start: StepStart, own: None) -> Contribution:
+    def share(self, start: StepStart, state: None) -> Contribution:
         """Return the sum of the generalised forces of all water on each block."""
         model, midway = start.model, start.midway
         block: list[Ints] = []
@@ -98,7 +98,7 @@ class WaterPressure:
         return _summed(np.concatenate(block), np.concatenate(force), model.block_count)
 
     def finish(
-        self, start: StepStart, own: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the water, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)

@@ -104,7 +104,7 @@ class ModelBuilder(model_builder.InputBuilder):
             "title": self.title,
             "plane": _plane_name(self.plane),
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
-            **({"gravity_factor": self.gravity_factor} if self.gravity_factor else {}),
+            **({"gravity_amplitude": self.gravity_amplitude} if self.gravity_amplitude else {}),
             "block": list(self._blocks()),
             **self._tables_given(),
             "joint": self._placed_joints(),

@@ -8,11 +8,11 @@ Each group of tables has a file in ``tables``; ``clast schema`` prints their key
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
@@ -24,6 +24,12 @@ from clast.inputs.builder import InputBuilder
 from clast.inputs.damping import Damping, chosen_damping
 from clast.inputs.declaring import serialise as case_writing
 from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.earlier_keys import (
+    as_written,
+    case_with_present_keys,
+    present_path,
+    warning_of,
+)
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Table
 from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusal
@@ -31,7 +37,7 @@ from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.linings.lining_table import Lining
-from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.loads import Amplitude, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import (
     MeasuredContact,
@@ -76,6 +82,10 @@ class Case(BaseModel):
     """A case of the discontinuous deformation analysis program clast."""
 
     model_config = Table.model_config
+    EARLIER: ClassVar[Mapping[str, str]] = {
+        "table": "amplitude",
+        "gravity_factor": "gravity_amplitude",
+    }
 
     schema_: Literal[1] = Field(1, alias="schema")
     """Version of this format."""
@@ -85,8 +95,8 @@ class Case(BaseModel):
     """Plane stress or plane strain."""
     gravity: tuple[Acceleration, Acceleration] = (0.0, -9.8)
     """Acceleration of gravity [x, y], m/s2."""
-    gravity_factor: StrictStr | None = None
-    """Table that gravity is multiplied by; constant if absent."""
+    gravity_amplitude: StrictStr | None = None
+    """Amplitude over time by which gravity is multiplied; constant if absent."""
     time: TimeTable
     """When to simulate: [time] with step and end."""
     rock: dict[str, Rock]
@@ -113,8 +123,8 @@ class Case(BaseModel):
     """Rocks of the domain by place."""
     block_pattern: list[BlockPatternTable] = []
     """Masonry in the domain."""
-    table: dict[str, FactorOverTime] = {}
-    """Factors of loads over time by name: [table.ramp] with time and value."""
+    amplitude: dict[str, Amplitude] = {}
+    """Factors of loads over time by name: [amplitude.ramp] with time and value."""
     fixed_point: list[FixedPoint] = []
     """Points held in place."""
     point_load: list[PointLoad] = []
@@ -167,6 +177,7 @@ class Case(BaseModel):
     _text: str | None = PrivateAttr(None)
     _origin: str | None = PrivateAttr(None)
     _cut: CutCase | None = PrivateAttr(None)
+    _renamed: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
@@ -245,7 +256,8 @@ class Case(BaseModel):
         settings = list(settings)
         content = case_text.parse(text, file)
         if settings:
-            content = case_text.with_values(content, settings)
+            present, _ = case_with_present_keys(content, cls)
+            content = case_text.with_values(present, [_present_setting(one) for one in settings])
             tables = {setting.replace("=", ".").split(".")[0].strip() for setting in settings}
             if tables - SAME_SYSTEM and "reference" not in tables:
                 content.pop("reference", None)
@@ -257,12 +269,17 @@ class Case(BaseModel):
     @classmethod
     def validated(cls, content: dict[str, Any], file: str) -> Case:
         """Return the case with a content from ``file``; its faults become one CaseError."""
+        present, renamed = case_with_present_keys(content, cls)
         try:
-            case = cls.model_validate(content)
+            case = cls.model_validate(present)
         except ValidationError as error:
-            faults = faults_of(error, explained(cls))
+            faults = [
+                dataclasses.replace(one, place=as_written(one.place, content, cls))
+                for one in faults_of(error, explained(cls))
+            ]
             raise error_of(faults, file=file, content=content) from None
         case._file = file
+        case._renamed = warning_of(renamed)
         return case
 
     def with_method(self, **choices: Any) -> Case:
@@ -302,7 +319,9 @@ class Case(BaseModel):
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
-        builder = InputBuilder(self.title, PLANES[self.plane](), self.gravity, self.gravity_factor)
+        builder = InputBuilder(
+            self.title, PLANES[self.plane](), self.gravity, self.gravity_amplitude
+        )
         with self._located():
             folder = self._folder
             for name, table in self._tables():
@@ -383,8 +402,8 @@ class Case(BaseModel):
     def examine(self) -> CaseSummary:
         """Return a summary of the case, with warnings of anything that seems unsound."""
         model = self.model()
-        sanity = self._examined(model, self.method(model))
-        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._not_compared()))
+        summary = self._examined(model, self.method(model))
+        return dataclasses.replace(summary, warnings=(*summary.warnings, *self._not_compared()))
 
     def foreseen(self, model: Model, method: Method) -> tuple[str, ...]:
         """Return the warnings known before the first step of a run."""
@@ -395,12 +414,13 @@ class Case(BaseModel):
         from clast.run.preflight import examine
 
         with self._located():
-            sanity = examine(model, method, self.schedule())
+            summary = examine(model, method, self.schedule())
         folder = self._folder
-        remarks = (text for _, table in self._tables() for text in table.remarks(folder))
+        remarks = [text for _, table in self._tables() for text in table.remarks(folder)]
+        remarks += self._renamed
         cut = self._cut.warnings if self._cut else ()
         doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, self.schedule().stages)
-        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *cut, *remarks, *doubts))
+        return dataclasses.replace(summary, warnings=(*summary.warnings, *cut, *remarks, *doubts))
 
     def _not_compared(self) -> Iterator[str]:
         """Say which references the run does not reach; the run itself says so at its end."""
@@ -489,6 +509,13 @@ class Case(BaseModel):
         )
 
     __str__ = __repr__
+
+
+def _present_setting(setting: str) -> str:
+    """Return a setting, table.key=value, with the present names of its keys."""
+    path, equals, value = setting.partition("=")
+    keys = [key.strip() for key in path.split(".")]
+    return ".".join(present_path(keys, Case)) + equals + value
 
 
 def load(path: str | Path) -> Case:

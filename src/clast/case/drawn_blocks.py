@@ -24,7 +24,7 @@ from clast.model.repairs import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
 from clast.rockmass.block_loops import following
 from clast.rockmass.drawings.block_arrays import Blocks
-from clast.rockmass.repair.mender import repairs_of
+from clast.rockmass.repair.block_repair import repairs_of
 
 SHARE = 1e-2
 """Tolerance as a share of the median edge where none is given."""

@@ -139,7 +139,7 @@ def _unsaid_loads(drawing: Drawing) -> Iterator[LeftOut]:
             yield LeftOut(what=f"load point {_at(spot.at)}", place=spot.place, reason=reason)
         elif not _is_constant(forces):
             values = "; ".join(f"{f.time:g} {f.force[0]:g} {f.force[1]:g}" for f in forces)
-            reason = "it changes with time: write [[point_load]] with a [table.NAME] as its factor"
+            reason = "it changes with time: write [[point_load]] with an [amplitude.NAME]"
             what = f"load point {_at(spot.at)}, t fx fy {values}"
             yield LeftOut(what=what, place=spot.place, reason=reason)
     for force in drawing.analysis.forces:

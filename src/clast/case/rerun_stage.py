@@ -129,7 +129,7 @@ def not_as_before(checkpoint: Checkpoint, now: Mapping[str, str]) -> Iterator[st
 
 def _same_things(state: State, model: Model, stiffness: float) -> bool:
     """Return whether the same things act on blocks as when a state was kept."""
-    from clast.actions.acting import actions_of
+    from clast.actions.active import actions_of
     from clast.actions.damping import Undamped
 
     acting = actions_of(model, stiffness, Undamped())

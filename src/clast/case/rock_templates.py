@@ -56,14 +56,14 @@ spacing = {distribution="normal", mean=4.5, std=0.5}
 within = "beds"
 seed = 7                               # another one is another realisation
 
-[table.rise]                           # time counts from the stage that names it
+[amplitude.rise]                       # time counts from the stage that names it
 time = [0, 0.2]
 value = [0, 1]
 
 [[water]]
 line = [[0,22],[14,20],[26,6]]         # water level in the joints, from the back to the foot
 acts_on = "joints"
-factor = "rise"
+amplitude = "rise"
 
 [bolt_kind.cable]                      # numbers per metre along the slope
 stiffness = 1e7                        # N/m

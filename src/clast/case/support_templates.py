@@ -17,7 +17,7 @@ SPREADING_ARCH = """\
 #   from clast.case.templates import spreading_arch
 #   open("wide.toml", "w").write(spreading_arch(spread=0.5))
 # What else to change:
-#   table.spread: value       [0.0, 0.0, 0.5]: the arch falls when it has moved by 0.471 m;
+#   amplitude.spread: value   [0.0, 0.0, 0.5]: the arch falls when it has moved by 0.471 m;
 #                             [0.0, 0.0, -0.05]: it is squeezed, and the crown rises
 #   joint.default             friction_angle = 20: voussoirs slide before
 
@@ -38,7 +38,7 @@ density = 2400.0                       # kg/m3
 [joint.default]
 friction_angle = 40.0                  # degrees
 
-[table.spread]                         # m: first the arch bears its weight
+[amplitude.spread]                     # m: first the arch bears its weight
 time = [0.0, 0.4, 2.4]
 value = [0.0, 0.0, {spread:g}]
 
@@ -97,7 +97,7 @@ fixed = true
 name = "upper half"
 vertices = [[0, 0], [0.3, 0], [0.3, 0.1], [0, 0.1]]
 
-[table.way]                            # m: first it is pressed
+[amplitude.way]                        # m: first it is pressed
 time = [0.0, 0.2, 1.2]
 value = [0.0, 0.0, 0.01]
 
@@ -176,7 +176,7 @@ vertices = [[2.4, -0.5], [6.3, -0.5], [6.3, 0], [2.4, 0]]
 rock = "concrete"
 fixed = true
 
-[table.settlement]                     # m: first the wall bears its weight
+[amplitude.settlement]                 # m: first the wall bears its weight
 time = [0.0, 0.2, 2.2]
 value = [0.0, 0.0, -0.03]
 

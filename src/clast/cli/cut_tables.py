@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from clast.inputs.placing.place_rock_mass import CutCase
-    from clast.rockmass.report_of_cut import Finding, Sizes
+    from clast.rockmass.cut_report import Finding, Sizes
 
 FINDINGS = {
     "dangling": "ends taken out",
@@ -66,7 +66,7 @@ def _sizes(sizes: Sizes, unit: str) -> str:
 
 def _finding(finding: Finding, tolerance: float) -> str:
     """Return how often something was done, over which length, and where first."""
-    from clast.rockmass.report_of_cut import place_text
+    from clast.rockmass.cut_report import place_text
 
     text = str(finding.count)
     if finding.length > 0.0:

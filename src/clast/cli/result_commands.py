@@ -119,7 +119,7 @@ def plot(
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
     reactions: Annotated[
-        bool, typer.Option("--reactions", help="Draw what supports bear as arrows.")
+        bool, typer.Option("--reactions", help="Draw the reactions of supports as arrows.")
     ] = False,
     limits: Limits = "",
     zoom: Zoom = "",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from clast.model.state import Ledger
     from clast.results import Report, Run
     from clast.run.preflight import CaseSummary
-    from clast.studies import Comparison, Deviation
+    from clast.studies import ComparedMethods, Deviation
     from clast.studies.bench import Benchmark
     from clast.verification import Row
 
@@ -215,7 +215,7 @@ def verification_table(title: str, rows: Sequence[Row]) -> Table:
     return bench_table
 
 
-def comparison_table(comparison: Comparison) -> Table:
+def comparison_table(comparison: ComparedMethods) -> Table:
     """Return the results of each process and law for a case, and the remarks on them."""
     from rich.table import Table
     from rich.text import Text

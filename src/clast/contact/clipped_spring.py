@@ -22,6 +22,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints
 from clast.read_only import changed
+from clast.renamed import Renamed, earlier_argument
 
 # --- one spring ----------------------------------------------------------------------------
 
@@ -102,7 +103,7 @@ class Springs:
     """Block of the first point, the vertex of a contact, shape (m,)."""
     edge_block: Ints
     """Block of the other point, on the edge of a contact, shape (m,)."""
-    levers: Floats
+    arms: Floats
     """Normal and offsets of both points from the centroids of their blocks, m, (m, 6)."""
     pair: Ints
     """Index into ``pairs``, ascending, shape (m,)."""
@@ -123,6 +124,8 @@ class Springs:
     def __repr__(self) -> str:
         return f"Springs({len(self)} between {len(self.pairs)} pairs of blocks)"
 
+    levers = Renamed("arms")
+
     @cached_property
     def arrays(self) -> tuple[Floats, ...]:
         """Normal springs and shear springs as kernels take them, eight arrays in all.
@@ -134,7 +137,7 @@ class Springs:
     @property
     def rows(self) -> Floats:
         """n_i, n_j, t_i, t_j of each link (contact/jacobian.py), shape (m, 4, 6)."""
-        return rows_of(self.levers)
+        return rows_of(self.arms)
 
     def put(self, rows: Rows, normal: Clipped, shear: Clipped) -> Springs:
         """Return the table with other springs in some of its rows."""
@@ -185,16 +188,20 @@ def table(
     *,
     vertex_block: Ints,
     edge_block: Ints,
-    levers: Floats,
+    arms: Floats | None = None,
     gap: Floats,
     slip: Floats,
     normal: Clipped,
     shear: Clipped,
+    levers: Floats | None = None,
 ) -> tuple[Springs, Ints]:
     """Return links between any blocks as a table in the order of their pairs, and their rows (m,).
 
-    Links of the same pair keep their order.
+    Links of the same pair keep their order.  ``levers`` is the earlier name of ``arms``.
     """
+    arms = earlier_argument("levers", "arms", levers, arms)
+    if arms is None:
+        raise TypeError("table() lacks arms")
     lower, higher = np.minimum(vertex_block, edge_block), np.maximum(vertex_block, edge_block)
     key = lower.astype(np.int64) * (int(higher.max(initial=0)) + 1) + higher
     order = np.argsort(key, kind="stable")
@@ -207,7 +214,7 @@ def table(
     springs = Springs(
         vertex_block=np.ascontiguousarray(vertex_block[order], np.int64),
         edge_block=np.ascontiguousarray(edge_block[order], np.int64),
-        levers=np.ascontiguousarray(levers[order]),
+        arms=np.ascontiguousarray(arms[order]),
         pair=pair,
         pairs=pairs,
         gap=gap[order],
@@ -225,7 +232,7 @@ def springs_of(contacts: Contacts) -> Springs:
     return Springs(
         vertex_block=contacts.vertex_block,
         edge_block=contacts.edge_block,
-        levers=contacts.levers,
+        arms=contacts.arms,
         pair=contacts.pair,
         pairs=contacts.pairs,
         gap=contacts.gap,
@@ -251,7 +258,7 @@ def merged(first: Springs, others: Sequence[Springs]) -> tuple[Springs, tuple[Ro
         each = [getattr(one, kind).arrays for one in every]
         return clipped_from(*(np.concatenate(column) for column in zip(*each, strict=True)))
 
-    names = ("vertex_block", "edge_block", "levers", "gap", "slip")
+    names = ("vertex_block", "edge_block", "arms", "gap", "slip")
     springs, rows = table(
         **{name: joined(name) for name in names},
         normal=joined_springs("normal"),

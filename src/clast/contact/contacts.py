@@ -8,13 +8,14 @@ import numpy as np
 
 from clast.contact.jacobian import rows_of
 from clast.model.model import Bools, Floats, Ints
+from clast.renamed import Renamed
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Contacts:
     """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
 
-    ``gap`` and ``levers`` belong to the start of the step: the gap at its end is gap + n_i.d_i +
+    ``gap`` and ``arms`` belong to the start of the step: the gap at its end is gap + n_i.d_i +
     n_j.d_j to first order in the displacements of the vertex's block i and the edge's block j; the
     slip of the vertex along the edge is t_i.d_i + t_j.d_j (see ``rows``).
     """
@@ -49,7 +50,7 @@ class Contacts:
     """0 where P is a vertex, 1 to 13 inside a face (contact/joints/faces.py), shape (m,)."""
     along: Floats
     """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
-    levers: Floats
+    arms: Floats
     """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
     joint: Ints
     """Joint that the contact lies along: index into those of the model, shape (m,)."""
@@ -98,6 +99,8 @@ class Contacts:
     friction_base: Floats
     """Normal force that bounds friction, N/m; nan: the force of the moment, shape (m,)."""
 
+    levers = Renamed("arms")
+
     def __len__(self) -> int:
         return len(self.vertex)
 
@@ -109,7 +112,7 @@ class Contacts:
     @property
     def rows(self) -> Floats:
         """Contact Jacobian n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, (m, 4, 6)."""
-        return rows_of(self.levers)
+        return rows_of(self.arms)
 
     def __repr__(self) -> str:
         nearest = f", smallest gap {self.gap.min():.3g} m" if len(self) else ""

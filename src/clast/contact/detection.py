@@ -1,7 +1,7 @@
 """From the blocks' outlines to the contacts of a step, and jumps past all contacts.
 
 Broad phase (boxes) -> candidate edges (signed gap to the lengthened edge, entrance test) ->
-corner rule -> contacts with their memory, strength and levers.
+corner rule -> contacts with their memory, strength and arms.
 """
 
 from __future__ import annotations
@@ -223,7 +223,7 @@ def _contacts(
     chosen: tuple[Chosen, Ints],
     critdis: float,
 ) -> Contacts:
-    """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers.
+    """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and arms.
 
     ``chosen`` has them, and the rows (m,) of the state's memory that are theirs, -1 where none is.
     ``edges`` are the directions (nv, 2) and the lengths (nv,) of all edges.
@@ -267,14 +267,14 @@ def _contacts(
         pair=places.pair,
         pairs=touching,
         gap=places.gap - found["rest_gap"] if joints.opens else places.gap,
-        normal=places.levers[:, :2],
+        normal=places.arms[:, :2],
         foot=places.foot,
         length=places.length,
         spring_length=places.of_springs,
         spring_share=springs[2],
         point=places.point,
         along=places.along,
-        levers=places.levers,
+        arms=places.arms,
         **found,
     )
 
@@ -316,8 +316,8 @@ def _at_vertices(
     ends, gap, touching, row = chosen
     vertex, edge, i, j, pair = ends
     count = len(gap)
-    foot, levers = np.empty((count, 2)), np.empty((count, 6))
-    _geometry(count, ends[:4], gap, (state.vertices, edges[0]), centroid, foot, levers)
+    foot, arms = np.empty((count, 2)), np.empty((count, 6))
+    _geometry(count, ends[:4], gap, (state.vertices, edges[0]), centroid, foot, arms)
     of_edges = state.vertices, model.block_start, *edges
     length, of_springs = contact_lengths(ends, of_edges, critdis)
     return Places(
@@ -330,7 +330,7 @@ def _at_vertices(
         along=np.zeros(count),
         gap=gap,
         foot=foot,
-        levers=levers,
+        arms=arms,
         joint=joints_of(model, ends, touching, edges[0]),
         length=length,
         of_springs=of_springs,
@@ -339,17 +339,17 @@ def _at_vertices(
 
 
 @shared(CONTACTS)
-def _geometry(first, last, ends, gap, outlines, centroid, foot, levers):
-    """Write foot and levers of contacts ``first`` to ``last`` - 1 (contact/jacobian.py)."""
+def _geometry(first, last, ends, gap, outlines, centroid, foot, arms):
+    """Write foot and arms of contacts ``first`` to ``last`` - 1 (contact/jacobian.py)."""
     vertex, edge, i, j = ends
     vertices, direction = outlines
     for c in range(first, last):
         p, e = vertex[c], edge[c]
-        levers[c, 0], levers[c, 1] = direction[e, 1], -direction[e, 0]
+        arms[c, 0], arms[c, 1] = direction[e, 1], -direction[e, 0]
         for x in range(2):
-            foot[c, x] = vertices[p, x] - gap[c] * levers[c, x]
-            levers[c, 2 + x] = vertices[p, x] - centroid[i[c], x]
-            levers[c, 4 + x] = foot[c, x] - centroid[j[c], x]
+            foot[c, x] = vertices[p, x] - gap[c] * arms[c, x]
+            arms[c, 2 + x] = vertices[p, x] - centroid[i[c], x]
+            arms[c, 4 + x] = foot[c, x] - centroid[j[c], x]
 
 
 # jumps past all contacts -----------------------------------------------------------------------

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.block.crossing_edges import behind, cross, crossing_point, sideways
 from clast.block.edge_lists import edges_within, left_to_right
 from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
-from clast.block.segments import behind, cross, crossing_point, sideways
 from clast.compute.jit import kernel
 from clast.compute.reductions import is_any
 from clast.contact.memory import lost_contacts

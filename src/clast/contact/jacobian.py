@@ -5,8 +5,8 @@ contact opens by n.(u_i - u_j) and slips by t.(u_i - u_j), t = (-ny, nx).  Force
 springs stiffen by T^T (k_n n n^T + k_s t t^T) T (Shi 1988).
 
 T follows from the offset of a point from the centroid of its block (block/displacement.py).  So a
-contact is six numbers, its ``levers`` (nx, ny, x_i, y_i, x_j, y_j): the unit normal of the edge,
-and the offsets of P and Q, m.  ``levers`` are those of all contacts, (m, 6).
+contact is six numbers, its ``arms`` (nx, ny, x_i, y_i, x_j, y_j): the unit normal of the edge,
+and the offsets of P and Q, m.  ``arms`` are those of all contacts, (m, 6).
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from clast.model.model import Floats
 
 
 @kernel(forceinline=True)
-def relative_motion(levers, c, d, i, j):
+def relative_motion(arms, c, d, i, j):
     """Return n.d and t.d of contact c of vertex block i and edge block j, m, for d (n, 6)."""
-    nx, ny, x_i, y_i, x_j, y_j = numbers(row(levers, c))
+    nx, ny, x_i, y_i, x_j, y_j = numbers(row(arms, c))
     u_i, v_i = displacement_at(x_i, y_i, row(d, i))
     u_j, v_j = displacement_at(x_j, y_j, row(d, j))
     u, v = u_i - u_j, v_i - v_j
@@ -37,19 +37,19 @@ def relative_motion(levers, c, d, i, j):
 
 
 @kernel(forceinline=True)
-def force_on(levers, c, of_vertex, normal, shear):
+def force_on(arms, c, of_vertex, normal, shear):
     """Return the generalised force N n + T t (vec6) on the vertex's block or on the edge's."""
-    nx, ny = levers[c, 0], levers[c, 1]
+    nx, ny = arms[c, 0], arms[c, 1]
     fx, fy = normal * nx - shear * ny, normal * ny + shear * nx
     if of_vertex:
-        return force_at(levers[c, 2], levers[c, 3], fx, fy)
-    return force_at(levers[c, 4], levers[c, 5], -fx, -fy)
+        return force_at(arms[c, 2], arms[c, 3], fx, fy)
+    return force_at(arms[c, 4], arms[c, 5], -fx, -fy)
 
 
 @kernel(forceinline=True)
-def stiffness_of(levers, c, kn, ks):
+def stiffness_of(arms, c, kn, ks):
     """Return xx, xy, yy of k_n n n^T + k_s t t^T of contact c, N/m per m; kn and ks (m,)."""
-    nx, ny = levers[c, 0], levers[c, 1]
+    nx, ny = arms[c, 0], arms[c, 1]
     return (
         kn[c] * nx * nx + ks[c] * ny * ny,
         (kn[c] - ks[c]) * nx * ny,
@@ -58,7 +58,7 @@ def stiffness_of(levers, c, kn, ks):
 
 
 @kernel(forceinline=True)
-def plus_moments(moments, levers, i, first, last, vertex_block, kn, ks):
+def plus_moments(moments, arms, i, first, last, vertex_block, kn, ks):
     """Return ``moments`` and those of the stiffness of contacts ``first`` to ``last`` - 1 of i.
 
     ``moments`` are three times six numbers, from which ``weighted_squares`` makes K_ii
@@ -67,43 +67,43 @@ def plus_moments(moments, levers, i, first, last, vertex_block, kn, ks):
     xx, xy, yy = moments
     for c in range(first, last):
         at = 2 if vertex_block[c] == i else 4
-        powers = powers_at(levers[c, at], levers[c, at + 1])
-        kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
+        powers = powers_at(arms[c, at], arms[c, at + 1])
+        kxx, kxy, kyy = stiffness_of(arms, c, kn, ks)
         xx, xy = plus_scaled(xx, kxx, powers), plus_scaled(xy, kxy, powers)
         yy = plus_scaled(yy, kyy, powers)
     return xx, xy, yy
 
 
 @kernel(forceinline=True)
-def couple(levers, i, q, first, last, vertex_block, kn, ks, upper):
+def couple(arms, i, q, first, last, vertex_block, kn, ks, upper):
     """Add -T_i^T C T_j of contacts ``first`` to ``last`` - 1 to block q of ``upper``, in place.
 
     i is the block of the rows, j the other one; C = k_n n n^T + k_s t t^T.
     """
     k = lines(upper, q)
     for c in range(first, last):
-        kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
+        kxx, kxy, kyy = stiffness_of(arms, c, kn, ks)
         own, other = (2, 4) if vertex_block[c] == i else (4, 2)
-        x, y = levers[c, other], levers[c, other + 1]
+        x, y = arms[c, other], arms[c, other + 1]
         u, v = force_at(x, y, -kxx, -kxy), force_at(x, y, -kxy, -kyy)  # the lines of -C T_j
-        x, y = levers[c, own], levers[c, own + 1]
+        x, y = arms[c, own], arms[c, own + 1]
         k = plus_transposed(k, x, y, u, v)
     k0, k1, k2, k3, k4, k5 = k
     put_lines(upper, q, k0, k1, k2, k3, k4, k5)
 
 
 @shared(CONTACTS)
-def _rows(first, last, levers, rows):
+def _rows(first, last, arms, rows):
     """Write the rows of contacts ``first`` to ``last`` - 1."""
     for c in range(first, last):
-        put_line(rows, c, 0, force_on(levers, c, True, 1.0, 0.0))
-        put_line(rows, c, 1, force_on(levers, c, False, 1.0, 0.0))
-        put_line(rows, c, 2, force_on(levers, c, True, 0.0, 1.0))
-        put_line(rows, c, 3, force_on(levers, c, False, 0.0, 1.0))
+        put_line(rows, c, 0, force_on(arms, c, True, 1.0, 0.0))
+        put_line(rows, c, 1, force_on(arms, c, False, 1.0, 0.0))
+        put_line(rows, c, 2, force_on(arms, c, True, 0.0, 1.0))
+        put_line(rows, c, 3, force_on(arms, c, False, 0.0, 1.0))
 
 
-def rows_of(levers: Floats) -> Floats:
+def rows_of(arms: Floats) -> Floats:
     """Return n_i, n_j, t_i, t_j = T_i^T n, -T_j^T n, T_i^T t, -T_j^T t of contacts, (m, 4, 6)."""
-    rows = np.empty((len(levers), 4, 6))
-    _rows(len(levers), levers, rows)
+    rows = np.empty((len(arms), 4, 6))
+    _rows(len(arms), arms, rows)
     return rows

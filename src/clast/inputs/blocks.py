@@ -176,8 +176,8 @@ class RepairTable(Table):
 
     @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
-        """Return the keys that make the mender of a script."""
-        from clast.rockmass.repair.mender import BlockRepair
+        """Return the keys that make the repair of a script."""
+        from clast.rockmass.repair.block_repair import BlockRepair
 
         return {"tolerance": value.tolerance} if type(value) is BlockRepair else None
 
@@ -196,6 +196,6 @@ class RepairTable(Table):
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Have the builder put its blocks together."""
-        from clast.rockmass.repair.mender import BlockRepair
+        from clast.rockmass.repair.block_repair import BlockRepair
 
         builder.repair = BlockRepair(tolerance=self.tolerance)

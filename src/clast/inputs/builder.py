@@ -43,7 +43,7 @@ from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.linings import place_linings
 from clast.inputs.linings.lining_table import Lining
-from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.loads import Amplitude, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredContact, MeasuredPoint, MeasuredReaction
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
@@ -60,9 +60,9 @@ from clast.inputs.placing.place_blocks import (
 )
 from clast.inputs.placing.place_joints import joint_table, joints_of_edges
 from clast.inputs.placing.place_openings import openings_of
+from clast.inputs.placing.place_reactions import Supported, reactions_in
 from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
-from clast.inputs.placing.reactions import Supported, reactions_in
 from clast.inputs.placing.wetting import Bed, waters_in
 from clast.inputs.rock_mass import OpeningTable, of_blocks
 from clast.inputs.supports.links import Link, Moment
@@ -104,7 +104,7 @@ class InputBuilder(Inputs):
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
-    ``gravity_factor`` names the table by which gravity is multiplied.  ``ground_motion`` is an
+    ``gravity_amplitude`` names the amplitude of gravity over time.  ``ground_motion`` is an
     earthquake or the motion of a shaking table: the keys of ``[ground_motion]`` or an object, e.g.
     ``clast.MovingBase``.  ``in_situ`` is the stress in the rock before anything is dug: the keys of
     ``[in_situ]``, ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints of
@@ -116,13 +116,14 @@ class InputBuilder(Inputs):
     title: str = ""
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
-    gravity_factor: str | None = None
+    gravity_amplitude: str | None = None
     ground_motion: Any = single("ground_motion", GroundMotionTable, Still())
     in_situ: Any = single("in_situ", InSituTable)
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     repair: Any = single("repair", RepairTable)
     mending: Any = field(default=Renamed("repair"), repr=False, compare=False)
+    gravity_factor: Any = field(default=Renamed("gravity_amplitude"), repr=False, compare=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
@@ -157,11 +158,14 @@ class InputBuilder(Inputs):
     """
     fixed_point = gives("fixed_point", FixedPoint, "at", "block")
     """Hold a point of a block in place: ``[[fixed_point]]``."""
-    add_table = gives_named("table", FactorOverTime, "time", "value")
-    """Add a factor of loads over time, ``[table.NAME]``, and return its name."""
-    point_load = gives("point_load", PointLoad, "at", "force", "block", "factor", "name")
+    add_amplitude = gives_named("amplitude", Amplitude, "time", "value")
+    """Add a factor of loads over time, ``[amplitude.NAME]``, and return its name."""
+    add_table = Renamed("add_amplitude")
+    point_load = gives("point_load", PointLoad, "at", "force", "block", "amplitude", "name")
     """Apply a force at a point of a block: ``[[point_load]]``."""
-    line_load = gives("line_load", LineLoad, "start", "end", "traction", "block", "factor", "name")
+    line_load = gives(
+        "line_load", LineLoad, "start", "end", "traction", "block", "amplitude", "name"
+    )
     """Apply a traction along a line of a block: ``[[line_load]]``."""
     pressure = gives("pressure", Pressure, "start", "end", "value", "block", "factor", "name")
     """Press on the edges along a line: ``[[pressure]]``."""
@@ -253,15 +257,15 @@ class InputBuilder(Inputs):
         drawn = self._outlines()
         clockwise = drawn.area < 0.0
         edge = drawn.turned_edges(clockwise)
-        mended, polygons = self._mended(drawn, clockwise)
-        outlines, edge = mended.outlines, edge[mended.edge]
+        repaired, polygons = self._repaired(drawn, clockwise)
+        outlines, edge = repaired.outlines, edge[repaired.edge]
         edge_joint = self._edge_joint_names(drawn)[edge]
         block_rock = rocks_of(
             self._labelled(outlines), [rock.name for rock in rocks], len(self._placed)
         )
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(rocks)}
-        factors = tuple(one.factor(name) for name, one in self.named(FactorOverTime).items())
+        factors = tuple(one.factor(name) for name, one in self.named(Amplitude).items())
         factor_number = {factor.name: index for index, factor in enumerate(factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         joints = place_linings.with_bonds(self.named(materials.Joint), self._placed)
@@ -271,14 +275,14 @@ class InputBuilder(Inputs):
         overlaps = model_checks.check_overlaps(outlines, there)
 
         fixed, measured, points, lines = (
-            located(entries, block_number, factor_number, outlines, polygons, mended.moved)
+            located(entries, block_number, factor_number, outlines, polygons, repaired.moved)
             for entries in places_of(self).values()
         )
         held = self._fixed(outlines)
         ground = Ground(
             outlines=outlines,
             tree=shapely.STRtree(there),
-            moved=mended.moved,
+            moved=repaired.moved,
             factors=factors,
             fixed=held,
             points=MaterialPoints(block=fixed.block, at=fixed.at),
@@ -306,7 +310,7 @@ class InputBuilder(Inputs):
             voids = edges_on(rings, outlines.vertices, outlines.following)
             in_situ = replace(in_situ, voids=tuple(map(int, voids)))
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
-        actions = *self.actions, *self.acting(ground), *linings
+        actions = *self.actions, *self.actions_from(ground), *linings
         supports = Supported(ground, len(viscous), actions)
         return Model(
             title=self.title,
@@ -359,7 +363,7 @@ class InputBuilder(Inputs):
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
             gone=waits,
             overlaps=overlaps_beside(overlaps, actions),
-            repairs=mended.repairs,
+            repairs=repaired.repairs,
             notes=(
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
@@ -394,12 +398,12 @@ class InputBuilder(Inputs):
         return found
 
     def _factor_of_gravity(self, number: dict[str, int]) -> int:
-        """Return the number of the table by which gravity is multiplied."""
-        if self.gravity_factor is None:
+        """Return the number of the amplitude by which gravity is multiplied."""
+        if self.gravity_amplitude is None:
             return NO_FACTOR
-        return number_of(self.gravity_factor, number, "table", "gravity_factor")
+        return number_of(self.gravity_amplitude, number, "amplitude", "gravity_amplitude")
 
-    def _mended(
+    def _repaired(
         self, drawn: BlockOutlines, clockwise: Bools
     ) -> tuple[RepairedBlocks, model_checks.Geometries]:
         """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
@@ -410,17 +414,17 @@ class InputBuilder(Inputs):
             model_checks.check_polygons(drawn, polygons)
             edge = np.arange(len(drawn.vertices))
             return RepairedBlocks(outlines=turned, edge=edge), polygons
-        mended = self.repair(turned)
-        polygons = mended.outlines.polygons()
-        model_checks.check_polygons(mended.outlines, polygons)
-        return mended, polygons
+        repaired = self.repair(turned)
+        polygons = repaired.outlines.polygons()
+        model_checks.check_polygons(repaired.outlines, polygons)
+        return repaired, polygons
 
     def _check_names(self) -> None:
         check_title(self.title)
         check_names("rock", list(self.named(materials.Rock)))
         check_names("joint", list(self.named(materials.Joint)))
         check_names("block", self._names())
-        check_names("table", list(self.named(FactorOverTime)))
+        check_names("amplitude", list(self.named(Amplitude)))
         check_point_names([one.name for one in self.all(MeasuredPoint)])
 
     def _names(self) -> list[str]:

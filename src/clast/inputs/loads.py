@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Self
 
@@ -24,10 +25,10 @@ class FixedPoint(Table):
     """Block; needed only where blocks touch."""
 
 
-class FactorOverTime(Table):
+class Amplitude(Table):
     """A factor of loads over time, linear between its instants and constant outside them.
 
-    Loads name it in ``factor``; each step has the load times the value at its end.
+    Loads name it in ``amplitude``; each step has the load times the value at its end.
     """
 
     NAMED: ClassVar[bool] = True
@@ -45,7 +46,7 @@ class FactorOverTime(Table):
             remedy = "give one value for each instant"
             raise refusal(Fault(place=("value",), what=what, remedy=remedy))
         if count < 2:
-            remedy = "give at least 2; a load that is constant needs no table"
+            remedy = "give at least 2; a load that is constant needs no amplitude"
             raise refusal(Fault(place=place, what=f"has {count} instants", remedy=remedy))
         for k, (before, after) in enumerate(pairwise(self.time), 1):
             if after <= before:
@@ -63,20 +64,24 @@ class FactorOverTime(Table):
 class PointLoad(Table):
     """A force at a point that moves with its block."""
 
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
+
     at: Point
     """Coordinates [x, y], m."""
     force: tuple[Force, Force]
     """Force [x, y], N per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
-    factor: StrictStr | None = None
-    """Table by whose value the load is multiplied; none: it is constant."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which the load is multiplied; none: it is constant."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
 
 class LineLoad(Table):
     """A traction along a line that moves with its block, usually along an edge."""
+
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     start: Point
     """First end [x, y], m."""
@@ -86,8 +91,8 @@ class LineLoad(Table):
     """Force per length [x, y], N/m per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
-    factor: StrictStr | None = None
-    """Table by whose value the load is multiplied; none: it is constant."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which the load is multiplied; none: it is constant."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
@@ -109,6 +114,8 @@ class Pressure(Table):
     blocks, and goes with them.
     """
 
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
+
     start: Point
     """First end of the line [x, y], m."""
     end: Point
@@ -120,8 +127,8 @@ class Pressure(Table):
     """Pressure, Pa, positive into the blocks: one number, or [at start, at end], linear between."""
     block: StrictStr | None = None
     """Block; needed only where edges of two blocks lie on the line."""
-    factor: StrictStr | None = None
-    """Table by whose value the pressure is multiplied; none: it is constant."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which the pressure is multiplied; none: it is constant."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 

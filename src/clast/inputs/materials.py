@@ -147,7 +147,7 @@ NEEDED = {
 OF_COULOMB = {
     "friction_angle": "friction follows from jrc, jcs and residual_friction_angle",
     "cohesion": "what looks like cohesion is the curved strength of the roughness",
-    "tensile_strength": "a rough joint bears no tension",
+    "tensile_strength": "a rough joint carries no tension",
     "residual_cohesion": "sliding leaves residual_friction_angle",
     "slip_weakening": "sliding wears the roughness off as jrc and the length say",
     "kinetic_friction_angle": "its friction does not depend on the speed",

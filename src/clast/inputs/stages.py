@@ -88,7 +88,7 @@ class StageTable(Table):
     bonds: Literal["break", "hold"] = "break"
     """Bonds break as forces reach their strength, or hold until a static stage is in balance."""
     loads: list[StrictStr] = Field([])
-    """Names of loads, pressures and tables that act from its start on, and not before."""
+    """Names of loads, pressures and amplitudes that act from its start on, and not before."""
     ground_motion: StrictBool = False
     """True: [ground_motion] acts in this stage; its record begins with the stage."""
 

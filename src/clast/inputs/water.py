@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
@@ -17,7 +18,7 @@ LIGHTEST = 100.0
 """Densities below are no kg/m3."""
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
 """Ranges of density in other units, and the factors that convert them."""
-SHARE = "give a share of the full head from 0 to 1, or the name of a table of such shares"
+SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
 
 
 class LineFile(Table):
@@ -27,13 +28,15 @@ class LineFile(Table):
     """Table with the columns x, y and a row for each point (.csv), beside the case file."""
 
 
-def _kind_of_factor(value: Any) -> str:
-    """Return the tag of a factor: a number, or the name of a table."""
+def _kind_of_share(value: Any) -> str:
+    """Return the tag of a share: a number, or the name of an amplitude."""
     return TABLE if isinstance(value, str) else PLAIN
 
 
 class Water(Table):
     """Water that presses on all edges below its surface, and follows the blocks."""
+
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     name: StrictStr | None = None
     """Name by which stages call it."""
@@ -55,11 +58,11 @@ class Water(Table):
     """Density, kg/m3."""
     joints: list[StrictStr] | None = None
     """Joints that it gets into, by name; all if absent."""
-    factor: Annotated[
+    amplitude: Annotated[
         Annotated[Number, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
-        Discriminator(_kind_of_factor),
+        Discriminator(_kind_of_share),
     ] = 1.0
-    """Share of the full head, 0 to 1; or the [table.NAME] of such shares: water that rises."""
+    """Share of the full head, 0 to 1; or the [amplitude.NAME] of such shares: water that rises."""
     drained_at: list[Point] = Field([])
     """Points [x, y] of joints where there is no pressure, m; along the joints it falls towards
     them."""
@@ -92,9 +95,9 @@ class Water(Table):
 
     @model_validator(mode="after")
     def _suits_what_it_acts_on(self) -> Self:
-        if not isinstance(self.factor, str) and not 0.0 <= self.factor <= 1.0:
-            what = f"{self.factor:g} is no share"
-            raise refusal(Fault(place=("factor",), what=what, remedy=SHARE))
+        if not isinstance(self.amplitude, str) and not 0.0 <= self.amplitude <= 1.0:
+            what = f"{self.amplitude:g} is no share"
+            raise refusal(Fault(place=("amplitude",), what=what, remedy=SHARE))
         if self.acts_on == "faces" and (self.joints is not None or self.drained_at):
             what = "names joints or drains, but the water is on outer faces alone"
             remedy = 'give acts_on = "joints" or "both", or remove joints and drained_at'

@@ -51,17 +51,17 @@ def stiff_pairs(fixed, pairs, start, kn, ks):
 def assemble_own(i, base, graph, springs, own):
     """Write K_ii with the contact springs in it into block i of ``own``.
 
-    ``springs`` are the contacts' vertex_block, levers, and stiffnesses against opening and slip.
+    ``springs`` are the contacts' vertex_block, arms, and stiffnesses against opening and slip.
     """
     start, right, left, listed = graph
-    vertex_block, levers, kn, ks = springs
+    vertex_block, arms, kn, ks = springs
     moments = zeros(), zeros(), zeros()
     for at in range(left[i], left[i + 1]):
         q = listed[at]
-        moments = plus_moments(moments, levers, i, start[q], start[q + 1], vertex_block, kn, ks)
+        moments = plus_moments(moments, arms, i, start[q], start[q + 1], vertex_block, kn, ks)
     # the pairs that begin with a block follow each other, and so do their contacts
     first, last = start[right[i]], start[right[i + 1]]
-    xx, xy, yy = plus_moments(moments, levers, i, first, last, vertex_block, kn, ks)
+    xx, xy, yy = plus_moments(moments, arms, i, first, last, vertex_block, kn, ks)
     k0, k1, k2, k3, k4, k5 = lines(base, i)
     s0, s1, s2, s3, s4, s5 = weighted_squares(xx, xy, yy)
     k0, k1, k2 = plus(k0, s0), plus(k1, s1), plus(k2, s2)
@@ -71,10 +71,10 @@ def assemble_own(i, base, graph, springs, own):
 @kernel(forceinline=True)
 def assemble_coupling(i, q, start, springs, upper):
     """Write K_ij of pair q, which begins with block i, from its contact springs."""
-    vertex_block, levers, kn, ks = springs
+    vertex_block, arms, kn, ks = springs
     for a in range(6):
         put_line(upper, q, a, zeros())
-    couple(levers, i, q, start[q], start[q + 1], vertex_block, kn, ks, upper)
+    couple(arms, i, q, start[q], start[q + 1], vertex_block, kn, ks, upper)
 
 
 @kernel()
@@ -110,7 +110,7 @@ def assemble(base, fixed, pairs, graph, springs):
     """Return K_ii (n, 6, 6) and K_ij (q, 6, 6) with the contact springs in them.
 
     ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and the rows
-    of the pairs.  ``springs`` are the contacts' vertex_block, levers (contact/jacobian.py), and
+    of the pairs.  ``springs`` are the contacts' vertex_block, arms (contact/jacobian.py), and
     stiffnesses against opening and slip.  Blocks held fixed keep a diagonal of their own size and
     no couplings.  Every block sums up its own contacts in their order: threads share the work.
     """
@@ -167,21 +167,21 @@ def hold_blocks(matrix, pairs, fixed):
 
 
 @shared(CONTACTS)
-def _motions(first, last, ends, levers, displacement, normal, tangent):
+def _motions(first, last, ends, arms, displacement, normal, tangent):
     """Write n.d and t.d of each contact."""
     vertex_block, edge_block = ends
     for c in range(first, last):
         normal[c], tangent[c] = relative_motion(
-            levers, c, displacement, vertex_block[c], edge_block[c]
+            arms, c, displacement, vertex_block[c], edge_block[c]
         )
 
 
 @kernel()
-def contact_motions(vertex_block, edge_block, levers, displacement):
+def contact_motions(vertex_block, edge_block, arms, displacement):
     """Return n.d and t.d of every contact: how far it opens and slips by d (n, 6), m, (m,) each."""
     count = len(vertex_block)
     normal, tangent = np.empty(count), np.empty(count)
-    _motions(count, (vertex_block, edge_block), levers, displacement, normal, tangent)
+    _motions(count, (vertex_block, edge_block), arms, displacement, normal, tangent)
     return normal, tangent
 
 

@@ -7,9 +7,10 @@ from typing import Protocol
 from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
 from clast.model.model import Floats
+from clast.renamed import names_of
 
 
-class Factor(Protocol):
+class Factorisation(Protocol):
     """A block system made ready to be solved for several right-hand sides."""
 
     def solve(self, force: Floats) -> Floats:
@@ -20,10 +21,13 @@ class Factor(Protocol):
 class LinearSolver(Protocol):
     """Solves the 6 x 6 block system of a step."""
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular.
 
         ``patterns`` keeps data that depend on the pairs alone, not to be found again for every
         matrix; a solver that keeps nothing leaves it alone.
         """
         ...
+
+
+__getattr__ = names_of("clast.linear.factor", {"Factor": "Factorisation"})

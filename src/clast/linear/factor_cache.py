@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute import chunks as shares
-from clast.linear.factor import Factor, LinearSolver
+from clast.linear.factor import Factorisation, LinearSolver
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import Automatic, IteratedMatrix
 from clast.linear.system import BlockSystem, Stiffnesses
@@ -21,7 +21,7 @@ class FactorOfStep:
 
     def __init__(self, solver: LinearSolver, patterns: Patterns | None = None) -> None:
         self._solver, self._patterns = solver, patterns or Patterns()
-        self._factor: Factor | None = None
+        self._factor: Factorisation | None = None
         self._stiffness: tuple[Floats, ...] = ()
         self._pairs: Ints = np.zeros((0, 2), np.int64)
         self._other: LinearSolver | None = None
@@ -51,7 +51,7 @@ class FactorOfStep:
             return factor.nearer(system.force, guess, max(tolerance, factor.tolerance))
         return factor.solve(system.force)
 
-    def _factor_of(self, system: BlockSystem, response: Stiffnesses) -> Factor:
+    def _factor_of(self, system: BlockSystem, response: Stiffnesses) -> Factorisation:
         """Return the matrix made ready, or the last one where no stiffness has changed."""
         stiffness = (response.normal_stiffness, response.shear_stiffness, response.coupling)
         same = len(self._stiffness) == len(stiffness) and all(

@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import block_matrix, coarse_space, ldlt, pcg
-from clast.linear.factor import Factor, LinearSolver
+from clast.linear.factor import Factorisation, LinearSolver
 from clast.linear.pattern import Patterns, exact_pattern, strips_of, without_fill
 from clast.linear.system import BlockSystem
 from clast.linear.unsymmetric import Scipy
@@ -36,7 +36,7 @@ class ExactFactor:
 class Direct:
     """Block LDL^T for symmetric systems, SuperLU for others."""
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the factorised matrix; raises StepRejected where it is singular."""
         if not system.symmetric:
             return Scipy().factor(system, patterns)
@@ -115,7 +115,7 @@ class IteratedMatrix:
         self._system, self._coupled, self._patterns = system, coupled, patterns
         self._attempts, self._stalled = attempts, False
         self._ready: tuple[Any, ...] | None = None
-        self._exact: Factor | None = None
+        self._exact: Factorisation | None = None
         self.tolerance = tolerance
         self.iterated = 0
         self._begin()
@@ -204,7 +204,7 @@ class Iteration:
     attempts: tuple[Attempt, ...]
     """The first is tried first; after the last one the matrix is factorised."""
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         coupled = np.asarray(block_matrix.coupled_pairs(system.upper))
         return IteratedMatrix(system, coupled, patterns, self.tolerance, self.attempts)
@@ -231,7 +231,7 @@ class PCG:
         """Return the same solver ending at ``tolerance``, if that is earlier."""
         return replace(self, tolerance=max(self.tolerance, tolerance))
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         if not system.symmetric:
             return Scipy().factor(system, patterns)
@@ -280,7 +280,7 @@ class Automatic:
         """Return the same solver with iterations ending at ``tolerance``, if that is earlier."""
         return replace(self, tolerance=max(self.tolerance, tolerance))
 
-    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         count = len(system.diagonal)
         if count <= self.few or len(system.pairs) < count:

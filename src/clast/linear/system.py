@@ -35,7 +35,7 @@ class DiagonalTerms:
     """Centroids of the blocks, m, shape (n, 2)."""
 
 
-class Bearing(Protocol):
+class LinearisedForces(Protocol):
     """Forces of links between blocks, linearised (see ContactResponse); each of shape (m,)."""
 
     @property
@@ -111,7 +111,7 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
     return inverse
 
 
-class Links(Protocol):
+class PairedLinks(Protocol):
     """Links between points of two blocks, as contacts are, in the order of the pairs of blocks."""
 
     @property
@@ -125,7 +125,7 @@ class Links(Protocol):
         ...
 
     @property
-    def levers(self) -> Floats:
+    def arms(self) -> Floats:
         """Their rows in the equations (contact/jacobian.py)."""
         ...
 
@@ -154,10 +154,10 @@ class Stiffnesses(Protocol):
         ...
 
 
-def contact_motions(contacts: Links, displacement: Floats) -> tuple[Floats, Floats]:
+def contact_motions(contacts: PairedLinks, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
     return assembly.contact_motions(
-        contacts.vertex_block, contacts.edge_block, contacts.levers, displacement
+        contacts.vertex_block, contacts.edge_block, contacts.arms, displacement
     )
 
 
@@ -191,15 +191,13 @@ def with_contact_forces(
     shear: Floats,
 ) -> Floats:
     """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks."""
-    return balance.loaded(
-        force, fixed, graph, contacts.vertex_block, contacts.levers, normal, shear
-    )
+    return balance.loaded(force, fixed, graph, contacts.vertex_block, contacts.arms, normal, shear)
 
 
 def _unsymmetric_system(
     base: DiagonalTerms,
     contacts: Contacts | Springs,
-    response: Bearing,
+    response: LinearisedForces,
     force: Floats,
     fixed: Bools,
     graph: Graph,
@@ -228,7 +226,7 @@ def _unsymmetric_system(
 
 def symmetric_system(
     base: DiagonalTerms,
-    contacts: Links,
+    contacts: PairedLinks,
     response: Stiffnesses,
     force: Floats,
     fixed: Bools,
@@ -244,7 +242,7 @@ def symmetric_system(
         fixed,
         contacts.pairs,
         graph,
-        (contacts.vertex_block, contacts.levers, *stiffnesses),
+        (contacts.vertex_block, contacts.arms, *stiffnesses),
     )
     return BlockSystem(
         diagonal=diagonal,
@@ -260,7 +258,7 @@ def symmetric_system(
 def assemble(
     base: DiagonalTerms,
     contacts: Contacts | Springs,
-    response: Bearing,
+    response: LinearisedForces,
     gap: Floats,
     slip: Floats,
     fixed: Bools,

@@ -7,7 +7,7 @@ islands one by one.
 
 A problem is (system, links): B, B^-1 (n, 6, 6), the load (n, 6) and which blocks stand still (n,);
 the pairs of blocks (q, 2), their graph (linear/assembly.py), vertex_block, edge_block (m,) and
-levers of the springs, and these (Springs.arrays).  A point is d (n, 6), gap, slip, N, T and the
+arms of the springs, and these (Springs.arrays).  A point is d (n, 6), gap, slip, N, T and the
 stiffnesses against them (m,), r (n, 6) and r.B^-1 r (n,).
 """
 
@@ -246,11 +246,11 @@ def _blocks_of(values, blocks):
 
 
 @kernel()
-def _levers_of(levers, source):
-    """Return of levers (m, 6) those of the links ``source``."""
+def _arms_of(arms, source):
+    """Return of arms (m, 6) those of the links ``source``."""
     found = np.empty((len(source), 6))
     for c in range(len(source)):
-        put_row(found, c, row(levers, source[c]))
+        put_row(found, c, row(arms, source[c]))
     return found
 
 
@@ -308,7 +308,7 @@ def taken_out(blocks, place, still, problem, point):
     and slips know where it is.
     """
     (base, inverse, load, _), (pairs, graph, ends, springs) = problem
-    vertex_block, edge_block, levers = ends
+    vertex_block, edge_block, arms = ends
     count = len(blocks)
     own_pairs, first, source = _pairs_of(blocks, place, still, pairs, graph)
     held = np.zeros(count + 1, np.bool_)
@@ -317,7 +317,7 @@ def taken_out(blocks, place, still, problem, point):
     own_ends = (
         _ends_of(vertex_block, source, place, still, count),
         _ends_of(edge_block, source, place, still, count),
-        _levers_of(levers, source),
+        _arms_of(arms, source),
     )
     own_springs = _springs_of(springs, source)
     links = own_pairs, (first, *row_pointers(count + 1, own_pairs)), own_ends, own_springs
@@ -356,17 +356,17 @@ def _pattern(problem):
 @kernel()
 def _factor(problem, pattern, kn, ks):
     """Return the factor of an island's system, and the first block without a pivot or -1."""
-    (base, _, _, fixed), (pairs, graph, (vertex_block, _, levers), _) = problem
-    own, upper = assemble(base, fixed, pairs, graph, (vertex_block, levers, kn, ks))
+    (base, _, _, fixed), (pairs, graph, (vertex_block, _, arms), _) = problem
+    own, upper = assemble(base, fixed, pairs, graph, (vertex_block, arms, kn, ks))
     return ldlt.exact(pattern, own, upper)
 
 
 @kernel()
 def _searched(problem, point, direction, decrement):
     """Return the point to which an exact line search leads, and evaluations."""
-    system, (_, graph, (vertex_block, edge_block, levers), springs) = problem
+    system, (_, graph, (vertex_block, edge_block, arms), springs) = problem
     d, gap, slip, normal, shear, _, _, _, _ = point
-    opening, sliding = contact_motions(vertex_block, edge_block, levers, direction)
+    opening, sliding = contact_motions(vertex_block, edge_block, arms, direction)
     only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
     smooth = start + island_sums(normal * opening + shear * sliding, only, 1)
     bend = np.full(1, form(system[0], direction))
@@ -375,7 +375,7 @@ def _searched(problem, point, direction, decrement):
     for i in range(len(d)):
         put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
     gap, slip, normal, shear, kn, ks = links_along(only, length, line, springs)
-    residual, distance = unbalanced(system, graph, (vertex_block, levers), d, normal, shear)
+    residual, distance = unbalanced(system, graph, (vertex_block, arms), d, normal, shear)
     return (d, gap, slip, normal, shear, kn, ks, residual, distance), evaluations
 
 

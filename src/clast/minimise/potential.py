@@ -24,10 +24,10 @@ from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import block_matrix, residual
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
-    Bearing,
     BlockSystem,
     DiagonalTerms,
     Graph,
+    LinearisedForces,
     contact_motions,
     symmetric_system,
 )
@@ -50,7 +50,7 @@ MOMENTUM_SHARE = 1e-4
 class Law(Protocol):
     """Springs that are not clipped straight lines, given by their forces."""
 
-    def at(self, gap: Floats, slip: Floats) -> Bearing:
+    def at(self, gap: Floats, slip: Floats) -> LinearisedForces:
         """Return the forces of all springs at gaps and slips (m,), m."""
         ...
 
@@ -69,7 +69,7 @@ class Point:
     """Gap of each link, m, shape (m,)."""
     slip: Floats
     """Slip of each link, m, shape (m,)."""
-    forces: Bearing
+    forces: LinearisedForces
     """The forces of the springs."""
     residual: Floats
     """F - K d + spring forces, minus the gradient, shape (n, 6); 0 for fixed blocks."""
@@ -167,7 +167,9 @@ class Potential:
         """Return the derivatives at ``unknowns`` (n, 6), with the links' gap and slip (m,), m."""
         return self.bearing(unknowns, gap, slip, self.forces.at(gap, slip))
 
-    def bearing(self, unknowns: Floats, gap: Floats, slip: Floats, forces: Bearing) -> Point:
+    def bearing(
+        self, unknowns: Floats, gap: Floats, slip: Floats, forces: LinearisedForces
+    ) -> Point:
         """Return the point at ``unknowns`` (n, 6) where the springs carry ``forces``."""
         found = self.unbalanced(unknowns, forces.normal_force, forces.shear_force)
         return Point(
@@ -197,13 +199,13 @@ class Potential:
     def _balance(self) -> tuple[Any, Graph, Any]:
         """Data of the blocks, their links, and data of those."""
         system = self.base.diagonal, self.inverse, self.base.force, self.fixed
-        return system, self.graph, (self.springs.vertex_block, self.springs.levers)
+        return system, self.graph, (self.springs.vertex_block, self.springs.arms)
 
     @property
     def problem(self) -> tuple[Any, Any]:
         """The same as islands are minimised by themselves (islands.py)."""
         springs = self.springs
-        ends = springs.vertex_block, springs.edge_block, springs.levers
+        ends = springs.vertex_block, springs.edge_block, springs.arms
         return self._balance[0], (springs.pairs, self.graph, ends, springs.arrays)
 
     # --- distances to the minimum

@@ -19,13 +19,13 @@ def left_at_starts(system, graph, contacts, table, islands, starts):
     blocks, gaps, slips (m,) and springs of the links (Springs.arrays), ``islands`` those of the
     blocks (n,) and their number, ``starts`` (k, n, 6) the unknowns.
     """
-    vertex_block, levers = contacts
+    vertex_block, arms = contacts
     edge_block, gap, slip, springs = table
     of_blocks, count = islands
     normal = np.empty((len(starts), len(gap)))
     shear = np.empty_like(normal)
     for k in range(len(starts)):
-        opening, sliding = contact_motions(vertex_block, edge_block, levers, starts[k])
+        opening, sliding = contact_motions(vertex_block, edge_block, arms, starts[k])
         bear = forces_at(gap + opening, slip + sliding, springs)
         normal[k], shear[k] = bear[0], bear[1]
     left = left_at(system, graph, contacts, starts, normal, shear)

@@ -57,12 +57,12 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
     place = np.cumsum(moves) - 1
     (system, links), own, source = taken_out(blocks, place, ~moves, potential.problem, point.arrays)
     diagonal, inverse, force, fixed = system
-    pairs, graph, (vertex_block, edge_block, levers), both = links
+    pairs, graph, (vertex_block, edge_block, arms), both = links
     unknowns, gap, slip, *forces, residual, distances = own
     springs = Springs(
         vertex_block=vertex_block,
         edge_block=edge_block,
-        levers=levers,
+        arms=arms,
         pair=np.repeat(np.arange(len(pairs)), np.diff(graph[0])),
         pairs=pairs,
         gap=gap,

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from clast.model.water.faces import Edges, facing_edges, outer_parts
+from clast.model.water.facing_edges import Edges, facing_edges, outer_parts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[Any]

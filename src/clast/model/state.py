@@ -242,7 +242,7 @@ class State:
     ledger: Ledger
     """Energy ledger."""
     actions: tuple[Any, ...] = ()
-    """Own state of each action, in the order of ``clast.actions.acting.actions_of``."""
+    """Own state of each action, in the order of ``clast.actions.active.actions_of``."""
     reactions: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     """Forces (x, y), N/m, by which supports held in the last step, and their moments about the
     points of ``Model.reactions``, N, shape (k, 3); (0, 3) before the first step."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.model.model import Floats
-from clast.model.stages.loads import standing
+from clast.model.stages.stage_loads import standing
 from clast.model.water.water import (
     Water,
     ends_of_faces,

@@ -29,8 +29,8 @@ from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, 
 from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
-from clast.pictures.supports.links import draw_links, handles_of_links
-from clast.pictures.supports.reactions import draw_reactions, reaction_arrows
+from clast.pictures.supports.draw_links import draw_links, handles_of_links
+from clast.pictures.supports.draw_reactions import draw_reactions, reaction_arrows
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 

@@ -56,7 +56,7 @@ from clast.results.schema import (
     STEPS,
     TableSchema,
 )
-from clast.results.supports_record import Supported, supported_by
+from clast.results.supports_record import SupportsRecord, supported_by
 
 NOTEBOOK = "clast.pictures.notebook"
 """Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
@@ -120,7 +120,7 @@ class Recording:
     """Name of each link."""
     lining_joints: LiningJoints = field(default_factory=LiningJoints, repr=False)
     """The joints of linings."""
-    supported: Supported = field(default_factory=Supported, repr=False)
+    supported: SupportsRecord = field(default_factory=SupportsRecord, repr=False)
     """Blocks of reactions, and places of links."""
     origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
     """Point that coordinates of the model are relative to, m, shape (2,)."""

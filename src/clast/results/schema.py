@@ -272,7 +272,7 @@ BOLT_TABLE = TableSchema(
 )
 REACTION_TABLE = TableSchema(
     name="reactions",
-    meaning="What supports bear: fixed blocks and points, moved blocks, viscous edges.",
+    meaning="Reactions of supports: fixed blocks and points, moved blocks, viscous edges.",
     per=Per.INSTANT,
     of=REACTIONS,
     since="reactions",

@@ -13,7 +13,7 @@ from clast.results.open_file import MalformedError
 
 
 @dataclass(frozen=True, kw_only=True)
-class Supported:
+class SupportsRecord:
     """The blocks of reactions, and the links of a run."""
 
     of_block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
@@ -22,12 +22,12 @@ class Supported:
     """The links, where they were at the start."""
 
 
-def supported_by(model: Model) -> Supported:
+def supported_by(model: Model) -> SupportsRecord:
     """Return the supports and links of a model, in coordinates of the user."""
-    return Supported(of_block=model.reactions.of_block, links=model.link_lines)
+    return SupportsRecord(of_block=model.reactions.of_block, links=model.link_lines)
 
 
-def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> Supported:
+def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> SupportsRecord:
     """Return those of a file, none where it is of before; raises MalformedError."""
     model = file["model"]
     of_block = _whole(model, "reaction_of_block", 2, (reactions, blocks))
@@ -41,7 +41,7 @@ def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...])
     )
     if len({len(one) for one in (name, lines.block, lines.holds, lines.at, lines.along)}) != 1:
         raise MalformedError("/model has links that do not fit together")
-    return Supported(of_block=of_block, links=lines)
+    return SupportsRecord(of_block=of_block, links=lines)
 
 
 def _whole(model: Any, name: str, wide: int, below: tuple[int, ...]) -> Ints:

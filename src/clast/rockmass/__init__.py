@@ -2,6 +2,7 @@
 
 from clast.renamed import names_of
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
+from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
 from clast.rockmass.cutting import Cut, cut
 from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
 from clast.rockmass.joints.directions import Fisher, VonMises, apparent
@@ -18,9 +19,8 @@ from clast.rockmass.joints.spacing_distributions import (
     Uniform,
     Values,
 )
-from clast.rockmass.repair.mender import BlockRepair
+from clast.rockmass.repair.block_repair import BlockRepair
 from clast.rockmass.repair.repair import Repaired, RepairReport, repaired
-from clast.rockmass.report_of_cut import CutReport, Finding, SetReport, Sizes
 
 __getattr__ = names_of("clast.rockmass", {"Mender": "BlockRepair", "Report": "CutReport"})
 

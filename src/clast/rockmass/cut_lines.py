@@ -15,13 +15,13 @@ from clast import spelling
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
 from clast.model.names import check_names
+from clast.rockmass.cut_report import PLACES
 from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window
 from clast.rockmass.network.snapping import snapped, through
 from clast.rockmass.outlines import Outline, outline
-from clast.rockmass.report_of_cut import PLACES
 
 WELDED = "welded"
 """Joint of the edges that split a ring: they are no joints, and hold for good."""

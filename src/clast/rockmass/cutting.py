@@ -37,20 +37,20 @@ from clast.rockmass.cut_lines import (
     tables,
     trace_lines,
 )
-from clast.rockmass.cut_report import Before, CutRecord, report_of
+from clast.rockmass.cut_report import CutReport
 from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.estimate import check_counted, check_expected
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE
+from clast.rockmass.make_cut_report import Before, CutRecord, report_of
 from clast.rockmass.network.graph_faces import NOTHING, FaceOutlines, sided
 from clast.rockmass.network.holes import Whole, without_holes
 from clast.rockmass.network.loose_ends import loose_ends
 from clast.rockmass.network.noding import Noded, noded
 from clast.rockmass.network.planar import Graph, bordering, straightened
 from clast.rockmass.network.snapping import Snapped, snapped
-from clast.rockmass.report_of_cut import CutReport
-from clast.rockmass.sizes import Limits, limits_of
+from clast.rockmass.sizes import SizeLimits, limits_of
 
 MOST_REVERTS = 20
 
@@ -240,7 +240,7 @@ def _in_one_block(at: Site, graph: Graph) -> Bools:
     return inside & ~graph.barrier
 
 
-def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
+def _faces(at: Site, graph: Graph, limits: SizeLimits) -> tuple[Whole, Graph]:
     """Return the faces without holes, and the edges that border nothing, which are taken out."""
     place = FaceOutlines(
         domain=_in_cells(at, at.window.polygon),

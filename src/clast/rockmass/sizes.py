@@ -16,7 +16,7 @@ SHARE = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class SizeLimits:
     """Smallest edges and blocks."""
 
     smallest_edge: float
@@ -25,7 +25,7 @@ class Limits:
     """Smaller blocks are merged, m2."""
 
 
-def limits_of(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> Limits:
+def limits_of(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> SizeLimits:
     """Return the limits of a domain: those given, else by the median spacing of its sets.
 
     Where only traces are drawn, their spacing is the area over their length.
@@ -38,7 +38,7 @@ def limits_of(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPatte
             edge = min(edge, 0.5 * math.sqrt(block))
     if block is None:
         block = (2.0 * edge) ** 2
-    return Limits(smallest_edge=float(edge), smallest_block=float(block))
+    return SizeLimits(smallest_edge=float(edge), smallest_block=float(block))
 
 
 def _spacing(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> float:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import actions_of, own_states
 from clast.actions.action import ReportsEvents
+from clast.actions.active import actions_of, own_states
 from clast.model.model import Model
 from clast.model.stages.records import Event
 from clast.model.state import State

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import actions_of, own_states
+from clast.actions.active import actions_of, own_states
 from clast.actions.in_situ import LoadedEnds
 from clast.actions.relaxation import Relaxation, SupportForces, gone_in, no_forces
 from clast.block import polygon

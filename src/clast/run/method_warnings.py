@@ -354,7 +354,7 @@ def _records(model: Model) -> Iterator[tuple[str, Floats, Floats]]:
         record = model.ground_motion.accelerogram
         yield "the ground motion", record.time, record.acceleration
     for factor in model.factors:
-        yield f"table '{shortened(factor.name)}'", factor.time, factor.value[:, None]
+        yield f"amplitude '{shortened(factor.name)}'", factor.time, factor.value[:, None]
 
 
 def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:

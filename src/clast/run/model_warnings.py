@@ -158,7 +158,7 @@ def _idle_warnings(model: Model) -> Iterator[str]:
     idle = np.array([k for k in idle if model.factors[k].name not in used], np.int64)
     for number in idle[:NAMED].tolist():
         name = shortened(model.factors[number].name)
-        yield f"no load has the factor '{name}': name the table in a load, or remove it"
+        yield f"no load has the amplitude '{name}': name it in a load, or remove it"
     unused = np.setdiff1d(np.arange(len(model.rocks)), model.block_rock)
     for rock in unused[:NAMED].tolist():
         name = shortened(model.rocks[rock].name)
@@ -423,7 +423,7 @@ def _water_warnings(model: Model) -> Iterator[str]:
         wetted = [owner[water.faces.edge], owner[water.joints.edge.ravel()]]
         never = water.share == 0.0 or (water.factor and not water.factor.value.any())
         if never or model.fixed[np.concatenate(wetted)].all():
-            why = "its factor is zero" if never else "all blocks that it touches are fixed"
+            why = "its amplitude is zero" if never else "all blocks that it touches are fixed"
             yield f"{called} has no effect: {why}. Remove it, or give it something to press on"
         if float(water.surface[:, 1].min()) > top:
             over = float(water.surface[:, 1].min()) - top

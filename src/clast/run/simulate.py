@@ -24,7 +24,6 @@ from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
 from clast.run.events import Listener, bonds_break, joints_wear
-from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
@@ -35,6 +34,7 @@ from clast.run.stages.position import EquilibriumStreak, Position
 from clast.run.stages.stage_sequence import StageSequence, fails, failure_warning
 from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting
+from clast.run.start_in_situ import in_equilibrium
 from clast.step import energy_balance
 from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy

@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.block.polygon import edges
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.water.faces import edges_of, facing_edges
+from clast.model.water.facing_edges import edges_of, facing_edges
 
 BENDS = np.radians(3.0), np.radians(60.0)
 """Bends of the ground below are none, and above are two faces, rad."""

@@ -5,7 +5,7 @@ step with its new velocity, ``shift`` away from where it was: by -t dv for a cha
 
 ``bodies`` are velocities now and before the impact (n, 6), shifts (n, 6), m, the time of the last
 impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), the change of (u, v, r) by an impulse,
-and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, levers
+and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, arms
 (contact/jacobian.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
 contact strikes, infinity if it does not; whether it carries, and how often it has struck (m,);
 which contacts may wait to strike, whether each is among them (m,), and how many they are.
@@ -58,9 +58,9 @@ Later strikes are left to the springs.
 @kernel(forceinline=True)
 def _accelerations(c, acceleration, contacts):
     """Return the accelerations of contact c along its normal and its edge, m/s2."""
-    _, vertex_block, edge_block, levers, _, _ = contacts
+    _, vertex_block, edge_block, arms, _, _ = contacts
     i, j = vertex_block[c], edge_block[c]
-    nx, ny = levers[c, 0], levers[c, 1]
+    nx, ny = arms[c, 0], arms[c, 1]
     x, y = acceleration[i, 0] - acceleration[j, 0], acceleration[i, 1] - acceleration[j, 1]
     return nx * x + ny * y, nx * y - ny * x
 
@@ -68,8 +68,8 @@ def _accelerations(c, acceleration, contacts):
 @kernel(forceinline=True)
 def _rates(c, time, velocity, acceleration, contacts):
     """Return how fast contact c opens and slips at a time in the step, m/s."""
-    _, vertex_block, edge_block, levers, _, _ = contacts
-    opening, slip = relative_motion(levers, c, velocity, vertex_block[c], edge_block[c])
+    _, vertex_block, edge_block, arms, _, _ = contacts
+    opening, slip = relative_motion(arms, c, velocity, vertex_block[c], edge_block[c])
     along_normal, along_edge = _accelerations(c, acceleration, contacts)
     return opening + time * along_normal, slip + time * along_edge
 
@@ -78,13 +78,13 @@ def _rates(c, time, velocity, acceleration, contacts):
 def _moment(c, bodies, contacts, limits):
     """Return when contact c closes faster than the threshold, s; infinity: not in this step."""
     velocity, _, shift, last, acceleration, _, _ = bodies
-    gap, vertex_block, edge_block, levers, _, _ = contacts
+    gap, vertex_block, edge_block, arms, _, _ = contacts
     step, threshold, _ = limits
     i, j = vertex_block[c], edge_block[c]
     start = max(last[i], last[j])
     bend, _ = _accelerations(c, acceleration, contacts)
     rate, _ = _rates(c, start, velocity, acceleration, contacts)
-    shifted, _ = relative_motion(levers, c, shift, i, j)
+    shifted, _ = relative_motion(arms, c, shift, i, j)
     here = gap[c] + shifted + start * (rate - 0.5 * start * bend)
     if here <= 0.0:
         return start if rate < -threshold else np.inf

@@ -36,9 +36,9 @@ from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
-    Bearing,
     DiagonalTerms,
     Graph,
+    LinearisedForces,
     contact_motions,
     graph_of,
     inverse_of_blocks,
@@ -414,7 +414,7 @@ class OfContacts:
     springs: Springs
     """That table; its rows for the contacts do not count."""
 
-    def at(self, gap: Floats, slip: Floats) -> Bearing:
+    def at(self, gap: Floats, slip: Floats) -> LinearisedForces:
         """Return the forces of all springs at gaps and slips (m,), m."""
         answer = self._answer(gap, slip)
         if len(self.contacts) == len(self.springs):

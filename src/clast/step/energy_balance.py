@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import done_by
 from clast.actions.action import NOTHING, Solution
+from clast.actions.active import done_by
 from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
@@ -30,7 +30,7 @@ from clast.model.state import Ledger, State
 from clast.read_only import changed
 from clast.step.method import Method, StepSolution
 from clast.step.start import StepContext
-from clast.step.supports.prescribed import Held
+from clast.step.supports.prescribed import DrivenBlocks
 
 FINEST = 4.0 * float(np.finfo(float).eps)
 """Rounding of coordinates, as a share of the largest."""
@@ -145,10 +145,12 @@ def balance(
     )
     numerical, unaccounted = ledger.numerical, ledger.unaccounted
     changes: list[Ledger] = []
-    own = []
-    for action, mine, share in zip(context.actions, context.own, context.shares, strict=True):
+    states = []
+    for action, mine, share in zip(
+        context.actions, context.action_states, context.shares, strict=True
+    ):
         done = done_by(action, context.at, mine, share, of_actions)
-        own.append(done.own)
+        states.append(done.state)
         if done is NOTHING:
             continue
         change = done.ledger
@@ -162,10 +164,10 @@ def balance(
         changes.append(Ledger(damping=-undamped))
         numerical += undamped
     ledger = ledger.plus(*changes)
-    return changed(ledger, numerical=numerical, unaccounted=unaccounted), tuple(own)
+    return changed(ledger, numerical=numerical, unaccounted=unaccounted), tuple(states)
 
 
-def _energy_of_driven(context: StepContext, held: Held) -> float:
+def _energy_of_driven(context: StepContext, held: DrivenBlocks) -> float:
     """Return the kinetic energy of motions that are prescribed, J/m; no damping takes it."""
     velocity = np.where(held.components, context.state.velocity, 0.0)
     momentum = np.einsum("nij,nj->ni", context.frames.mass_matrix, velocity)

@@ -25,7 +25,7 @@ from clast.step.energy_balance import StepEnd, balance
 from clast.step.integration import end_velocity
 from clast.step.method import StepResult, StepSolution
 from clast.step.start import StepContext
-from clast.step.supports.reactions import holding, reactions_of
+from clast.step.supports.support_reactions import holding, reactions_of
 
 
 def finish(context: StepContext, solution: StepSolution, depth: float) -> StepResult:
@@ -137,7 +137,7 @@ def reject_tunnelled(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class StepMotion:
     """Where a displacement takes the system."""
 
     vertices: Floats
@@ -185,7 +185,7 @@ def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
     return stress
 
 
-def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
+def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> StepMotion:
     """Return where the unknowns d (n, 6) of a step take the system.
 
     Raises StepRejected where a vertex moves further than max_displacement against a block that it
@@ -211,7 +211,7 @@ def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
             f"{approach:.3g} m against max_displacement = {method.max_displacement:.3g} m",
         )
     points = move(state.points, model.material_points.block, centroid, unknowns, gradient)
-    return Motion(
+    return StepMotion(
         vertices=vertices,
         points=points,
         stress=elasticity.turned(end.stress, STRESS, turn, 1.0),

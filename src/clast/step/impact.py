@@ -122,7 +122,7 @@ def after_impacts(
         contacts.gap[some],
         contacts.vertex_block[some],
         contacts.edge_block[some],
-        contacts.levers[some],
+        contacts.arms[some],
         back[some],
         contacts.friction[some],
     )
@@ -256,7 +256,7 @@ def scheme_of(
         context.frames.mass_matrix,
         model.fixed,
         graph,
-        (contacts.vertex_block, contacts.levers),
+        (contacts.vertex_block, contacts.arms),
         (closes, bears, bears & (contacts.friction > 0.0)),
     )
     if context.held is not None:

@@ -58,14 +58,14 @@ def describe(at, c, rates, target, velocity, mobility, contacts, linear):
     to open with ``target``, m/s, at least and not to slip.
     """
     ends, rows, effects, goal, ease, coupling, friction = linear
-    _, vertex_block, edge_block, levers, _, tangents = contacts
+    _, vertex_block, edge_block, arms, _, tangents = contacts
     i, j = vertex_block[c], edge_block[c]
     ends[at, 0], ends[at, 1], friction[at] = i, j, tangents[c]
     for k in range(2):
         normal, shear = 1.0 - k, 1.0 * k
         ease[at, k] = 0.0
-        _respond(at, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
-        _respond(at, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
+        _respond(at, k, 0, i, mobility, force_on(arms, c, True, normal, shear), linear)
+        _respond(at, k, 1, j, mobility, force_on(arms, c, False, normal, shear), linear)
         goal[at, k] = _along(at, k, rows, i, j, velocity) - rates[k]
     goal[at, 0] += target
     coupling[at] = 0.0

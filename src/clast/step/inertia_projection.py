@@ -108,16 +108,16 @@ def _add(force, b, low, room, stopped):
 @kernel()
 def _stop(b, first, last, contacts, stops, room, stopped):
     """Add the motions of block b that contacts ``first`` to ``last`` - 1 stop."""
-    (vertex_block, levers), (_, bears, sticks), (low, free) = contacts, stops, room
+    (vertex_block, arms), (_, bears, sticks), (low, free) = contacts, stops, room
     count = stopped[0]
     for c in range(first, last):
         if count[b] == 6:
             return
         if bears[c]:
             own = vertex_block[c] == b
-            _add(force_on(levers, c, own, 1.0, 0.0), b, low, free, stopped)
+            _add(force_on(arms, c, own, 1.0, 0.0), b, low, free, stopped)
             if sticks[c]:
-                _add(force_on(levers, c, own, 0.0, 1.0), b, low, free, stopped)
+                _add(force_on(arms, c, own, 0.0, 1.0), b, low, free, stopped)
 
 
 @kernel()
@@ -159,7 +159,7 @@ def stopped_motions(
     """Return how many motions contacts stop on each block (n,), these q and M q (n, 6, 6) each.
 
     Rows from that number on are not written.  ``graph`` is that of the contacts
-    (linear/assembly.py), ``contacts`` their vertex_block (m,) and levers, ``stops`` which of them
+    (linear/assembly.py), ``contacts`` their vertex_block (m,) and arms, ``stops`` which of them
     close, which carry and which of these rub (m,).
     """
     count = len(fixed)

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from clast.actions.acting import ActiveActions
 from clast.actions.action import Action
+from clast.actions.active import ActiveActions
 from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
 from clast.compute.stopwatch import Clock
@@ -45,7 +45,7 @@ class Workspace:
     """Pairs of blocks near each other."""
     patterns: Patterns = field(default_factory=Patterns)
     """Orders and fill of the last factors, and the aggregates of the last coarse space."""
-    acting: ActiveActions = field(default_factory=ActiveActions)
+    active: ActiveActions = field(default_factory=ActiveActions)
     """The actions on the blocks beside contacts."""
     _inexact: tuple[Any, Any] = (None, None)
     clock: Clock | None = None

@@ -37,7 +37,7 @@ from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
 from clast.step.search_distance import ContactSearch
 from clast.step.start import StepContext, diagonal_terms
-from clast.step.supports.prescribed import Held
+from clast.step.supports.prescribed import DrivenBlocks
 from clast.step.take_step import take_step
 
 THROWN = (
@@ -87,7 +87,7 @@ class PassResult:
     """Slip in the step, m, shape (m,)."""
     response: ContactResponse
     """The law's answer at the end of the step."""
-    acting: ContactResponse
+    in_equations: ContactResponse
     """The same, or half way where forces are taken there: as in the equations."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
@@ -150,7 +150,7 @@ class Modified:
                 if multipliers.enough(law, solves, contacts, found.gap):
                     break
                 contacts = found.contacts
-            settled = np.array_equal(found.acting.mode, entered.mode)
+            settled = np.array_equal(found.in_equations.mode, entered.mode)
             settled = settled and are_settled(springs, at, unknowns)
             if passes >= self.passes or settled:
                 return solution_of(context, found, at, counts_of(passes, factor))
@@ -197,7 +197,7 @@ def pass_result(
         gap=gap,
         slip=slip,
         response=response,
-        acting=response if taken is None else taken.respond(law, contacts, gap, slip),
+        in_equations=response if taken is None else taken.respond(law, contacts, gap, slip),
         applied=forces_in_equations(entered, *seen, gap, slip),
     )
 
@@ -234,7 +234,7 @@ def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bearing:
+class JoinedForces:
     """Forces of all links, in the order of their table; see ContactResponse."""
 
     normal_force: Floats
@@ -251,7 +251,7 @@ def coupled_system(
     response: ContactResponse,
     seen: tuple[Floats, Floats],
     at: Floats,
-) -> tuple[BlockSystem, ContactResponse | Bearing]:
+) -> tuple[BlockSystem, ContactResponse | JoinedForces]:
     """Return the system of a solve, and the forces in it.
 
     The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs of
@@ -268,7 +268,7 @@ def coupled_system(
     def joined(one: Floats, other: Floats) -> Floats:
         return _joined(len(table), (of_contacts, one), (of_springs, other))
 
-    bearing = Bearing(
+    bearing = JoinedForces(
         normal_force=joined(response.normal_force, bear.normal_force),
         shear_force=joined(response.shear_force, bear.shear_force),
         normal_stiffness=joined(response.normal_stiffness, bear.normal_stiffness),
@@ -283,7 +283,7 @@ def coupled_system(
 
 
 def _beside(
-    held: Held | None, links: Contacts | Springs, gap: Floats, slip: Floats
+    held: DrivenBlocks | None, links: Contacts | Springs, gap: Floats, slip: Floats
 ) -> tuple[Floats, Floats]:
     """Return gaps and slips (m,), m, without the part of prescribed motions."""
     if held is None:

@@ -106,7 +106,7 @@ class OpenClose:
             stages("solve")
             unknowns = context.total(factor.solve(system, bearing))
             found = pass_result(law, contacts, entered, seen, unknowns, taken)
-            settled = have_settled(entered, found.acting)
+            settled = have_settled(entered, found.in_equations)
             if tried >= least and settled and are_settled(springs, at, unknowns):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0

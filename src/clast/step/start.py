@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import acceleration_of, add_shares, own_states, shares_of
 from clast.actions.action import Action, Contribution, StepStart
+from clast.actions.active import acceleration_of, add_shares, own_states, shares_of
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
 from clast.compute.stopwatch import Stages
@@ -31,7 +31,7 @@ from clast.model.state import State
 from clast.step import inertia_projection
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
-from clast.step.supports.prescribed import Held, held_by
+from clast.step.supports.prescribed import DrivenBlocks, held_by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ class StepContext:
     """Velocity that enters the equations, shape (n, 6)."""
     actions: tuple[Action, ...]
     """The actions on the blocks beside contacts."""
-    own: tuple[Any, ...]
+    action_states: tuple[Any, ...]
     """Own state of each action."""
     shares: tuple[Contribution, ...]
     """The contribution of each action to the equations."""
@@ -65,7 +65,7 @@ class StepContext:
     """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
     stages: Stages
     """Adds up the time of the stages of the step."""
-    held: Held | None = None
+    held: DrivenBlocks | None = None
     """Motions that are prescribed, None where none is."""
 
     @property
@@ -102,14 +102,14 @@ def begin(
         support_stiffness=method.fixed_point_stiffness,
         clock=method.clock,
     )
-    actions = workspace.acting.actions(model, method.fixed_point_stiffness, method.damping)
-    own = own_states(actions, model, state)
-    shares = shares_of(actions, at, own)
+    actions = workspace.active.actions(model, method.fixed_point_stiffness, method.damping)
+    action_states = own_states(actions, model, state)
+    shares = shares_of(actions, at, action_states)
     carried = method.dynamic_ratio * math.prod([share.carried for share in shares])
     if carried < 1.0 and at.forces_at < 1.0:
         # what does not swing on would step from one side of its equilibrium to the other
         at = replace(at, forces_at=1.0)
-        shares = shares_of(actions, at, own)
+        shares = shares_of(actions, at, action_states)
     velocity = carried * state.velocity
     drift, held = step * velocity, held_by(shares, model)
     if held is not None:
@@ -128,7 +128,7 @@ def begin(
         workspace=workspace,
         velocity=velocity,
         actions=actions,
-        own=own,
+        action_states=action_states,
         shares=shares,
         drift=drift,
         springs=springs_between(shares),

@@ -11,10 +11,12 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from clast.renamed import warn_of
+
 if TYPE_CHECKING:
     from clast.studies.comparing import Combination as Combination
-    from clast.studies.comparing import Comparison as Comparison
-    from clast.studies.comparing import Row as Row
+    from clast.studies.comparing import ComparedMethods as ComparedMethods
+    from clast.studies.comparing import ComparedRun as ComparedRun
     from clast.studies.comparing import combinations as combinations
     from clast.studies.comparing import compare as compare
     from clast.studies.comparison_pages import write_comparison as write_comparison
@@ -23,8 +25,8 @@ if TYPE_CHECKING:
 
 HOME = {
     "Combination": "clast.studies.comparing",
-    "Comparison": "clast.studies.comparing",
-    "Row": "clast.studies.comparing",
+    "ComparedMethods": "clast.studies.comparing",
+    "ComparedRun": "clast.studies.comparing",
     "combinations": "clast.studies.comparing",
     "compare": "clast.studies.comparing",
     "write_comparison": "clast.studies.comparison_pages",
@@ -36,7 +38,14 @@ HOME = {
 __all__ = list(HOME)
 
 
+EARLIER = {"Comparison": "ComparedMethods", "Row": "ComparedRun"}
+"""Earlier public name -> present name."""
+
+
 def __getattr__(name: str) -> Any:
+    if name in EARLIER:
+        warn_of(f"clast.studies.{name}", EARLIER[name])
+        name = EARLIER[name]
     if name not in HOME:
         raise AttributeError(f"module 'clast.studies' has no attribute '{name}'")
     return getattr(import_module(HOME[name]), name)

@@ -65,7 +65,7 @@ class Combination:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class ComparedRun:
     """The result of one combination; n blocks, nv vertices."""
 
     combination: Combination
@@ -138,7 +138,7 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class ComparedMethods:
     """The same case through several combinations; n blocks, nv vertices."""
 
     name: str
@@ -147,7 +147,7 @@ class Comparison:
     """Title of the case."""
     end: float
     """Time at which a run reaches its end, s."""
-    rows: tuple[Row, ...]
+    rows: tuple[ComparedRun, ...]
     """The result of each combination."""
     start: Floats = field(repr=False)
     """Vertices at the start, m, shape (nv, 2)."""
@@ -182,7 +182,7 @@ def compare(
     laws: Sequence[Any] = tuple(CONTACT_LAWS),
     *,
     watch: Watch | None = None,
-) -> Comparison:
+) -> ComparedMethods:
     """Run a case through every process with every law; a run that stops is a row like the others.
 
     Processes and laws are names as in case files, or objects: ``laws=["penalty", MyLaw()]``.
@@ -193,7 +193,7 @@ def compare(
     for combination in wanted:
         combination.applied_to(case)  # what is no process or law is refused before the first run
     model = case.model()
-    return Comparison(
+    return ComparedMethods(
         name=case.name,
         title=case.title or case.name,
         end=case.time.end,
@@ -204,7 +204,7 @@ def compare(
     )
 
 
-def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> Row:
+def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> ComparedRun:
     """Run a case with one combination; interrupting it interrupts the comparison."""
     applied = combination.applied_to(case)
 
@@ -222,10 +222,10 @@ def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> 
     return _row(applied, combination, run)
 
 
-def _row(case: Case, combination: Combination, run: Run) -> Row:
+def _row(case: Case, combination: Combination, run: Run) -> ComparedRun:
     names = run.model.measured_points.name
     ends = {name: run.history(name).displacement[-1] for name in names}
-    return Row(
+    return ComparedRun(
         combination=combination,
         report=replace(run.report, seconds=dict(run.report.seconds)),
         time=run.state.time,

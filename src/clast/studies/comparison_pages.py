@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
-from clast.studies.comparing import Comparison
+from clast.studies.comparing import ComparedMethods
 from clast.studies.comparison_table import cells, headings, remarks
 
 PAGE = "comparison"
@@ -24,7 +24,7 @@ STYLE = (
 )
 
 
-def write_comparison(comparison: Comparison, directory: Path) -> list[Path]:
+def write_comparison(comparison: ComparedMethods, directory: Path) -> list[Path]:
     """Write comparison.md, .html, .json and .png into a directory; return their paths."""
     directory.mkdir(parents=True, exist_ok=True)
     picture = draw(comparison, directory / f"{PAGE}.png")
@@ -39,7 +39,7 @@ def write_comparison(comparison: Comparison, directory: Path) -> list[Path]:
     return [*(directory / f"{PAGE}{suffix}" for suffix in texts), picture]
 
 
-def draw(comparison: Comparison, path: Path) -> Path:
+def draw(comparison: ComparedMethods, path: Path) -> Path:
     """Draw the end states, processes side by side and laws below each other."""
     processes = list(dict.fromkeys(row.combination.process for row in comparison.rows))
     rows = sorted(
@@ -67,11 +67,11 @@ def draw(comparison: Comparison, path: Path) -> Path:
     return draw_side_by_side(scene, path)
 
 
-def _order_of_law(comparison: Comparison, law: str) -> int:
+def _order_of_law(comparison: ComparedMethods, law: str) -> int:
     return [row.combination.law for row in comparison.rows].index(law)
 
 
-def markdown(comparison: Comparison, picture: str) -> str:
+def markdown(comparison: ComparedMethods, picture: str) -> str:
     """Return the comparison as a Markdown page; ``picture`` is the picture's address."""
     lines = [f"# {comparison.title}", ""]
     lines += markdown_table(headings(comparison), [cells(comparison, r) for r in comparison.rows])
@@ -95,7 +95,7 @@ def _is_number(text: str) -> bool:
     return text[:1] in "-0123456789"
 
 
-def html(comparison: Comparison, picture: bytes) -> str:
+def html(comparison: ComparedMethods, picture: bytes) -> str:
     """Return the comparison as one HTML page with its picture (PNG) inside."""
     title = escape(comparison.title)
     head = "".join(f"<th>{escape(text)}" for text in headings(comparison))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clast.studies.comparing import Comparison, Row
+from clast.studies.comparing import ComparedMethods, ComparedRun
 
 MOST_POINTS = 4
 """Measured points that get a column of their own, at most; JSON has all."""
 
 
-def headings(comparison: Comparison) -> tuple[str, ...]:
+def headings(comparison: ComparedMethods) -> tuple[str, ...]:
     """Return the headings of the table; passes and solves are per step."""
     points = _points(comparison)
     ways = ("u, m", "v, m") if len(points) == 1 else ("way, m",)
@@ -29,7 +29,7 @@ def headings(comparison: Comparison) -> tuple[str, ...]:
     )
 
 
-def cells(comparison: Comparison, row: Row) -> tuple[str, ...]:
+def cells(comparison: ComparedMethods, row: ComparedRun) -> tuple[str, ...]:
     """Return the texts of a row, in the order of the headings."""
     points = _points(comparison)
     ways = [row.displacement[point] for point in points]
@@ -53,7 +53,7 @@ def cells(comparison: Comparison, row: Row) -> tuple[str, ...]:
     )
 
 
-def remarks(comparison: Comparison) -> list[str]:
+def remarks(comparison: ComparedMethods) -> list[str]:
     """Return the remarks below the table: references, why runs stopped, warnings, notes."""
     said = ["passes and solves: per step; penetration: the largest of the run"]
     said += _stiffness_texts(comparison)
@@ -70,7 +70,7 @@ def remarks(comparison: Comparison) -> list[str]:
     return list(dict.fromkeys(said))
 
 
-def _stiffness_texts(comparison: Comparison) -> list[str]:
+def _stiffness_texts(comparison: ComparedMethods) -> list[str]:
     """Return the normal stiffness of all rows, where it is the same and was given."""
     values = {row.stiffness for row in comparison.rows}
     if len(values) > 1 or comparison.rows[0].report.notes:
@@ -78,5 +78,5 @@ def _stiffness_texts(comparison: Comparison) -> list[str]:
     return [f"normal stiffness p: {values.pop():.4g} N/m per m"]
 
 
-def _points(comparison: Comparison) -> Sequence[str]:
+def _points(comparison: ComparedMethods) -> Sequence[str]:
     return list(comparison.rows[0].displacement)[:MOST_POINTS]

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from clast.model.model import Floats, Model
-from clast.pictures.study.figures import Places
+from clast.pictures.study.figures import FailurePlaces
 from clast.study.folder import DONE, StudyFolder
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
@@ -23,7 +23,7 @@ MOST_RUNS = 500
 """Most runs that are cut again; of more that fail the first are taken as a sample."""
 
 
-def share_of_places(folder: StudyFolder) -> Places | None:
+def share_of_places(folder: StudyFolder) -> FailurePlaces | None:
     """Return in which share of the runs each place fails; None where no run has blocks that fail.
 
     Runs that fail are cut again, as they were: their blocks follow from the study and their number.
@@ -48,7 +48,7 @@ def share_of_places(folder: StudyFolder) -> Places | None:
         return None
     share = count / runs * (failed / min(failed, MOST_RUNS))
     share[~_inside(outline, x, y)] = np.nan
-    return Places(x=x, y=y, share=share, outline=_rings(outline))
+    return FailurePlaces(x=x, y=y, share=share, outline=_rings(outline))
 
 
 def _outline(model: Model, chosen: np.ndarray | None = None) -> shapely.Geometry:

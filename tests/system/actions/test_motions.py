@@ -154,7 +154,7 @@ def piers(turn: float = 0.0, second: str = "R") -> ModelBuilder:
 
 def test_reactions_on_piers_that_settle():
     builder = piers()
-    builder.add_table("settlement", time=[0.0, 1.0], value=[0.0, -1.0])
+    builder.add_amplitude("settlement", time=[0.0, 1.0], value=[0.0, -1.0])
     course = {"displacement": "settlement", "scale": 0.03}
     builder.motion(name="right", block="R", y=course, ease=0.2)
     builder.measured_reaction("left", block="L")
@@ -193,7 +193,7 @@ def test_a_servo_presses_with_its_force(method: str):
     builder.block(name="sample", vertices=box(0.0, 0.0, 2.0, 1.0))
     builder.block(name="platen", vertices=box(0.0, 1.0, 2.0, 0.5))
     stress, ramp = (0.0, -1e6), {"time": [0.0, 0.1], "value": [0.0, 1.0]}
-    builder.add_table("ramp", **ramp)
+    builder.add_amplitude("ramp", **ramp)
     builder.motion(
         name="press",
         block="platen",
@@ -201,7 +201,7 @@ def test_a_servo_presses_with_its_force(method: str):
         rotation=0.0,
         stress=stress,
         limit_speed=0.5,
-        factor="ramp",
+        amplitude="ramp",
     )
     keys: dict[str, Any] = {**METHODS[method], "contact_law": STIFF}
     run = clast.simulate(builder.build(), step=2e-3, end=0.4, **keys)
@@ -265,7 +265,7 @@ def test_files_know_reactions(tmp_path: Path):
 
 def test_a_motion_is_written_to_a_case_and_back():
     builder = pushed()
-    builder.add_table("way", time=[0.0, 1.0], value=[0.0, 0.1])
+    builder.add_amplitude("way", time=[0.0, 1.0], value=[0.0, 0.1])
     builder.motion(block="floor 0", y={"displacement": "way"}, about=(0.0, 0.0), rotation=0.0)
     text = builder.to_toml(end=1.0, step=1e-3, stages=[clast.Stage(**keys) for keys in STAGES])
     case = clast.Case.from_toml(text)

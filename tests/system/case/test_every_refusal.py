@@ -28,14 +28,14 @@ BASE = """
 title = "all tables"
 plane = "strain"
 gravity = [0.0, -9.8]
-gravity_factor = "ramp"
+gravity_amplitude = "ramp"
 damping = "none"
 time = {step = 1e-3, end = 0.01, max_displacement = 0.01, dynamic_ratio = 1.0, smallest_step = 1e-6}
 output = {every = 1e-3, contacts = true, checkpoint_every = 10.0}
 rock.stone = {young = 1e9, poisson = 0.2, density = 2500.0, initial_stress = [0.0, 0.0, 0.0]}
 in_situ = {stress = [-1e3, -1e3, 0.0], gradient = [0.0, 0.0, 0.0], datum = 0.0, contacts = "none", \
 boundary = "roller", sides = ["left"]}
-table.ramp = {time = [0.0, 1.0], value = [0.5, 1.0]}
+amplitude.ramp = {time = [0.0, 1.0], value = [0.5, 1.0]}
 bolt_kind.bar = {stiffness = 1e7, yield_force = 1e5, rupture_elongation = 0.05, pretension = 1e3, \
 compression = false}
 [joint.default]
@@ -78,21 +78,21 @@ block = "base"
 at = [0.5, 1.0]
 force = [1.0, 0.0]
 block = "wall"
-factor = "ramp"
+amplitude = "ramp"
 name = "push"
 [[line_load]]
 start = [0.0, 2.0]
 end = [1.0, 2.0]
 traction = [0.0, -1.0]
 block = "wall"
-factor = "ramp"
+amplitude = "ramp"
 name = "push"
 [[pressure]]
 start = [0.0, 0.0]
 end = [0.0, 2.0]
 value = [2e4, 0.0]
 block = "wall"
-factor = "ramp"
+amplitude = "ramp"
 name = "push"
 [[bolt]]
 name = "first"
@@ -126,7 +126,7 @@ stress = [0.0, -1e5]
 x = 0.0
 rotation = 0.0
 limit_speed = 0.1
-factor = "ramp"
+amplitude = "ramp"
 stage = "later"
 until = 0.001
 [[link]]
@@ -149,7 +149,7 @@ stage = "later"
 [[moment]]
 block = "wall"
 moment = 1.0
-factor = "ramp"
+amplitude = "ramp"
 [[measured_reaction]]
 name = "hinge"
 fixed_point = [2.0, -0.5]
@@ -163,13 +163,13 @@ level = 1.0
 acts_on = "both"
 density = 1000.0
 joints = ["default"]
-factor = 1.0
+amplitude = 1.0
 drained_at = [[1.0, 0.0]]
 wetted = "closed"
 [[water]]
 line = [[-1.0, 1.0], [5.0, 1.5]]
 acts_on = "faces"
-factor = "ramp"
+amplitude = "ramp"
 [[viscous_boundary]]
 where = {side = "bottom"}
 normal = 1.0
@@ -348,7 +348,7 @@ SETTINGS: dict[str, list[str]] = {
     "servo without a speed": ["motion.2={block='wall', force=[0, 1]}"],
     "servo of nothing": ["motion.2.stress=[0, 0]"],
     "servo on what is moved": ["motion.2.stress=[1e5, 0]"],
-    "servo by no table": ["motion.2.factor=rmap"],
+    "servo by no table": ["motion.2.amplitude=rmap"],
     "speed of no servo": ["motion.1.limit_speed=1"],
     "link with itself": ["link.1.blocks=['wall', 'wall']"],
     "link of no block": ["link.1.blocks=['wall', 'bas']"],
@@ -389,14 +389,14 @@ SETTINGS: dict[str, list[str]] = {
     "lining thicker than its segments": lined("polyline=[[2, 0], [3.5, 0]]", 0.5),
     "lining thinner than nothing": lined("polyline=[[2, 0], [3.5, 0]]", -0.1),
     "moment on no block": ["moment.1.block=wal"],
-    "moment by no table": ["moment.1.factor=rmap"],
+    "moment by no table": ["moment.1.amplitude=rmap"],
     "reaction of nothing": ["measured_reaction.1={name='hinge'}"],
     "reaction of a free block": ["measured_reaction.2.block=base"],
     "reaction of no block": ["measured_reaction.2.block=bas"],
     "reaction at no fixed point": ["measured_reaction.1.fixed_point=[9, 9]"],
     "reactions of a name": ["measured_reaction.2.name=hinge"],
     "water in t/m3": ["water.1.density=1.0"],
-    "water by table": ["water.2.factor=rampe"],
+    "water by table": ["water.2.amplitude=rampe"],
     "drain far away": ["water.1.drained_at=[[3.0, -0.5]]"],
     "two waters of a name": ["water.2.name=lake"],
     "water without gravity": ["gravity=[0, 0]"],
@@ -438,10 +438,10 @@ SETTINGS: dict[str, list[str]] = {
     "pressure at no edge": ["pressure.1.start=[-0.1, 0]", "pressure.1.end=[-0.1, 2]"],
     "pressure of no length": ["pressure.1.end=[0, 0]"],
     "pressure on no block": ["pressure.1.block=wal"],
-    "pressure by no table": ["pressure.1.factor=rmap"],
+    "pressure by no table": ["pressure.1.amplitude=rmap"],
     "load in the air": ["point_load.1.at=[9, 9]"],
     "load on no block": ["point_load.1.block=wal"],
-    "load by no table": ["point_load.1.factor=rmap"],
+    "load by no table": ["point_load.1.amplitude=rmap"],
     "load in another block": ["point_load.1.block=base"],
     "line of no length": ["line_load.1.end=[0, 2]"],
     "line out of the block": ["line_load.1.end=[5, 5]"],
@@ -458,9 +458,9 @@ SETTINGS: dict[str, list[str]] = {
     "contact on a line": ["measured_contact.1.at=[0]"],
     "contact with a block": ["measured_contact.1.block=wall"],
     "measured by a dot": ["measured_point.1.name='.'", "reference.1.point='.'"],
-    "table falls": ["table.ramp.time=[1, 0]"],
-    "table of one": ["table.ramp={time=[0], value=[1]}"],
-    "table uneven": ["table.ramp.value=[1]"],
+    "table falls": ["amplitude.ramp.time=[1, 0]"],
+    "table of one": ["amplitude.ramp={time=[0], value=[1]}"],
+    "table uneven": ["amplitude.ramp.value=[1]"],
     "joint in radians": ["joint.default.friction_angle=0.5"],
     "joint of more left": ["joint.default.residual_cohesion=9"],
     "joint kinetic above static": ["joint.default.kinetic_friction_angle=40"],
@@ -519,7 +519,7 @@ SETTINGS: dict[str, list[str]] = {
     "blocks of a name": ["block.2.name=base"],
     "opening of no block": ["opening.1.blocks=['wal']"],
     "opening by a block's name": ["opening.1.name=wall"],
-    "gravity by no table": ["gravity_factor=rmap"],
+    "gravity by no table": ["gravity_amplitude=rmap"],
     "motion falls": ["ground_motion.time=[1, 0]"],
     "motion uneven": ["ground_motion.time=[0, 1, 2]"],
     "motion of no file": ["ground_motion={acts='base', file='none.csv'}"],
@@ -541,7 +541,7 @@ def scene() -> clast.ModelBuilder:
     builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
     builder.block(vertices=[(0, -1), (4, -1), (4, 0), (0, 0)], name="base", rock="stone")
     builder.block(vertices=[(0, 0), (1, 0), (1, 2), (0, 2)], name="wall", rock="stone")
-    builder.add_table("ramp", [0.0, 1.0], [0.5, 1.0])
+    builder.add_amplitude("ramp", [0.0, 1.0], [0.5, 1.0])
     builder.add_bolt_kind("bar", stiffness=1e7, yield_force=1e5, pretension=1e3)
     return builder
 
@@ -576,14 +576,20 @@ CALLS: dict[str, dict[str, Any]] = {
         "edge_joint": ["", "", ""],
     },
     "fixed_point": {"at": (2.0, -0.5), "block": "base"},
-    "add_table": {"name": "t", "time": [0, 1], "value": [0, 1]},
-    "point_load": {"at": (0.5, 1), "force": (1, 0), "block": "wall", "factor": "ramp", "name": "p"},
+    "add_amplitude": {"name": "t", "time": [0, 1], "value": [0, 1]},
+    "point_load": {
+        "at": (0.5, 1),
+        "force": (1, 0),
+        "block": "wall",
+        "amplitude": "ramp",
+        "name": "p",
+    },
     "line_load": {
         "start": (0, 2),
         "end": (1, 2),
         "traction": (0, -1),
         "block": "wall",
-        "factor": "ramp",
+        "amplitude": "ramp",
         "name": "p",
     },
     "pressure": {
@@ -591,14 +597,14 @@ CALLS: dict[str, dict[str, Any]] = {
         "end": (0, 2),
         "value": (1.0, 0.0),
         "block": "wall",
-        "factor": "ramp",
+        "amplitude": "ramp",
         "name": "p",
     },
     "measured_point": {"name": "A", "at": (1, 2), "block": "wall"},
     "measured_contact": {"name": "C", "at": (0, 0)},
     "measured_reaction": {"name": "R", "block": "wall"},
     "link": {"at": (0.5, 0), "blocks": ["wall", "base"], "x": "rigid", "rotation": 1e6},
-    "moment": {"block": "wall", "moment": 1.0, "factor": "ramp"},
+    "moment": {"block": "wall", "moment": 1.0, "amplitude": "ramp"},
     "lining": {
         "name": "plate",
         "polyline": [(2.0, 0.0), (3.5, 0.0)],
@@ -657,7 +663,7 @@ CALLS: dict[str, dict[str, Any]] = {
         "acts_on": "both",
         "name": "lake",
         "density": 1e3,
-        "factor": 1.0,
+        "amplitude": 1.0,
         "drained_at": [(1, 0)],
         "wetted": "closed",
     },

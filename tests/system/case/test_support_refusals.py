@@ -46,10 +46,10 @@ block = "held"
 [[fixed_point]]
 at = [4, 0]
 block = "held"
-[table.way]
+[amplitude.way]
 time = [0, 1]
 value = [0, 0.01]
-[table.late]
+[amplitude.late]
 time = [0, 1]
 value = [0.02, 0.03]
 [[stage]]
@@ -85,9 +85,9 @@ MOTIONS: list[tuple[dict[str, Any], str]] = [
     ({**SERVO, "y": 0.0}, "y is moved and pressed at once"),
     ({**SERVO, "block": "floor"}, "block 'floor' is fixed, and gives way to"),
     ({**SERVO, "block": None, "blocks": ["box", "lid"]}, "its blocks are not equally wide"),
-    ({**SERVO, "factor": "weigh"}, "there is no table 'weigh'"),
+    ({**SERVO, "amplitude": "weigh"}, "there is no amplitude 'weigh'"),
     ({**SERVO, "limit_speed": -1.0}, "must be above 0"),
-    ({"block": "box", "x": {"displacement": "weg"}}, "there is no table 'weg'"),
+    ({"block": "box", "x": {"displacement": "weg"}}, "there is no amplitude 'weg'"),
     ({"block": "box", "x": {"displacement": "late"}}, "is 0.02 where the motion begins"),
     ({"block": "box", "x": {}}, "follows nothing"),
     ({"block": "box", "x": {"displacement": "way", "velocity": "way"}}, "follows both"),
@@ -126,7 +126,7 @@ LINKS: list[tuple[dict[str, Any], str]] = [
 MOMENTS: list[tuple[dict[str, Any], str]] = [
     ({"block": "bax", "moment": 1e3}, "there is no block 'bax'"),
     ({"block": "box"}, "moment: is missing"),
-    ({"block": "box", "moment": 1e3, "factor": "wej"}, "there is no table 'wej'"),
+    ({"block": "box", "moment": 1e3, "amplitude": "wej"}, "there is no amplitude 'wej'"),
 ]
 REACTIONS: list[tuple[dict[str, Any], str]] = [
     ({"name": "r"}, "names nothing"),

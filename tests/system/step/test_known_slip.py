@@ -48,7 +48,7 @@ def drawn(turn=0.0, mirrored=False):
         ]
     )
     for name, values in zip("xy", placed(course * flip * flip).T, strict=True):
-        builder.add_table(name, times, values[::-1] if mirrored else values)
+        builder.add_amplitude(name, times, values[::-1] if mirrored else values)
     builder.motion(block="tip", x={"displacement": "x"}, y={"displacement": "y"}, rotation=0.0)
     return builder.build()
 

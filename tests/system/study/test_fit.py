@@ -39,8 +39,8 @@ def case(tmp_path: Path) -> Path:
     builder.block(name="block", vertices=corners, edge_joint=["base", "", "", ""])
     builder.add_bolt_kind("bar", stiffness=BAR, compression=True)
     builder.bolt((1.0, 0.01), (2.5, 0.01), kind="bar", name="bar")
-    table = builder.add_table("ramp", [0.0, 1.0], [0.0, 1.0])
-    builder.point_load((0.0, 0.01), (PUSH, 0.0), block="block", factor=table)
+    table = builder.add_amplitude("ramp", [0.0, 1.0], [0.0, 1.0])
+    builder.point_load((0.0, 0.01), (PUSH, 0.0), block="block", amplitude=table)
     builder.measured_point("A", (0.5, 0.01), block="block")
     path = tmp_path / "pushed.toml"
     path.write_text(builder.to_toml(step=0.05, end=1.0, dynamic_ratio=0.0))

@@ -37,9 +37,9 @@ def happened(
     return sorted(found)
 
 
-def story_of(own: BoltStates, model: Model) -> tuple[str, ...]:
+def story_of(state: BoltStates, model: Model) -> tuple[str, ...]:
     """Return all that has happened to bolts since the start of a run; of many, how many more."""
-    events = [text for *_, text in happened(model, untouched(len(own.rest)), own)]
+    events = [text for *_, text in happened(model, untouched(len(state.rest)), state)]
     if len(events) <= MOST:
         return tuple(events)
     return *events[:MOST], f"bolts: {len(events) - MOST} more events after these"

@@ -35,14 +35,14 @@ class Bolting:
         none = untouched(len(model.bolts.stiffness))
         return taken_up(model, none, lengths(model, model.bolts.at))
 
-    def share(self, start: StepStart, own: BoltStates) -> Contribution:
+    def share(self, start: StepStart, state: BoltStates) -> Contribution:
         """Return the springs of all bolts that carry between blocks that can move."""
         points = start.state.points[start.model.point_slices.bolts]
         length = lengths(start.model, points)
-        return Contribution(springs=_springs(start, taken_up(start.model, own, length), length))
+        return Contribution(springs=_springs(start, taken_up(start.model, state, length), length))
 
     def finish(
-        self, start: StepStart, own: BoltStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: BoltStates, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the result of the bolts: they store energy, yield and break.
 
@@ -52,14 +52,14 @@ class Bolting:
         model, bolts = start.model, start.model.bolts
         before = lengths(model, start.state.points[model.point_slices.bolts])
         after = lengths(model, solution.points[model.point_slices.bolts])
-        begun = taken_up(model, own, before)
+        begun = taken_up(model, state, before)
         pulled = stretched(bolts, begun, after, start.end)
         ended = ruptured(bolts, pulled, start.end)
         work = 0.0
         if share.springs is not None:
             work, _ = energy_of_springs(share.springs, solution)
-        was = np.where(own.counted, own.energy(bolts), 0.0)
-        fresh, jacked = begun.bears & ~own.counted, begun.bears & ~begun.locked
+        was = np.where(state.counted, state.energy(bolts), 0.0)
+        fresh, jacked = begun.bears & ~state.counted, begun.bears & ~begun.locked
         installed = np.where(fresh, begun.energy(bolts), 0.0)
         by_jacks = np.where(jacked, bolts.pretension * (before - after), 0.0)
         flow = pulled.plastic != begun.plastic
@@ -71,7 +71,7 @@ class Bolting:
             yielding=float(np.sum(plastic + broken)),
             removed=float(np.sum(was[begun.lost])),
         )
-        return ActionResult(work=work, ledger=ledger, own=ended)
+        return ActionResult(work=work, ledger=ledger, state=ended)
 
     def events(
         self, model: Model, before: BoltStates, after: BoltStates
@@ -87,7 +87,7 @@ def lengths(model: Model, points: Floats) -> Floats:
     return np.asarray(np.hypot(*(ends[:, 0] - ends[:, 1]).T))
 
 
-def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
+def taken_up(model: Model, state: BoltStates, length: Floats) -> BoltStates:
     """Return the springs when a step begins, at lengths (m,), m.
 
     Those installed since take their length as the one at rest, those whose jack is off go on from
@@ -95,59 +95,59 @@ def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
     """
     bolts = model.bolts
     there = bolts.installed[bolts.of_spring]
-    lost = own.lost | (there & model.gone[bolts.blocks].any(axis=1))
-    fresh = there & np.isnan(own.rest) & ~lost
+    lost = state.lost | (there & model.gone[bolts.blocks].any(axis=1))
+    fresh = there & np.isnan(state.rest) & ~lost
     return replace(
-        own,
-        rest=np.where(fresh, length, own.rest),
-        force=np.where(fresh, bolts.pretension, np.where(lost, 0.0, own.force)),
+        state,
+        rest=np.where(fresh, length, state.rest),
+        force=np.where(fresh, bolts.pretension, np.where(lost, 0.0, state.force)),
         lost=lost,
         locked=there & (~bolts.jacked | bolts.locked[bolts.of_spring]),
     )
 
 
-def stretched(bolts: Bolts, own: BoltStates, length: Floats, time: float) -> BoltStates:
+def stretched(bolts: Bolts, state: BoltStates, length: Floats, time: float) -> BoltStates:
     """Return the springs at other lengths (m,), m: their forces, and their yielding.
 
     Where a jack holds it the length at rest follows, so that it goes on from there when locked.
     """
-    held = own.bears & ~own.locked
-    rest = np.where(held, length, own.rest)
-    straight = bolts.pretension + bolts.stiffness * (length - rest - own.plastic)
-    straight = np.where(own.bears, straight, 0.0)
+    held = state.bears & ~state.locked
+    rest = np.where(held, length, state.rest)
+    straight = bolts.pretension + bolts.stiffness * (length - rest - state.plastic)
+    straight = np.where(state.bears, straight, 0.0)
     low = np.where(bolts.compression, -bolts.yield_force, 0.0)
     force = np.clip(straight, low, bolts.yield_force)
     yields = (straight > bolts.yield_force) | (straight < -bolts.yield_force)
     yields &= bolts.compression | (straight > 0.0)
     flow = np.where(yields, (straight - force) / bolts.stiffness, 0.0)
     return replace(
-        own,
+        state,
         rest=rest,
         force=force,
-        plastic=own.plastic + flow,
-        yielded_at=np.where(yields & np.isnan(own.yielded_at), time, own.yielded_at),
-        counted=own.counted | own.bears,
+        plastic=state.plastic + flow,
+        yielded_at=np.where(yields & np.isnan(state.yielded_at), time, state.yielded_at),
+        counted=state.counted | state.bears,
     )
 
 
-def ruptured(bolts: Bolts, own: BoltStates, time: float) -> BoltStates:
+def ruptured(bolts: Bolts, state: BoltStates, time: float) -> BoltStates:
     """Return the springs with those broken that are too long for it."""
-    breaks = own.bears & (own.elongation(bolts) > bolts.rupture)
+    breaks = state.bears & (state.elongation(bolts) > bolts.rupture)
     return replace(
-        own,
-        force=np.where(breaks, 0.0, own.force),
-        broken_at=np.where(breaks, time, own.broken_at),
+        state,
+        force=np.where(breaks, 0.0, state.force),
+        broken_at=np.where(breaks, time, state.broken_at),
     )
 
 
-def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | None:
+def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | None:
     """Return the links of the springs that carry, None where there are none.
 
     The force of a link is that on its first block along the line from the second one, compression
     positive.
     """
     model, bolts = start.model, start.model.bolts
-    acts = np.flatnonzero(own.bears & ~model.fixed[bolts.blocks].all(axis=1))
+    acts = np.flatnonzero(state.bears & ~model.fixed[bolts.blocks].all(axis=1))
     if not len(acts):
         return None
     points = start.state.points[model.point_slices.bolts][bolts.ends[acts]]
@@ -157,16 +157,16 @@ def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | Non
     apart = size > 0.0
     line = np.where(apart[:, None], way / np.where(apart, size, 1.0)[:, None], [1.0, 0.0])
     tension, strength = bolts.pretension[acts], bolts.yield_force[acts]
-    held, none = ~own.locked[acts], np.zeros(len(acts))
-    stretch = np.where(held, 0.0, size - own.rest[acts] - own.plastic[acts])
+    held, none = ~state.locked[acts], np.zeros(len(acts))
+    stretch = np.where(held, 0.0, size - state.rest[acts] - state.plastic[acts])
     slack = np.where(bolts.compression[acts], strength, 0.0)
-    across = np.where(apart, np.maximum(own.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
+    across = np.where(apart, np.maximum(state.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
     # one that is slack, and may become taut, bears what it does at the end of the step
-    place = np.where(own.force[acts] == 0.0, 1.0, start.forces_at)
+    place = np.where(state.force[acts] == 0.0, 1.0, start.forces_at)
     found, _ = table(
         vertex_block=block[:, 0],
         edge_block=block[:, 1],
-        levers=np.concatenate([line, offset[:, 0], offset[:, 1]], axis=1),
+        arms=np.concatenate([line, offset[:, 0], offset[:, 1]], axis=1),
         gap=stretch,
         slip=none,
         normal=Clipped(

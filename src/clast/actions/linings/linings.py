@@ -44,7 +44,7 @@ class SectionLimits:
     moment: Floats
     """Largest moment of each joint, N, inf for none, shape (k,)."""
 
-    def bounds(self, rows: LinkRows, own: LinkStates) -> tuple[Floats, Floats]:
+    def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
         """Return the least and the largest force of each row, N/m, or moment, N, (m,) each."""
         turns, axial = rows.component == TURNING, rows.component == ALONG
         moment, normal = self.moment[rows.link], self.normal[rows.link]
@@ -88,9 +88,9 @@ class Linings:
         none = np.zeros(len(self.springs.rows.name), np.bool_)
         return LiningStates(joints=self.springs.begin(model), cracked=none, yielded=none)
 
-    def share(self, start: StepStart, own: LiningStates) -> LiningShare:
+    def share(self, start: StepStart, state: LiningStates) -> LiningShare:
         """Return the springs of the joints, and that segments keep their shape."""
-        forces = self.forces(own)
+        forces = self.forces(state)
         bending = np.full(len(forces), np.inf)
         for one in self.each:
             if one.curve is not None:
@@ -99,7 +99,7 @@ class Linings:
                 # what yields goes on to yield; from others the solution is awaited
                 yields = (np.abs(moment) >= bears - AGREES * one.curve.largest) & (moment != 0.0)
                 bending[one.joints] = np.where(yields, bears, np.inf)
-        return self._share(start, own, bending)
+        return self._share(start, state, bending)
 
     def again(
         self, start: StepStart, share: LiningShare, displacement: Floats
@@ -110,8 +110,8 @@ class Linings:
         """
         if all(one.curve is None for one in self.each):
             return None
-        own = start.state.actions
-        mine = next((one for one in own if isinstance(one, LiningStates)), None)
+        state = start.state.actions
+        mine = next((one for one in state if isinstance(one, LiningStates)), None)
         mine = self.begin(start.model) if mine is None else mine
         forces = self._within(share.bending).forces_at(start, mine.joints, displacement)
         forces = self._by_joint(forces)
@@ -129,14 +129,14 @@ class Linings:
         return self._share(start, mine, bending)
 
     def finish(
-        self, start: StepStart, own: LiningStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: LiningStates, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the joints, and their forces."""
         bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
-        found = self._within(bending).finish(start, own.joints, share, solution)
-        ended = LiningStates(joints=found.own, cracked=own.cracked, yielded=own.yielded)
+        found = self._within(bending).finish(start, state.joints, share, solution)
+        ended = LiningStates(joints=found.state, cracked=state.cracked, yielded=state.yielded)
         forces = self.forces(ended)
-        cracked, yielded = own.cracked.copy(), own.yielded.copy()
+        cracked, yielded = state.cracked.copy(), state.yielded.copy()
         for one in self.each:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
@@ -146,7 +146,7 @@ class Linings:
                 stress = edge_stress(normal, moment, one.thickness)
                 pulled = stress > one.tension * (1.0 + AGREES) + AGREES * -one.curve.normal[0]
                 cracked[one.joints] |= pulled
-        return replace(found, own=replace(ended, cracked=cracked, yielded=yielded))
+        return replace(found, state=replace(ended, cracked=cracked, yielded=yielded))
 
     def events(
         self, model: Model, before: LiningStates, after: LiningStates
@@ -181,39 +181,39 @@ class Linings:
             face=np.concatenate(face).astype(np.int64),
         )
 
-    def forces(self, own: LiningStates) -> Floats:
+    def forces(self, state: LiningStates) -> Floats:
         """Return N, tension positive, Q, N/m, and M, N, of each joint, shape (k, 3).
 
         Q is the force to the left on what lies before the joint; M is positive where it stretches
         the left face, that of the opening.
         """
-        return self._by_joint(own.joints.force)
+        return self._by_joint(state.joints.force)
 
-    def utilisation(self, own: LiningStates) -> Floats:
+    def utilisation(self, state: LiningStates) -> Floats:
         """Return the share of the strength that each joint uses, NaN without strengths, (k,)."""
-        forces, found = self.forces(own), np.full(len(own.cracked), np.nan)
+        forces, found = self.forces(state), np.full(len(state.cracked), np.nan)
         for one in self.each:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
                 found[one.joints] = one.curve.utilisation(normal, moment)
         return found
 
-    def condition(self, own: LiningStates) -> Ints:
+    def condition(self, state: LiningStates) -> Ints:
         """Return 0 not installed, 1 intact, 2 cracked, 3 yielded, 4 lost of each joint, (k,)."""
-        there, lost = np.zeros((2, len(own.cracked)), np.bool_)
+        there, lost = np.zeros((2, len(state.cracked)), np.bool_)
         rows = self.springs.rows
-        there[rows.link[~np.isnan(own.joints.rest)]] = True
-        lost[rows.link[own.joints.broken]] = True
+        there[rows.link[~np.isnan(state.joints.rest)]] = True
+        lost[rows.link[state.joints.broken]] = True
         found = np.where(there, 1, 0)
-        found = np.where(own.cracked, 2, found)
-        found = np.where(own.yielded, 3, found)
+        found = np.where(state.cracked, 2, found)
+        found = np.where(state.yielded, 3, found)
         return np.where(lost, 4, found)
 
     # --- springs
 
-    def _share(self, start: StepStart, own: LiningStates, bending: Floats) -> LiningShare:
+    def _share(self, start: StepStart, state: LiningStates, bending: Floats) -> LiningShare:
         """Return the contribution with these bounds of moments (k,)."""
-        springs = self._within(bending).share(start, own.joints).springs
+        springs = self._within(bending).share(start, state.joints).springs
         return LiningShare(springs=springs, bending=bending)
 
     def _within(self, bending: Floats) -> Links:

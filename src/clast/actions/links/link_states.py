@@ -75,10 +75,10 @@ class LinkStates:
         return np.asarray(~np.isnan(self.rest) & ~self.broken)
 
 
-class Limits(Protocol):
+class ForceLimits(Protocol):
     """What bounds the forces of links."""
 
-    def bounds(self, rows: LinkRows, own: LinkStates) -> tuple[Floats, Floats]:
+    def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
         """Return the least and the largest force of each row, N/m, or moment, N, (m,) each."""
         ...
 
@@ -87,6 +87,6 @@ class Limits(Protocol):
 class YieldForces:
     """Each row yields by itself, to either side alike."""
 
-    def bounds(self, rows: LinkRows, own: LinkStates) -> tuple[Floats, Floats]:
+    def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
         """Return the strengths, of both signs."""
         return -rows.strength, rows.strength

@@ -30,7 +30,7 @@ import numpy as np
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
 from clast.actions.links.link_states import (
     COMPONENTS,
-    Limits,
+    ForceLimits,
     LinkRows,
     LinkStates,
     YieldForces,
@@ -56,7 +56,7 @@ class Links:
     """Their components."""
     apart: Ints
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
-    limits: Limits = field(default_factory=YieldForces)
+    limits: ForceLimits = field(default_factory=YieldForces)
     """Bounds of the forces."""
     support: ClassVar[str] = ""
     """They hold blocks by each other."""
@@ -85,7 +85,7 @@ class Links:
     def begin(self, model: Model) -> LinkStates:
         """Return the links at the start; those that wait for a stage are not installed."""
         rows, count = self.rows, len(self.rows.link)
-        own = LinkStates(
+        state = LinkStates(
             at=np.repeat(rows.at[:, None], 2, axis=1),
             angle=np.zeros(len(rows.at)),
             rest=np.full(count, np.nan),
@@ -95,31 +95,31 @@ class Links:
             yielded=np.zeros(count, np.bool_),
             broken=np.zeros(count, np.bool_),
         )
-        return self._installed(model, own, np.zeros(count))
+        return self._installed(model, state, np.zeros(count))
 
-    def share(self, start: StepStart, own: LinkStates) -> Contribution:
+    def share(self, start: StepStart, state: LinkStates) -> Contribution:
         """Return the springs of all links that bear between blocks that can move."""
-        acting = self._acting(start, own)
-        if not len(acting.row):
+        active = self._active(start, state)
+        if not len(active.row):
             return Contribution()
-        return Contribution(springs=self._springs(start, acting)[0])
+        return Contribution(springs=self._springs(start, active)[0])
 
     def finish(
-        self, start: StepStart, own: LinkStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: LinkStates, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the links: they store energy, yield, break and damp."""
-        acting, rows = self._acting(start, own), self.rows
-        begun = acting.own
+        active, rows = self._active(start, state), self.rows
+        begun = active.state
         work, drag = 0.0, np.zeros(len(rows.link))
         moved = np.zeros(len(rows.link))
         if share.springs is not None:
             work, _ = energy_of_springs(share.springs, solution)
-            _, order = self._springs(start, acting)
+            _, order = self._springs(start, active)
             gap, _ = stretches(share.springs, solution.displacement)
-            moved[acting.row] = self._moved(share.springs, gap, order, acting)
+            moved[active.row] = self._moved(share.springs, gap, order, active)
             drag = -rows.damping * moved / start.step
-        pulled = self._stretched(acting, begun, acting.stretch + moved)
-        breaks = pulled.bears & (np.abs(acting.stretch + moved - begun.rest) > rows.rupture)
+        pulled = self._stretched(active, begun, active.stretch + moved)
+        breaks = pulled.bears & (np.abs(active.stretch + moved - begun.rest) > rows.rupture)
         ended = replace(
             pulled,
             force=np.where(breaks, 0.0, pulled.force),
@@ -128,7 +128,7 @@ class Links:
             angle=begun.angle + self._turned(moved),
             drag=drag,
         )
-        k = acting.stiffness
+        k = active.stiffness
         before, whole, after = (0.5 * one.force**2 / k for one in (begun, pulled, ended))
         flow = np.abs(pulled.force * (pulled.plastic - begun.plastic))
         return ActionResult(
@@ -138,17 +138,17 @@ class Links:
                 yielding=float(np.sum(flow + whole - after)),
                 damping=float(-np.sum(drag * moved)),
             ),
-            own=ended,
+            state=ended,
         )
 
-    def forces_at(self, start: StepStart, own: LinkStates, displacement: Floats) -> Floats:
+    def forces_at(self, start: StepStart, state: LinkStates, displacement: Floats) -> Floats:
         """Return the forces (m,) of all rows after d (n, 6), N/m, or moments, N."""
-        acting, moved = self._acting(start, own), np.zeros(len(self.rows.link))
-        if len(acting.row):
-            springs, order = self._springs(start, acting)
+        active, moved = self._active(start, state), np.zeros(len(self.rows.link))
+        if len(active.row):
+            springs, order = self._springs(start, active)
             gap, _ = stretches(springs, displacement)
-            moved[acting.row] = self._moved(springs, gap, order, acting)
-        return self._stretched(acting, acting.own, acting.stretch + moved).force
+            moved[active.row] = self._moved(springs, gap, order, active)
+        return self._stretched(active, active.state, active.stretch + moved).force
 
     def events(
         self, model: Model, before: LinkStates, after: LinkStates
@@ -162,42 +162,42 @@ class Links:
                 happened = "broke" if kind == "broken" else kind
                 yield happened, name, f"link '{name}' {said} ({what})"
 
-    def borne(self, own: LinkStates) -> Floats:
+    def borne(self, state: LinkStates) -> Floats:
         """Return force along and across, N/m, and moment, N, on the first blocks, (k, 3)."""
         found = np.zeros((len(self.rows.name), 3))
-        found[self.rows.link, self.rows.component] = own.force + own.drag
+        found[self.rows.link, self.rows.component] = state.force + state.drag
         return found
 
-    def condition(self, own: LinkStates) -> Ints:
+    def condition(self, state: LinkStates) -> Ints:
         """Return 0 not installed, 1 intact, 2 yielded, 3 broken: the worst of each link, (k,)."""
-        rows = np.where(np.isnan(own.rest), 0, 1)
-        rows = np.where(own.yielded, 2, rows)
-        rows = np.where(own.broken, 3, rows)
+        rows = np.where(np.isnan(state.rest), 0, 1)
+        rows = np.where(state.yielded, 2, rows)
+        rows = np.where(state.broken, 3, rows)
         found = np.zeros(len(self.rows.name), np.int64)
         np.maximum.at(found, self.rows.link, rows)
         return found
 
     # --- rows
 
-    def _acting(self, start: StepStart, own: LinkStates) -> _Acting:
+    def _active(self, start: StepStart, state: LinkStates) -> _Active:
         """Return the rows that act in a step."""
         rows, model = self.rows, start.model
         ahead = _halfway(start)
         turn = start.state.rotation[rows.block[:, 0]]
         now = _turned_by(rows.along, turn)
         along = _turned_by(rows.along, turn + ahead[rows.block[:, 0], 2])
-        offset = own.at - start.frames.centroid[rows.block]
-        apart = own.at[:, 0] - own.at[:, 1]
+        offset = state.at - start.frames.centroid[rows.block]
+        apart = state.at[:, 0] - state.at[:, 1]
         across = np.stack([-now[:, 1], now[:, 0]], axis=1)
-        parts = [(now * apart).sum(axis=1), (across * apart).sum(axis=1), own.angle]
+        parts = [(now * apart).sum(axis=1), (across * apart).sum(axis=1), state.angle]
         stretch = np.stack(parts, axis=1)[rows.link, rows.component]
-        own = self._installed(model, own, stretch)
-        acts = own.bears & ~model.fixed[rows.blocks].all(axis=1)
+        state = self._installed(model, state, stretch)
+        acts = state.bears & ~model.fixed[rows.blocks].all(axis=1)
         size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
         small = float(np.sqrt(model.smallest))
         rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
-        return _Acting(
-            own=own,
+        return _Active(
+            state=state,
             row=np.flatnonzero(acts),
             along=along,
             offset=_turned_by(offset.reshape(-1, 2), ahead[rows.block.ravel(), 2]).reshape(
@@ -208,41 +208,41 @@ class Links:
             arm=ARM * size,
         )
 
-    def _installed(self, model: Model, own: LinkStates, stretch: Floats) -> LinkStates:
+    def _installed(self, model: Model, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the links with those installed that are there by now, and without lost ones."""
         rows, begun = self.rows, dict(model.begun)
         there = np.array([not stage or stage in begun for stage in rows.stage], np.bool_)[rows.link]
         lost = there & model.gone[rows.blocks].any(axis=1)
-        fresh = there & np.isnan(own.rest) & ~lost
-        if not fresh.any() and not (lost & ~own.broken).any():
-            return own
+        fresh = there & np.isnan(state.rest) & ~lost
+        if not fresh.any() and not (lost & ~state.broken).any():
+            return state
         return replace(
-            own,
-            rest=np.where(fresh, stretch, own.rest),
-            broken=own.broken | lost,
-            force=np.where(lost, 0.0, own.force),
+            state,
+            rest=np.where(fresh, stretch, state.rest),
+            broken=state.broken | lost,
+            force=np.where(lost, 0.0, state.force),
         )
 
-    def _springs(self, start: StepStart, acting: _Acting) -> tuple[Springs, Ints]:
+    def _springs(self, start: StepStart, active: _Active) -> tuple[Springs, Ints]:
         """Return the table of springs, and which of its rows come first, second, third: (3 r,).
 
         Each row that acts has a spring to one side, one to the other, and a dashpot.
         """
-        rows, row, own = self.rows, acting.row, acting.own
+        rows, row, state = self.rows, active.row, active.state
         link, turns = rows.link[row], rows.component[row] == ROTATION
-        along = acting.along[link]
+        along = active.along[link]
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         way = np.where((rows.component[row] == 1)[:, None], across, along)
-        reach = np.where(turns, acting.arm, 0.0)[:, None] * across
-        offset = acting.offset[link] + reach[:, None]
-        levers = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
+        reach = np.where(turns, active.arm, 0.0)[:, None] * across
+        offset = active.offset[link] + reach[:, None]
+        arms = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
         # at the end of the arms, along the link, angles are stretches -L r
-        scale = np.where(turns, -acting.arm, 1.0)
-        free = acting.stretch[row] - own.rest[row] - own.plastic[row]
-        stiffness = acting.stiffness[row] / scale**2
+        scale = np.where(turns, -active.arm, 1.0)
+        free = active.stretch[row] - state.rest[row] - state.plastic[row]
+        stiffness = active.stiffness[row] / scale**2
         play = rows.gap[row] * np.abs(scale)
         # a force f of the component is f/scale in the row: the two have opposite bounds at the arms
-        weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, own))
+        weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, state))
         weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
         stretch, count = scale * free, len(row)
         none, two_sided = np.zeros(count), play == 0.0
@@ -273,7 +273,7 @@ class Links:
         found, order = table(
             vertex_block=rows.block[link, 0][at],
             edge_block=rows.block[link, 1][at],
-            levers=levers[at],
+            arms=arms[at],
             gap=stretch[at],
             slip=nothing,
             normal=normal,
@@ -283,14 +283,14 @@ class Links:
         places[chosen] = order
         return found, places
 
-    def _moved(self, springs: Springs, gap: Floats, places: Ints, acting: _Acting) -> Floats:
+    def _moved(self, springs: Springs, gap: Floats, places: Ints, active: _Active) -> Floats:
         """Return by how much the rows that act were stretched, m or rad, shape (r,).
 
         ``gap`` (q,) is the stretch of the ``springs`` at the end of the step.
         """
-        turns = self.rows.component[acting.row] == ROTATION
-        first = places[: len(acting.row)]
-        return np.asarray((gap - springs.gap)[first] / np.where(turns, -acting.arm, 1.0))
+        turns = self.rows.component[active.row] == ROTATION
+        first = places[: len(active.row)]
+        return np.asarray((gap - springs.gap)[first] / np.where(turns, -active.arm, 1.0))
 
     def _turned(self, moved: Floats) -> Floats:
         """Return the angles (k,) of rows that were stretched (m,)."""
@@ -299,25 +299,25 @@ class Links:
         found[self.rows.link[turns]] = moved[turns]
         return found
 
-    def _stretched(self, acting: _Acting, own: LinkStates, stretch: Floats) -> LinkStates:
+    def _stretched(self, active: _Active, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the rows at their stretches (m,): their forces, and which yield."""
-        rows, k = self.rows, acting.stiffness
-        elastic = stretch - own.rest - own.plastic
+        rows, k = self.rows, active.stiffness
+        elastic = stretch - state.rest - state.plastic
         beyond = np.sign(elastic) * np.maximum(np.abs(elastic) - rows.gap, 0.0)
-        straight = np.where(own.bears, -k * beyond, 0.0)
+        straight = np.where(state.bears, -k * beyond, 0.0)
         straight = np.nan_to_num(straight)
-        force = np.clip(straight, *self.limits.bounds(rows, own))
+        force = np.clip(straight, *self.limits.bounds(rows, state))
         flow = np.where(force != straight, (force - straight) / k, 0.0)
         return replace(
-            own,
+            state,
             force=force,
-            plastic=own.plastic + flow,
-            yielded=own.yielded | (force != straight),
+            plastic=state.plastic + flow,
+            yielded=state.yielded | (force != straight),
         )
 
-    def _carried(self, start: StepStart, own: LinkStates, solution: Solution) -> Floats:
+    def _carried(self, start: StepStart, state: LinkStates, solution: Solution) -> Floats:
         """Return where the blocks carry the points, m, (k, 2, 2)."""
-        block, at = self.rows.block.ravel(), own.at.reshape(-1, 2)
+        block, at = self.rows.block.ravel(), state.at.reshape(-1, 2)
         offset = polygon.offsets(at, block, start.frames.centroid)
         moved = movements(start.rotation, offset, solution.displacement, block)
         return np.asarray((at + moved).reshape(-1, 2, 2))
@@ -338,10 +338,10 @@ def _turned_by(vectors: Floats, angle: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Acting:
+class _Active:
     """Rows that act in a step."""
 
-    own: LinkStates
+    state: LinkStates
     """The links as it begins."""
     row: Ints
     """Rows that act, shape (r,)."""

@@ -170,16 +170,16 @@ class Motions:
             ends.append(begun + min(one.until, max(moving, default=0.0)))
         return max(ends)
 
-    def share(self, start: StepStart, own: MotionState) -> Contribution:
+    def share(self, start: StepStart, state: MotionState) -> Contribution:
         """Return the motions of the blocks in a step, and the forces of servos."""
-        own = self._begun(start, own)
+        state = self._begun(start, state)
         rows, pushes = [], []
         for one, (first, past) in zip(self.each, self._rows, strict=True):
             if not one.lasts(start.model, start.end):
                 continue
             begun = one.begins(start.model)
             if one.held and len(one.block):
-                rows.append(_prescribed(one, start, own.origin[first:past], begun))
+                rows.append(_prescribed(one, start, state.origin[first:past], begun))
             if one.servo is not None:
                 pushes.append((one, begun))
         pushed = [_pushed(one, start, begun) for one, begun in pushes]
@@ -190,7 +190,7 @@ class Motions:
         return Contribution(block=block, force=force, stiffness=stiffness, prescribed=found)
 
     def finish(
-        self, start: StepStart, own: MotionState, share: Contribution, solution: Solution
+        self, start: StepStart, state: MotionState, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the motions and servos, which comes from outside."""
         work = energy_of_linear(share, solution.displacement)[0]
@@ -198,7 +198,7 @@ class Motions:
             given = share.prescribed
             moved = np.where(given.components, given.displacement, 0.0)[:, :3]
             work += float(np.sum(moved * solution.holding[given.block]))
-        return ActionResult(work=work, ledger=Ledger(motions=work), own=self._begun(start, own))
+        return ActionResult(work=work, ledger=Ledger(motions=work), state=self._begun(start, state))
 
     @property
     def _rows(self) -> list[tuple[int, int]]:
@@ -206,19 +206,19 @@ class Motions:
         ends = np.cumsum([0, *(len(one.block) for one in self.each)]).tolist()
         return list(pairwise(ends))
 
-    def _begun(self, start: StepStart, own: MotionState) -> MotionState:
+    def _begun(self, start: StepStart, state: MotionState) -> MotionState:
         """Return where those motions began, too, that begin with this step."""
         begins = [one.begins(start.model) for one in self.each]
         now = np.repeat(begins, [len(one.block) for one in self.each])
-        fresh = (own.begun == FREE) & (now != FREE)
+        fresh = (state.begun == FREE) & (now != FREE)
         if not fresh.any():
-            return own
+            return state
         blocks = self.moves
         at = np.column_stack([start.frames.centroid[blocks], start.state.rotation[blocks]])
         return replace(
-            own,
-            begun=np.where(fresh, now, own.begun),
-            origin=np.where(fresh[:, None], at, own.origin),
+            state,
+            begun=np.where(fresh, now, state.begun),
+            origin=np.where(fresh[:, None], at, state.origin),
         )
 
 

@@ -84,7 +84,7 @@ class Places:
     """Signed distance of P to the edge's line, m, shape (m,)."""
     foot: Floats
     """Foot Q of P on the edge's line, m, shape (m, 2)."""
-    levers: Floats
+    arms: Floats
     """Normal, and offsets of P and Q from the centroids (contact/jacobian.py), m, shape (m, 6)."""
     joint: Ints
     """Joint, shape (m,)."""
@@ -229,7 +229,7 @@ def _inside(
         along=along,
         gap=gap,
         foot=start + at[:, None] * tangent,
-        levers=np.concatenate([normal, offset, foot_offset], axis=1),
+        arms=np.concatenate([normal, offset, foot_offset], axis=1),
         joint=joint,
         length=stands_for,
         of_springs=stands_for,

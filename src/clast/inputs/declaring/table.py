@@ -6,7 +6,7 @@ the table in the file.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -32,15 +32,31 @@ Stresses = tuple[Stress, Stress, Stress]
 Loop = list[Point]
 
 
+def _with_earlier_keys(schema: dict[str, Any], table: type[BaseModel]) -> None:
+    """Add the earlier keys of a table to its JSON Schema, as deprecated."""
+    keys = schema.get("properties", {})
+    for earlier, name in getattr(table, "EARLIER", {}).items():
+        meaning = f"Earlier name of {name}."
+        keys[earlier] = {**keys[name], "deprecated": True, "description": meaning}
+
+
 class Table(BaseModel):
     """A table of the case file, or its keys from a script.
 
     Unknown keys and numbers that are not finite are refused.
     """
 
-    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        defer_build=True,
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        json_schema_extra=_with_earlier_keys,
+    )
     NAMED: ClassVar[bool] = False
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
+    EARLIER: ClassVar[Mapping[str, str]] = {}
+    """Earlier names of keys, which are read for one version more -> present names."""
 
     def add_to(self, builder: Any, key: str, folder: Path) -> str | None:
         """Add the table to the system of blocks; return the name that it then has.
@@ -51,7 +67,7 @@ class Table(BaseModel):
         return None
 
     @classmethod
-    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the actions by which all records of a kind act on the blocks of the ``ground``.
 
         Most have none: they become arrays of the model.  An action is an object with the methods of
@@ -93,10 +109,10 @@ class Inputs:
         """Return the tables of a kind by their names: [bolt_kind.NAME]."""
         return self._named.setdefault(kind, {})
 
-    def acting(self, ground: Any) -> tuple[Any, ...]:
+    def actions_from(self, ground: Any) -> tuple[Any, ...]:
         """Return the actions by which tables act that have one of their own."""
         listed = self._listed.items()
-        return tuple(one for kind, records in listed for one in kind.acting(records, ground))
+        return tuple(one for kind, records in listed for one in kind.actions(records, ground))
 
     def count(self, kind: type[Table]) -> int:
         """Return how many tables of a kind there are."""

@@ -38,7 +38,7 @@ from clast.model.model import Bools, Floats
 
 if TYPE_CHECKING:
     from clast.rockmass import Cut, Opening, Region, Trace
-    from clast.rockmass.report_of_cut import CutReport, Finding
+    from clast.rockmass.cut_report import CutReport, Finding
 
 SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
     "left": (0, np.min),
@@ -420,7 +420,7 @@ DONE = {
 
 def _findings(report: CutReport) -> Iterator[str]:
     """Yield the changes to lines and blocks, each with its first place."""
-    from clast.rockmass.report_of_cut import place_text
+    from clast.rockmass.cut_report import place_text
 
     for key, what in DONE.items():
         found: Finding = getattr(report, key)

@@ -57,11 +57,11 @@ def places_of(given: Inputs) -> dict[type[Table], list[LoadPlace]]:
             for one in given.all(MeasuredPoint)
         ],
         PointLoad: [
-            LoadPlace(label, one.at, one.block, load=one.force, factor=one.factor, name=name)
+            LoadPlace(label, one.at, one.block, load=one.force, factor=one.amplitude, name=name)
             for label, name, one in named_loads(given.all(PointLoad), "point load")
         ],
         LineLoad: [
-            LoadPlace(label, one.start, one.block, one.end, one.traction, one.factor, name)
+            LoadPlace(label, one.start, one.block, one.end, one.traction, one.amplitude, name)
             for label, name, one in named_loads(given.all(LineLoad), "line load")
         ],
     }
@@ -102,7 +102,9 @@ def located(
         if entry.block is not None:
             named[k] = number_of(entry.block, block_number, "block", entry.label)
         if entry.factor is not None:
-            factor[k] = number_of(entry.factor, factor_number, "table", f"{entry.label}, factor")
+            factor[k] = number_of(
+                entry.factor, factor_number, "amplitude", f"{entry.label}, amplitude"
+            )
     lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
     shapes = np.array(shapely.points(at))
     if lines.any():

@@ -52,8 +52,8 @@ def pressed_edges(
             own = number_of(one.block, block_number, "block", f"{label}, block")
             edges = edges[outlines.owner == own]
         factor = NO_FACTOR
-        if one.factor is not None:
-            factor = number_of(one.factor, factor_number, "table", f"{label}, factor")
+        if one.amplitude is not None:
+            factor = number_of(one.amplitude, factor_number, "amplitude", f"{label}, amplitude")
         edge, share, place = _parts(line, edges, outlines)
         if len(edge) == 0:
             _refuse_no_edge(label, line, edges, outlines)

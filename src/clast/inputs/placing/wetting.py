@@ -17,7 +17,7 @@ from clast.model.joints import JointTable
 from clast.model.model import Floats, Ints
 from clast.model.names import check_text
 from clast.model.water.drainage import distances, lowering, parts_between
-from clast.model.water.faces import Edges, Facing, edges_of, facing_edges, outer_parts
+from clast.model.water.facing_edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.water.water import Water as WetWater
 from clast.model.water.water import (
     WetFaces,
@@ -49,7 +49,7 @@ class Bed:
     gravity: Floats
     """Gravity, m/s2, shape (2,)."""
     factors: tuple[Factor, ...]
-    """Tables of time."""
+    """Amplitudes."""
 
 
 def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
@@ -137,20 +137,20 @@ def _gravity(label: str, gravity: Floats) -> float:
 
 
 def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float, Factor | None]:
-    """Return the share of the full head, and the table that it follows."""
-    name, where = given.factor, f"{label}, factor"
+    """Return the share of the full head, and the amplitude that it follows."""
+    name, where = given.amplitude, f"{label}, amplitude"
     if isinstance(name, str):
         known = {factor.name: factor for factor in factors}
         if name not in known:
             raise ModelError(
-                f"there is no table '{shortened(name)}'",
+                f"there is no amplitude '{shortened(name)}'",
                 where=where,
-                remedy=spelling.advice(name, known, kind="table"),
+                remedy=spelling.advice(name, known, kind="amplitude"),
             )
         values = known[name].value
         if values.min() < 0.0 or values.max() > 1.0:
             raise ModelError(
-                f"table '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
+                f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
                 where=where,
                 remedy=SHARE,
             )

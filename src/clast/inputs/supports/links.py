@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
@@ -135,7 +135,7 @@ class Link(Table):
         return found
 
     @classmethod
-    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the action of all links."""
         if not records:
             return
@@ -192,15 +192,17 @@ def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
 class Moment(Table):
     """A moment that turns a block, whichever way it lies."""
 
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
+
     block: StrictStr
     """Block."""
     moment: Force
     """Moment, N (N m per m of thickness), counter-clockwise."""
-    factor: StrictStr | None = None
-    """Table by whose value it is multiplied; none: it is constant."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which it is multiplied; none: it is constant."""
 
     @classmethod
-    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the action of all moments."""
         if not records:
             return
@@ -218,10 +220,10 @@ class Moment(Table):
             factor=np.array(
                 [
                     NO_FACTOR
-                    if one.factor is None
-                    else number_of(one.factor, tables, "table", f"{at}, factor")
+                    if one.amplitude is None
+                    else number_of(one.amplitude, tables, "amplitude", f"{at}, amplitude")
                     for one, at in zip(records, places, strict=True)
                 ]
             ),
-            tables=tuple(one.factor for one in records if one.factor is not None),
+            tables=tuple(one.amplitude for one in records if one.amplitude is not None),
         )

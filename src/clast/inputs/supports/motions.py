@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Annotated, Any, Self
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Discriminator, StrictStr, Tag, model_validator
@@ -30,14 +30,14 @@ Scale = Annotated[Number, within(ranges.FACTOR)]
 
 
 class CourseTable(Table):
-    """A component that follows a table of time."""
+    """A component that follows an amplitude."""
 
     displacement: StrictStr | None = None
-    """Table whose value is the displacement since the motion began, m or degrees."""
+    """Amplitude whose value is the displacement since the motion began, m or degrees."""
     velocity: StrictStr | None = None
-    """Table whose value is the velocity, m/s or degrees/s."""
+    """Amplitude whose value is the velocity, m/s or degrees/s."""
     scale: Scale = 1.0
-    """Factor on all values of the table."""
+    """Factor on all values of the amplitude."""
 
     @model_validator(mode="after")
     def _follows_one(self) -> Self:
@@ -60,6 +60,8 @@ class Motion(Table):
     where the motion begins.
     """
 
+    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
+
     name: StrictStr | None = None
     """Name, which its reaction has, too; "motion" and its number if absent."""
     block: StrictStr | None = None
@@ -70,11 +72,12 @@ class Motion(Table):
     """Coordinates [x, y] of a [[fixed_point]] that moves, in place of block, m; it has x and y
     alone, and does not move in the one that is left out."""
     x: Component | None = None
-    """Velocity to the right, m/s, or a table: {displacement = "NAME"}, {velocity = "NAME"}."""
+    """Velocity to the right, m/s, or an amplitude: {displacement = "NAME"}, {velocity =
+    "NAME"}."""
     y: Component | None = None
-    """Velocity upwards, m/s, or a table."""
+    """Velocity upwards, m/s, or an amplitude."""
     rotation: Component | None = None
-    """Spin counter-clockwise, degrees/s, or a table in degrees or degrees/s."""
+    """Spin counter-clockwise, degrees/s, or an amplitude in degrees or degrees/s."""
     about: Point | None = None
     """Point [x, y] at the start that goes with the blocks: x and y are its own, 0 if absent, and
     the blocks turn about it; the centroid of each block if absent, m."""
@@ -84,8 +87,8 @@ class Motion(Table):
     """The same over the width of each block across x and across y, Pa."""
     limit_speed: Annotated[Positive, within(ranges.SPEED)] | None = None
     """Speed of the servo without resistance, m/s; the force falls to 0 there."""
-    factor: StrictStr | None = None
-    """Table by whose value force or stress is multiplied; none: it is constant."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which force or stress is multiplied; none: it is constant."""
     ease: Interval | None = None
     """Time over which every jump of velocity is spread, s; jumps are shocks if absent."""
     stage: StrictStr | None = None
@@ -149,7 +152,7 @@ class Motion(Table):
         if given and self.limit_speed is None:
             remedy = "give the speed at which the servo goes where nothing resists, m/s"
             raise refusal(Fault(what="limit_speed is missing", remedy=remedy))
-        for key in ("limit_speed", "factor"):
+        for key in ("limit_speed", "amplitude"):
             if not given and getattr(self, key) is not None:
                 what, remedy = f"{key} is that of a servo", "give force or stress, or leave it out"
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
@@ -181,7 +184,7 @@ class Motion(Table):
         return f"motion {number}" if self.name is None else self.name
 
     @classmethod
-    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the action of all motions."""
         if not records:
             return
@@ -257,26 +260,30 @@ def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Cour
         return at_constant_speed(unit * given, ease)
     quantity = "velocity" if given.displacement is None else "displacement"
     place = f"{where}, {axis}.{quantity}"
-    table = _table(getattr(given, quantity), place, ground)
+    table = _amplitude(getattr(given, quantity), place, ground)
     if quantity == "velocity":
         return along_velocities(table, unit * given.scale, ease)
     if table.at(0.0) != 0.0:
-        what = f"table '{table.name}' is {table.at(0.0):g} where the motion begins: that is a jump"
+        what = (
+            f"amplitude '{table.name}' is {table.at(0.0):g} where the motion begins: that is a jump"
+        )
         raise ModelError(what, where=place, remedy="let it be 0 at the time 0")
     return along_displacements(table, unit * given.scale, ease)
 
 
-def _table(name: str, where: str, ground: Any) -> Any:
-    """Return a table by its name."""
+def _amplitude(name: str, where: str, ground: Any) -> Any:
+    """Return an amplitude by its name."""
     names = {one.name: k for k, one in enumerate(ground.factors)}
-    return ground.factors[number_of(name, names, "table", where)]
+    return ground.factors[number_of(name, names, "amplitude", where)]
 
 
 def _servo(one: Motion, blocks: Ints, where: str, ground: Any) -> Servo | None:
     """Return the servo of a motion, None where it has none."""
     if one.limit_speed is None:
         return None
-    factor = None if one.factor is None else _table(one.factor, f"{where}, factor", ground)
+    factor = None
+    if one.amplitude is not None:
+        factor = _amplitude(one.amplitude, f"{where}, amplitude", ground)
     force = one.force
     if one.stress is not None:
         sizes = np.array([_size(ground, int(block)) for block in blocks])

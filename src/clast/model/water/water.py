@@ -84,7 +84,7 @@ class Water:
         level = len(self.surface) == 1
         line = "under a level" if level else f"under a line of {len(self.surface)} points"
         head = "" if self.share == 1.0 else f", {self.share:g} of the full head"
-        by = "" if self.factor is None else f", by table '{self.factor.name}'"
+        by = "" if self.factor is None else f", by amplitude '{self.factor.name}'"
         return (
             f"Water('{self.name}', {line}{head}{by}; {len(self.faces.edge)} parts of edges, "
             f"{len(self.joints.edge)} of joints)"

@@ -12,7 +12,7 @@ from clast.model.model import Floats
 from clast.pictures.canvas import INK, SMALL_SIZE
 from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed
-from clast.pictures.supports.linings import DIAGRAMS, drawing_of, handles_of
+from clast.pictures.supports.draw_linings import DIAGRAMS, drawing_of, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 

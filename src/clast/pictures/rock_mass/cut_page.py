@@ -15,7 +15,7 @@ from clast.pictures.html_files import html_path, write_html
 from clast.pictures.rock_mass.cut_statistics import statistics_figure
 from clast.pictures.rock_mass.section import BY, cut_figure
 from clast.rockmass import Cut, CutReport, Finding, Sizes
-from clast.rockmass.report_of_cut import place_text
+from clast.rockmass.cut_report import place_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -77,7 +77,7 @@ class FailureSection:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Places:
+class FailurePlaces:
     """Places of a section, coloured by how often each fails."""
 
     x: Floats
@@ -186,7 +186,7 @@ def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
     return _coloured(axes, drawn, label, path)
 
 
-def draw_places(places: Places, label: str, path: Path) -> Path:
+def draw_places(places: FailurePlaces, label: str, path: Path) -> Path:
     """Draw the section, places darker the more often they fail; return the picture's path."""
     half = 0.5 * np.array([_spaced(places.x), _spaced(places.y)])
     low = np.array([places.x[0], places.y[0]]) - half

@@ -24,7 +24,7 @@ MOST_ROUNDS = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ring:
+class NodeRing:
     """A simple loop of nodes that lies in the interior of a face, or touches its loop."""
 
     nodes: Ints
@@ -34,7 +34,7 @@ class Ring:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Face:
+class FaceWithHoles:
     """A face that is more than one simple loop."""
 
     side: int
@@ -43,7 +43,7 @@ class Face:
     """All its edges as pairs of nodes, shape (k, 2)."""
     closing: Ints
     """Those that have the face on one side only, shape (k, 2)."""
-    rings: Sequence[Ring]
+    rings: Sequence[NodeRing]
     """Loops that must be joined to the rest of it."""
 
 
@@ -98,7 +98,7 @@ def _without_small_islands(graph: Graph, smallest2: float) -> tuple[Graph, Float
     return graph.only(~gone), np.array(middles), int(blocks.sum())
 
 
-def _faces_to_split(graph: Graph) -> Iterator[Face]:
+def _faces_to_split(graph: Graph) -> Iterator[FaceWithHoles]:
     loops = loops_of(graph)
     node = loops.nodes(graph)
     side = graph.side[loops.half >> 1, loops.half & 1][loops.start[:-1]]
@@ -114,7 +114,7 @@ def _faces_to_split(graph: Graph) -> Iterator[Face]:
         yield _face(graph, loops, node, shell, inner)
 
 
-def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> Face:
+def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> FaceWithHoles:
     """Return one face by its outer loop and the loops of its holes."""
 
     def entries(loop: int) -> Ints:
@@ -124,15 +124,15 @@ def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> Fa
     # From its lowest node on, what is left at last is the outer loop, or hangs by its first node.
     lowest = int(np.lexsort(graph.xy[loop].T)[0])
     parts = [one for one in _simple(np.roll(loop, -lowest)) if len(one) > 2]
-    rings = [Ring(nodes=one, touching=True) for one in parts]
+    rings = [NodeRing(nodes=one, touching=True) for one in parts]
     # The outer one of the touching loops has the area; the others hang on it.
     rings.pop(int(np.argmax([_area2(graph.xy[ring.nodes]) for ring in rings])))
     for hole in inner:
-        rings.extend(Ring(nodes=one, touching=False) for one in _simple(node[entries(hole)]))
+        rings.extend(NodeRing(nodes=one, touching=False) for one in _simple(node[entries(hole)]))
     half = np.concatenate([loops.half[entries(loop)] for loop in (shell, *inner)])
     first = loops.half[loops.start[shell]]
     edge, count = np.unique(half >> 1, return_counts=True)
-    return Face(
+    return FaceWithHoles(
         side=int(graph.side[first >> 1, first & 1]),
         edges=graph.edge[edge],
         closing=graph.edge[edge[count == 1]],
@@ -163,7 +163,7 @@ def _area2(xy: Ints) -> int:
     return int((xy[:, 0] * after[:, 1] - xy[:, 1] * after[:, 0]).sum())
 
 
-def _with_welds(graph: Graph, faces: Sequence[Face]) -> Graph:
+def _with_welds(graph: Graph, faces: Sequence[FaceWithHoles]) -> Graph:
     """Return the graph with welds from every ring of the faces."""
     welds: list[tuple[int, int]] = []
     sides: list[int] = []
@@ -185,7 +185,7 @@ def _with_welds(graph: Graph, faces: Sequence[Face]) -> Graph:
     )
 
 
-def _welds_of(ring: Ring, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tuple[int, int]]:
+def _welds_of(ring: NodeRing, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tuple[int, int]]:
     """Yield the shortest welds from a ring: two of them, in opposite directions if possible.
 
     A loop that hangs on the rest by a node needs one, from another node to another node.
@@ -212,7 +212,7 @@ def _welds_of(ring: Ring, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tupl
             return
 
 
-def _sides_of(ring: Ring, edges: Ints) -> tuple[Ints, Ints]:
+def _sides_of(ring: NodeRing, edges: Ints) -> tuple[Ints, Ints]:
     """Return the nodes of a face from which a ring may be welded, and those to which.
 
     Parts that hang on a loop that touches the rest hang with it: these are the nodes that the rest

@@ -23,10 +23,10 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
 from clast.rockmass.block_loops import areas, sound
+from clast.rockmass.cut_report import Finding, finding
 from clast.rockmass.repair.block_cycles import Cycles, without_folds
 from clast.rockmass.repair.corners import corners_of
 from clast.rockmass.repair.near_edges import onto_edges, through_places
-from clast.rockmass.report_of_cut import Finding, finding
 
 LARGEST = 0.1
 """Largest tolerance as a share of the median edge: a larger one would undo the drawing."""

@@ -49,15 +49,15 @@ class _Sums:
         self.size += np.bincount(block, np.hypot(*force.T), count)
 
     def add_pairs(
-        self, blocks: tuple[Ints, Ints], levers: Floats, forces: tuple[Floats, Floats]
+        self, blocks: tuple[Ints, Ints], arms: Floats, forces: tuple[Floats, Floats]
     ) -> None:
-        """Add N and T (m,), N/m, of links between two blocks with levers (m, 6)."""
-        nx, ny = levers[:, 0], levers[:, 1]
+        """Add N and T (m,), N/m, of links between two blocks with arms (m, 6)."""
+        nx, ny = arms[:, 0], arms[:, 1]
         normal, shear = forces
         force = np.stack([normal * nx - shear * ny, normal * ny + shear * nx], axis=1)
         for block, sign, x, y in (
-            (blocks[0], 1.0, levers[:, 2], levers[:, 3]),
-            (blocks[1], -1.0, levers[:, 4], levers[:, 5]),
+            (blocks[0], 1.0, arms[:, 2], arms[:, 3]),
+            (blocks[1], -1.0, arms[:, 4], arms[:, 5]),
         ):
             self.add(block, sign * force, sign * (x * force[:, 1] - y * force[:, 0]))
 
@@ -105,7 +105,7 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
     contacts, response = result.contacts, result.response
     sums.add_pairs(
         (contacts.vertex_block, contacts.edge_block),
-        contacts.levers,
+        contacts.arms,
         (response.normal_force, response.shear_force),
     )
     everybody = np.arange(model.block_count)
@@ -119,7 +119,7 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
         bear = springs.at(springs.gap, springs.slip)
         sums.add_pairs(
             (springs.vertex_block, springs.edge_block),
-            springs.levers,
+            springs.arms,
             (bear.normal_force, bear.shear_force),
         )
     if context.held is not None:

@@ -31,10 +31,10 @@ from clast.block import polygon
 from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.stages.loads import are_constant, factors_in
 from clast.model.stages.motion import is_over
 from clast.model.stages.records import Mover, towards
 from clast.model.stages.stage import EQUILIBRIUM, Stage
+from clast.model.stages.stage_loads import are_constant, factors_in
 from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
 from clast.run.stages.position import EquilibriumStreak, Judged, Position
@@ -297,7 +297,7 @@ class EquilibriumCheck:
         own, other = names[self.model.vertex_block[memory.vertex[row]]], names[memory.block[row]]
         now = f" to {mode}" if did == "changed" else ""
         return (
-            f"a contact of block '{own}' with '{other}' that bears "
+            f"a contact of block '{own}' with '{other}' that carries "
             f"{memory.normal_force[row]:.3g} N/m {did}{now} in the last step"
         )
 

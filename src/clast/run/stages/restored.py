@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import actions_of
+from clast.actions.active import actions_of
 from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
 from clast.model.model import Floats, Model

@@ -13,7 +13,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from clast.actions.acting import actions_of, own_states
+from clast.actions.active import actions_of, own_states
 from clast.actions.linings.lining_states import LiningShape, LiningStates, OneLining
 from clast.actions.linings.linings import Linings, linings_of
 from clast.actions.relaxation import SupportForces

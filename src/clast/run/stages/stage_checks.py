@@ -14,8 +14,8 @@ from clast.model.ground_motion import Still
 from clast.model.model import Model
 from clast.model.names import check_names
 from clast.model.openings import blocks_called
-from clast.model.stages.loads import load_names, names_that_act
 from clast.model.stages.stage import EQUILIBRIUM, TIME, Stage
+from clast.model.stages.stage_loads import load_names, names_that_act
 from clast.model.stages.strengths import SMALL_ANGLE, contradiction, with_strengths
 
 

@@ -16,10 +16,10 @@ import numpy as np
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.model import Ints, Model
 from clast.model.openings import blocks_called
-from clast.model.stages.loads import with_loads
 from clast.model.stages.motion import InStages
 from clast.model.stages.records import Event
 from clast.model.stages.stage import EQUILIBRIUM, Stage
+from clast.model.stages.stage_loads import with_loads
 from clast.model.stages.strengths import with_strengths
 from clast.model.state import State
 from clast.run.excavation import as_in, excavated

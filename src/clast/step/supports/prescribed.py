@@ -22,7 +22,7 @@ import numpy as np
 
 from clast.actions.action import Contribution
 from clast.contact.clipped_spring import Springs
-from clast.linear.system import DiagonalTerms, Links, contact_motions
+from clast.linear.system import DiagonalTerms, PairedLinks, contact_motions
 from clast.model.model import Bools, Floats, Ints, Model
 
 STIFF = 1e16
@@ -32,7 +32,7 @@ HEAVY = 1e8
 
 
 @dataclass(frozen=True, kw_only=True)
-class Held:
+class DrivenBlocks:
     """Motions prescribed in a step."""
 
     components: Bools
@@ -49,7 +49,7 @@ class Held:
         """Blocks with a prescribed motion, shape (n,)."""
         return np.asarray(self.components.any(axis=1))
 
-    def at_rest(self) -> Held:
+    def at_rest(self) -> DrivenBlocks:
         """Return the same motions without velocities."""
         return replace(self, velocity=np.zeros_like(self.velocity))
 
@@ -89,7 +89,7 @@ class Held:
         opening, slip = self.motions(springs)
         return replace(springs, gap=springs.gap + opening, slip=springs.slip + slip)
 
-    def motions(self, links: Links) -> tuple[Floats, Floats]:
+    def motions(self, links: PairedLinks) -> tuple[Floats, Floats]:
         """Return by how much links open and slip by the prescribed motions, m, (m,) each."""
         return contact_motions(links, self.displacement)
 
@@ -123,7 +123,7 @@ class Held:
         return found
 
 
-def held_by(shares: Sequence[Contribution], model: Model) -> Held | None:
+def held_by(shares: Sequence[Contribution], model: Model) -> DrivenBlocks | None:
     """Return the motions that actions prescribe in a step, None where there are none."""
     given = [one.prescribed for one in shares if one.prescribed is not None]
     if not given:
@@ -139,4 +139,6 @@ def held_by(shares: Sequence[Contribution], model: Model) -> Held | None:
     free = components & ~model.fixed[:, None]
     whole = np.asarray(components.any(axis=1)) & model.fixed
     components[whole] = True
-    return Held(components=components, displacement=displacement, velocity=velocity, free=free)
+    return DrivenBlocks(
+        components=components, displacement=displacement, velocity=velocity, free=free
+    )

@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.case.case_file import Case
 from clast.run.preflight import examine
-from clast.studies.comparing import Combination, Row, row_of
+from clast.studies.comparing import Combination, ComparedRun, row_of
 
 WORKERS = 2
 """Runs at a time."""
@@ -54,7 +54,7 @@ class JobResult:
 
     job: PaperRun
     """The job."""
-    row: Row
+    row: ComparedRun
     """Its row of the comparison."""
     stability: float
     """p h2/m at the start, m being the mass per contact."""

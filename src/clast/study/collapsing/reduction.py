@@ -105,7 +105,7 @@ class Strengths:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gravity:
+class ScaledGravity:
     """Gravity is multiplied by the factor."""
 
     DIVIDES: ClassVar[bool] = True
@@ -217,7 +217,7 @@ class Load:
         return {**load, key: product}
 
 
-Reduction = Strengths | Gravity | Push | Load
+Reduction = Strengths | ScaledGravity | Push | Load
 """The quantity that a factor multiplies or divides."""
 GRAVITY = (0.0, -9.8)
 """Gravity of a case that does not say it, m/s2."""
@@ -239,7 +239,7 @@ def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
     if word == "strength" and not rest:
         return Strengths(joints=tuple(joints))
     if word == "gravity" and not rest:
-        return Gravity()
+        return ScaledGravity()
     if word == "load" and rest:
         return Load(name=rest)
     if word == "pga" and rest in ("", "right", "left"):
@@ -257,7 +257,7 @@ def written(one: Reduction) -> str:
         return f"load {one.name}"
     if isinstance(one, Push):
         return "pga" if one.sign > 0.0 else "pga left"
-    return "gravity" if isinstance(one, Gravity) else "strength"
+    return "gravity" if isinstance(one, ScaledGravity) else "strength"
 
 
 def staged(
@@ -326,9 +326,9 @@ def _weight(content: Content) -> None:
         raise CaseError(
             "there is no gravity", where="gravity", remedy="give the case a gravity, or another by"
         )
-    if "gravity_factor" in content:
+    if "gravity_amplitude" in content:
         raise CaseError(
-            "gravity follows a table, and its factor cannot be found as well",
-            where="gravity_factor",
-            remedy="leave gravity_factor out",
+            "gravity follows an amplitude, and its factor cannot be found as well",
+            where="gravity_amplitude",
+            remedy="leave gravity_amplitude out",
         )

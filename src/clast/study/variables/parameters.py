@@ -16,11 +16,12 @@ from typing import Any
 
 from clast import spelling
 from clast.errors import CaseError, shortened
+from clast.inputs.declaring.earlier_keys import present_path
 from clast.study.variables.distributions import Discrete, Distribution, Times, Value, Values
 
 PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
 """A key of a path, and the rest after it."""
-NAMED = ("rock", "joint", "bolt_kind", "table")
+NAMED = ("rock", "joint", "bolt_kind", "amplitude")
 """Tables whose keys are names: one that is not there would be another rock or joint."""
 
 Keys = tuple[str | int, ...]
@@ -70,7 +71,9 @@ def keys_of(path: str) -> tuple[str, ...]:
 
 def places(content: Mapping[str, Any], path: str) -> list[Keys]:
     """Return where a path leads to in a case; raises CaseError where that is nowhere."""
-    keys = keys_of(path)
+    from clast.case.case_file import Case
+
+    keys = present_path(keys_of(path), Case)
     found = list(_found(content, keys, (), path))
     if not found:
         raise CaseError(

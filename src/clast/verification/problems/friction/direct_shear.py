@@ -65,8 +65,8 @@ def sheared_block(force: float = PEAK) -> Model:
     corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
     builder.block(name="block", vertices=corners)
     builder.line_load((0, HEIGHT), (LENGTH, HEIGHT), (0.0, -PRESSURE))
-    pull = builder.add_table("pull", [0.0, RAMP], [0.0, 1.0])
-    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block", factor=pull)
+    pull = builder.add_amplitude("pull", [0.0, RAMP], [0.0, 1.0])
+    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block", amplitude=pull)
     return builder.build()
 
 

@@ -94,8 +94,8 @@ def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
     builder.add_bolt_kind("frame", stiffness=frame(stress), compression=True)
     middle = 0.5 * LENGTH
     builder.bolt((middle, 1e-3), (-2.5, 1e-3), kind="frame", name="frame")
-    grows = builder.add_table("grows", [0.0, PRESSED, DRAWN], [0.0, 0.0, 1.0])
-    builder.point_load((middle, 0.0), (pull, 0.0), block="block", factor=grows)
+    grows = builder.add_amplitude("grows", [0.0, PRESSED, DRAWN], [0.0, 0.0, 1.0])
+    builder.point_load((middle, 0.0), (pull, 0.0), block="block", amplitude=grows)
     builder.measured_point("foot", (middle, 0.0), block="block")
     return builder.build()
 

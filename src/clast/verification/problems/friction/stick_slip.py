@@ -67,8 +67,8 @@ def slider() -> Model:
     builder.add_bolt_kind("spring", stiffness=SPRING, compression=True)
     middle = 0.5 * LENGTH
     builder.bolt((middle, 1e-3), (-3.5, 1e-3), kind="spring", name="spring")
-    pull = builder.add_table("pull", [0.0, SOON, END], far_end([0.0, SOON, END]).tolist())
-    builder.point_load((middle, 0.0), (SPRING, 0.0), block="block", factor=pull)
+    pull = builder.add_amplitude("pull", [0.0, SOON, END], far_end([0.0, SOON, END]).tolist())
+    builder.point_load((middle, 0.0), (SPRING, 0.0), block="block", amplitude=pull)
     builder.measured_point("foot", (middle, 0.0), block="block")
     return builder.build()
 

@@ -163,7 +163,7 @@ def spreading(arch: Arch = ARCHES[0], spread: float = 0.5, side: str = "right") 
     builder.measured_point("crown", arch.joints()[1][middle], block=str(middle))
     first, last = SETTLED * STEP, (SETTLED + STEPS) * STEP
     way = spread if side == "right" else -spread
-    table = builder.add_table("spread", [0.0, first, last], [0.0, 0.0, way])
+    table = builder.add_amplitude("spread", [0.0, first, last], [0.0, 0.0, way])
     builder.motion(name="spread", block=f"{side} abutment", x={"displacement": table})
     return builder.build()
 

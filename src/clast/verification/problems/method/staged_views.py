@@ -100,10 +100,10 @@ def written_down(view: View) -> Model:
     builder.add_bolt_kind("bar", stiffness=BOLT * view.mass, pretension=1e3 * force)
     head, end = view.places(np.array([(3.6, 2.5), (3.6, 3.5)]))
     builder.bolt(head, end, kind="bar", name="bolts")
-    builder.add_table("grows", time=[0.0, 0.2], value=[0.0, 1.0])
+    builder.add_amplitude("grows", time=[0.0, 0.2], value=[0.0, 1.0])
     side = view.places(np.array([(5.0, 3.5)]))[0]
     push = view.vectors(np.array([[-PUSH, 0.0]]))[0] * view.mass
-    builder.point_load(side, push, block="east", name="push", factor="grows")
+    builder.point_load(side, push, block="east", name="push", amplitude="grows")
     time = np.linspace(0.0, SHAKEN, 41)
     shaking = np.stack([2.0 * np.sin(2.0 * np.pi * time / SHAKEN), np.zeros(len(time))], axis=1)
     builder.ground_motion = MovingBase(Accelerogram(time, view.vectors(shaking)))

@@ -40,7 +40,7 @@ def scene(side: float = 1.0) -> Model:
     end = 0.5 * LENGTH
     corners = [(-end, 0.0), (end, 0.0), (end, HEIGHT), (-end, HEIGHT)]
     builder.block(name="lintel", vertices=corners)
-    table = builder.add_table("settlement", [0.0, DURATION], [0.0, -SETTLEMENT])
+    table = builder.add_amplitude("settlement", [0.0, DURATION], [0.0, -SETTLEMENT])
     builder.motion(name="settlement", block="soft", y={"displacement": table}, ease=0.2)
     builder.measured_point("middle", (0.0, 0.0), block="lintel")
     return builder.build()

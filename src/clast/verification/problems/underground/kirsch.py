@@ -114,7 +114,7 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
     builder.in_situ = InSituStress(stress=(-ratio * PRESSURE, -PRESSURE, 0.0), held=(HELD, HELD))
     # the first step is part of the equilibrium that the run begins with
     instants = (0.0, STEP, STEP * (1 + FADING))
-    fades = builder.add_table("fades", instants, (1.0, 1.0, 0.0))
+    fades = builder.add_amplitude("fades", instants, (1.0, 1.0, 0.0))
     for ring in range(rings.count):
         for place in range(rings.round):
             for part, corners in zip("ab", rings.triangles(ring, place), strict=True):
@@ -123,7 +123,7 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
         ends = rings.corner(0, place), rings.corner(0, place + 1)
         angle, wall = rings.middle(place), f"0 {place} a"
         push = (ratio * PRESSURE * np.cos(angle), PRESSURE * np.sin(angle))
-        builder.line_load(ends[1], ends[0], push, block=wall, factor=fades)
+        builder.line_load(ends[1], ends[0], push, block=wall, amplitude=fades)
         middle = 0.5 * np.add(*ends)
         builder.measured_point(str(place), (middle[0], middle[1]), block=wall)
     return builder.build()

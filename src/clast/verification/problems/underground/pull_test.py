@@ -70,9 +70,9 @@ def pulled(pretension: float = 0.0) -> Model:
     builder.add_bolt_kind("frame", stiffness=0.5 * FRAME, compression=True)
     for y in (0.25, 0.75):
         builder.bolt((0.75, y), (-1.5, y), kind="frame", name=f"frame at {y:g}")
-    grows = builder.add_table("grows", (0.0, STEP * STEPS), (0.0, 1.0))
+    grows = builder.add_amplitude("grows", (0.0, STEP * STEPS), (0.0, 1.0))
     most = FURTHER * load_at_rupture(pretension)
-    builder.point_load((1.0, 0.5), (most, 0.0), block="block", factor=grows)
+    builder.point_load((1.0, 0.5), (most, 0.0), block="block", amplitude=grows)
     builder.measured_point("head", (1.0, 0.5), block="block")
     return builder.build()
 

@@ -96,10 +96,10 @@ def roof(wedge: Wedge = FEW[1]) -> Model:
     builder.block(name="wedge", vertices=[*corners, *mirrored])
     builder.in_situ = InSituStress(stress=(-PRESS / HEIGHT, 0.0, 0.0), held=(0.0, 0.0))
     # the loads of the first step belong to the equilibrium that the run begins with
-    grows = builder.add_table("grows", (0.0, STEP, STEP * (STEPS + 1)), (0.0, 0.0, FURTHER))
+    grows = builder.add_amplitude("grows", (0.0, STEP, STEP * (STEPS + 1)), (0.0, 0.0, FURTHER))
     pull = wedge.exact()[0] / BASE
     base = 0.5 * BASE
-    builder.line_load((-base, 0.0), (base, 0.0), (0.0, -pull), block="wedge", factor=grows)
+    builder.line_load((-base, 0.0), (base, 0.0), (0.0, -pull), block="wedge", amplitude=grows)
     builder.measured_point("wedge", (0.0, 0.0), block="wedge")
     return builder.build()
 

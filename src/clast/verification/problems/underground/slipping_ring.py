@@ -53,7 +53,7 @@ POINTS, DECREMENTS = 400, 200
 
 
 @dataclass(frozen=True)
-class Ring:
+class LeaningRing:
     """A ring whose joints lean, so that their friction may not bear what the ring bears."""
 
     lean: float
@@ -69,7 +69,7 @@ class Ring:
         return np.asarray(radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
 
 
-CASES = (Ring(15.0, 25.0), Ring(10.0, 10.0))
+CASES = (LeaningRing(15.0, 25.0), LeaningRing(10.0, 10.0))
 """The quantity."""
 SHARES = (0.8, 0.6, 0.4, 0.2, 0.0)
 """Pressures at which convergence is compared, in units of the first."""
@@ -77,7 +77,7 @@ WHY = "small displacements are integrated; friction bounds agree within 0.2 % of
 
 
 @dataclass(frozen=True)
-class Face:
+class EdgePoints:
     """Points of an edge from one end to the other."""
 
     at: Floats
@@ -88,7 +88,7 @@ class Face:
     """Length that a point stands for, m."""
 
     @classmethod
-    def of(cls, first: Floats, other: Floats) -> Face:
+    def of(cls, first: Floats, other: Floats) -> EdgePoints:
         """Return the face between two ends, m."""
         length = float(np.hypot(*(other - first)))
         places = (np.arange(POINTS) + 0.5) / POINTS
@@ -104,16 +104,16 @@ class Face:
 class Integration:
     """One block of a ring, which stands for all of them."""
 
-    def __init__(self, ring: Ring) -> None:
+    def __init__(self, ring: LeaningRing) -> None:
         corners = ring.corners(0)
         angle = 2.0 * np.pi / COUNT
         self.turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         """By which the next block is turned, for rows of vectors."""
         self.centre = corners.mean(axis=0)
-        self.joint = Face.of(corners[3], corners[2])
+        self.joint = EdgePoints.of(corners[3], corners[2])
         """To the next block; seen from that one it is the joint to this."""
-        self.rock = Face.of(corners[2], corners[1])
-        self.wall = Face.of(corners[3], corners[0])
+        self.rock = EdgePoints.of(corners[2], corners[1])
+        self.wall = EdgePoints.of(corners[3], corners[0])
         self.friction = float(np.tan(np.radians(ring.friction)))
         self.shear = np.zeros(POINTS)
         """Shear stress of the joint at the last equilibrium, Pa."""
@@ -178,7 +178,7 @@ class Integration:
         return -float(moved[:2] @ self.centre) / float(np.hypot(*self.centre)), slips
 
 
-def reaction_curve(ring: Ring) -> tuple[Floats, Floats, float]:
+def reaction_curve(ring: LeaningRing) -> tuple[Floats, Floats, float]:
     """Return pressures, Pa, convergences, m, (k,) each, and the pressure of the first slip, Pa."""
     block = Integration(ring)
     pressures = PRESSURE * np.linspace(1.0, 0.0, DECREMENTS + 1)
@@ -187,7 +187,7 @@ def reaction_curve(ring: Ring) -> tuple[Floats, Floats, float]:
     return pressures, found[:, 0], float(pressures[slips[0]]) if len(slips) else 0.0
 
 
-def ring_in_rock(ring: Ring) -> Model:
+def ring_in_rock(ring: LeaningRing) -> Model:
     """Return the ring under stress in fixed rock, with a pressure in the opening that fades out."""
     builder = InputBuilder(title="Slipping ring", plane=PlaneStrain(), gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2700.0)
@@ -198,7 +198,7 @@ def ring_in_rock(ring: Ring) -> Model:
     builder.in_situ = InSituStress(stress=(-PRESSURE, -PRESSURE, 0.0))
     # the first step is part of the equilibrium that the run begins with
     instants = (0.0, STEP, STEP * (1 + STAGES))
-    fades = builder.add_table("fades", instants, (1.0, 1.0, 0.0))
+    fades = builder.add_amplitude("fades", instants, (1.0, 1.0, 0.0))
     for place in range(COUNT):
         name, corners = str(place), ring.corners(place)
         far = corners[1:3] * (AROUND / OUTER)
@@ -209,12 +209,12 @@ def ring_in_rock(ring: Ring) -> Model:
         wall = 0.5 * (corners[0] + corners[3])
         push = PRESSURE * wall / float(np.hypot(*wall))
         ends = [tuple(corners[k].tolist()) for k in (0, 3)]
-        builder.line_load(*ends, tuple(push.tolist()), block=name, factor=fades)
+        builder.line_load(*ends, tuple(push.tolist()), block=name, amplitude=fades)
         builder.measured_point(name, tuple(corners.mean(axis=0).tolist()), block=name)
     return builder.build()
 
 
-def lowered(ring: Ring, variant: Variant) -> Run:
+def lowered(ring: LeaningRing, variant: Variant) -> Run:
     """Return the run in which the pressure fades out, with a frame after each decrement."""
     model = ring_in_rock(ring)
     numbers = {"normal_stiffness": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
@@ -222,7 +222,7 @@ def lowered(ring: Ring, variant: Variant) -> Run:
     return simulate(model, variant.method(model, **numbers), schedule)
 
 
-def convergences(run: Run, ring: Ring) -> tuple[Floats, Floats]:
+def convergences(run: Run, ring: LeaningRing) -> tuple[Floats, Floats]:
     """Return pressures, Pa, and mean convergence, m, (k,) each, after each decrement."""
     pressures = PRESSURE * np.linspace(1.0, 0.0, STAGES + 1)
     time = STEP * np.arange(1, STAGES + 2)
@@ -244,7 +244,7 @@ def first_slip(run: Run) -> Bracket:
     return Bracket(PRESSURE * after, PRESSURE * (after + 1.0 / STAGES))
 
 
-def examine(rings: tuple[Ring, ...], variant: Variant) -> Outcome:
+def examine(rings: tuple[LeaningRing, ...], variant: Variant) -> Outcome:
     """Compare the ground reaction curves and where slip begins."""
     rows: list[Comparison] = []
     curves = []

@@ -48,8 +48,8 @@ def hung_block() -> Model:
     builder.add_bolt_kind("strong", stiffness=ELASTIC, compression=True)
     for x, kind in ((0.5, "weak"), (1.0, "strong"), (1.5, "weak")):
         builder.bolt((x, 2.0), (x, 1.0), kind=kind, name=f"{kind} at {x:g}")
-    table = builder.add_table("load", list(INSTANTS), [load / max(LOADS) for load in LOADS])
-    builder.point_load((1.0, 0.5), (0.0, -max(LOADS)), block="block", factor=table)
+    table = builder.add_amplitude("load", list(INSTANTS), [load / max(LOADS) for load in LOADS])
+    builder.point_load((1.0, 0.5), (0.0, -max(LOADS)), block="block", amplitude=table)
     builder.measured_point("head", (1.0, 1.0), block="block")
     return builder.build()
 

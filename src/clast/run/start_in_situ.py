@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.acting import actions_of, own_states
+from clast.actions.active import actions_of, own_states
 from clast.actions.damping import Undamped
 from clast.actions.in_situ import InSituBoundary, tractions
 from clast.actions.viscous_edges import BoundaryDashpots

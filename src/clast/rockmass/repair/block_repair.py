@@ -1,4 +1,4 @@
-"""The repair of blocks as a ModelBuilder takes it: ``builder.repair = Mender(tolerance=1e-3)``."""
+"""The repair of blocks as builders take it: ``builder.repair = BlockRepair(tolerance=1e-3)``."""
 
 from __future__ import annotations
 

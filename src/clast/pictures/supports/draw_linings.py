@@ -27,7 +27,7 @@ TALLEST = 0.12
 
 
 @dataclass(frozen=True)
-class Diagram:
+class LiningQuantity:
     """A quantity that is drawn along linings."""
 
     letter: str
@@ -41,15 +41,15 @@ class Diagram:
 
 
 DIAGRAMS = {
-    "normal-forces": Diagram("N", "normal_force", "N/m", "#1b4f9c"),
-    "shear-forces": Diagram("Q", "shear_force", "N/m", "#2b7a3f"),
-    "moments": Diagram("M", "moment", "N", "#b3261e"),
+    "normal-forces": LiningQuantity("N", "normal_force", "N/m", "#1b4f9c"),
+    "shear-forces": LiningQuantity("Q", "shear_force", "N/m", "#2b7a3f"),
+    "moments": LiningQuantity("M", "moment", "N", "#b3261e"),
 }
 """Name of a layer -> its diagram."""
 
 
 def _values(
-    results: Recording, frame: int, one: Diagram
+    results: Recording, frame: int, one: LiningQuantity
 ) -> Iterator[tuple[str, Any, Floats, Bools]]:
     """Give name, history, values (k,) and whether each joint bears (k,) of each lining there."""
     for name in results.lining_name:
@@ -60,7 +60,7 @@ def _values(
             yield name, lining, np.where(bears, getattr(lining, one.column)[row], 0.0), bears
 
 
-def handles_of(one: Diagram) -> Callable[[Recording, int], list[Any]]:
+def handles_of(one: LiningQuantity) -> Callable[[Recording, int], list[Any]]:
     """Return the function that gives the legend of a diagram: its extremes."""
 
     def handles(results: Recording, frame: int) -> list[Any]:
@@ -78,7 +78,7 @@ def handles_of(one: Diagram) -> Callable[[Recording, int], list[Any]]:
     return handles
 
 
-def drawing_of(one: Diagram) -> Callable[[Axes, Recording, int], None]:
+def drawing_of(one: LiningQuantity) -> Callable[[Axes, Recording, int], None]:
     """Return the function that draws a diagram."""
 
     def draw(axes: Axes, results: Recording, frame: int) -> None:
@@ -102,7 +102,7 @@ def _draw(
     of: tuple[str, LiningHistory],
     scaled: Floats,
     bears: Bools,
-    one: Diagram,
+    one: LiningQuantity,
 ) -> None:
     """Draw the ordinates (k,), m, of a lining, and the line through their ends."""
     from matplotlib.collections import LineCollection, PolyCollection
@@ -127,7 +127,7 @@ def _label(
     lining: LiningHistory,
     values: Floats,
     scaled: Floats,
-    one: Diagram,
+    one: LiningQuantity,
 ) -> None:
     """Write the least and the largest value where they are."""
     _, tip = _ordinates(results, frame, lining, scaled)

@@ -18,7 +18,7 @@ import numpy as np
 
 from clast.actions.action import Contribution, Solution
 from clast.compute.jit import kernel
-from clast.linear.system import Links
+from clast.linear.system import PairedLinks
 from clast.model.model import Floats, Ints
 from clast.model.supports.reactions import numbered
 from clast.read_only import read_only
@@ -161,14 +161,16 @@ def _of_mass(context: StepContext, solution: StepSolution, end: _End, block: Int
     return np.asarray(force[:, :3])
 
 
-def _of_links(number: Ints, count: int, links: Links, forces: tuple[Floats, Floats]) -> Floats:
+def _of_links(
+    number: Ints, count: int, links: PairedLinks, forces: tuple[Floats, Floats]
+) -> Floats:
     """Return force and moment (count, 3) of links on the blocks that have a ``number`` (n,)."""
-    found: Floats = _sums(number, count, links.vertex_block, links.edge_block, links.levers, forces)
+    found: Floats = _sums(number, count, links.vertex_block, links.edge_block, links.arms, forces)
     return found
 
 
 @kernel()
-def _sums(number, count, vertex_block, edge_block, levers, forces):
+def _sums(number, count, vertex_block, edge_block, arms, forces):
     """Return force (x, y), N/m, and moment, N, of links on blocks with a number >= 0, (count, 3).
 
     Moments are about the centroids; ``forces`` are N and T (m,), N/m, on the first block.
@@ -179,14 +181,14 @@ def _sums(number, count, vertex_block, edge_block, levers, forces):
         i, j = number[vertex_block[c]], number[edge_block[c]]
         if i < 0 and j < 0:
             continue
-        nx, ny = levers[c, 0], levers[c, 1]
+        nx, ny = arms[c, 0], arms[c, 1]
         fx, fy = normal[c] * nx - shear[c] * ny, normal[c] * ny + shear[c] * nx
         if i >= 0:
             found[i, 0] += fx
             found[i, 1] += fy
-            found[i, 2] += levers[c, 2] * fy - levers[c, 3] * fx
+            found[i, 2] += arms[c, 2] * fy - arms[c, 3] * fx
         if j >= 0:
             found[j, 0] -= fx
             found[j, 1] -= fy
-            found[j, 2] -= levers[c, 4] * fy - levers[c, 5] * fx
+            found[j, 2] -= arms[c, 4] * fy - arms[c, 5] * fx
     return found

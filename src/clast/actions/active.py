@@ -75,28 +75,28 @@ def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[A
 
 
 def shares_of(
-    actions: Sequence[Action], start: StepStart, own: Sequence[Any]
+    actions: Sequence[Action], start: StepStart, states: Sequence[Any]
 ) -> tuple[Contribution, ...]:
     """Return the contribution of each action to the equations of a step."""
     return tuple(
-        [_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True)]
+        [_share_of(action, start, mine) for action, mine in zip(actions, states, strict=True)]
     )
 
 
-def _share_of(action: Action, start: StepStart, own: Any) -> Contribution:
+def _share_of(action: Action, start: StepStart, state: Any) -> Contribution:
     """Return the contribution of an action to a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
-        return action.share(start, own)
-    return checked_share(action, answer(action, action.share, start, own), start)
+        return action.share(start, state)
+    return checked_share(action, answer(action, action.share, start, state), start)
 
 
 def done_by(
-    action: Action, start: StepStart, own: Any, share: Contribution, solution: Solution
+    action: Action, start: StepStart, state: Any, share: Contribution, solution: Solution
 ) -> ActionResult:
     """Return the result of an action in a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
-        return action.finish(start, own, share, solution)
-    return checked_done(action, answer(action, action.finish, start, own, share, solution))
+        return action.finish(start, state, share, solution)
+    return checked_done(action, answer(action, action.finish, start, state, share, solution))
 
 
 def acceleration_of(shares: Sequence[Contribution]) -> Floats:
