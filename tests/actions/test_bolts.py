@@ -81,6 +81,7 @@ def test_a_weight_hangs_on_it(process: str, stiffness: float, law_name: str):
 
 @pytest.mark.slow
 @every_process
+@pytest.mark.one_in(3)
 def test_it_swings_and_the_energy_is_explained(process: str, stiffness: float):
     """A box that falls into its bolt sinks to 2 W/s and comes back: x = W/s (1 - cos w t)."""
     run = clast.simulate(
@@ -100,6 +101,7 @@ def test_it_swings_and_the_energy_is_explained(process: str, stiffness: float):
 
 @pytest.mark.slow
 @every_process
+@pytest.mark.one_in(3)
 def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: float):
     """Thrown down with v the box is stopped by a force Fy at last; then it swings elastically."""
     strength = 2e4
@@ -121,6 +123,7 @@ def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: f
 
 @pytest.mark.slow
 @every_process
+@pytest.mark.one_in(3)
 def test_it_breaks_for_good_and_the_box_flies_free(process: str, stiffness: float):
     """Thrown faster than its energy at rupture bears, it goes on with what is left of it."""
     rupture, speed = 0.01, 0.5
@@ -177,6 +180,7 @@ def test_a_jack_holds_the_force_until_it_is_locked(process: str, stiffness: floa
 
 @pytest.mark.slow
 @every_process
+@pytest.mark.one_in(3)
 def test_turning_about_each_other(process: str, stiffness: float):
     """Two boxes on a bolt go round: its force is that of the centripetal acceleration m w^2 r."""
     rate, radius, stiff = 5.0, 1.0, 2e7

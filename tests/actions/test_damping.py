@@ -76,6 +76,7 @@ def test_free_flight_is_left_alone(damping: object):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 def test_stiffness_damping_by_the_frequency():
     """A block that breathes with w loses exp(-s w^2 t/2) of its amplitude by the damping."""
     builder = clast.ModelBuilder(gravity=(0.0, 0.0))
@@ -117,6 +118,7 @@ def rest(model: Model, damping: object, stiffness: float, end: float) -> tuple[f
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [Adaptive(), Kinetic()])
+@pytest.mark.one_in(2)
 def test_a_stack_comes_to_rest_sooner_and_where_it_belongs(damping: object):
     late, _ = rest(stack(), Undamped(), 1e8, 0.2)
     soon, run = rest(stack(), damping, 1e8, 0.2)

@@ -178,6 +178,7 @@ def test_a_force_of_ones_own_pushes(process: str, stiffness: float):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
+@pytest.mark.one_in(3)
 def test_a_spring_between_two_blocks(process: str, stiffness: float):
     """Boxes that touch nothing of each other swing about their common centre, x = v/w sin(w t)."""
     builder = swinging(Tie(("box", "far"), 0.5 * 2500.0 * RATE**2))

@@ -97,6 +97,7 @@ def test_a_wave_from_below_moves_the_surface_twice_as_far(way: tuple[str, str]):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
+@pytest.mark.one_in(3)
 def test_what_springs_bear_stays_when_dashpots_begin(way: tuple[str, str]):
     moved = {}
     for static in ("hold", "none"):

@@ -190,6 +190,7 @@ def test_a_joint_that_opens_keeps_its_water_or_loses_it(wetted: str, length: flo
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
+@pytest.mark.one_in(3)
 def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
     """With water round the stack and in its joints, weight above less what that displaces."""
     builder = stack()
@@ -205,6 +206,7 @@ def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
+@pytest.mark.one_in(3)
 def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
     builder = stack()
     builder.water(2.2, acts_on="joints")
@@ -218,6 +220,7 @@ def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
+@pytest.mark.one_in(3)
 def test_water_rises_by_a_table(way: tuple[str, str]):
     builder = stack((1.0,))
     builder.add_amplitude("rise", [0.0, 0.2, 0.3, 5.0], [0.0, 0.5, 0.5, 0.5])
@@ -231,6 +234,7 @@ def test_water_rises_by_a_table(way: tuple[str, str]):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
+@pytest.mark.one_in(3)
 def test_a_block_falls_through_water_at_its_reduced_weight(way: tuple[str, str]):
     builder = builder_of()
     builder.block(vertices=[(0.0, 0.0), (1.0, 0.2), (0.4, 1.0)])
@@ -291,6 +295,7 @@ def test_uplift_under_a_dam_falls_to_its_drain(drain: float):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
+@pytest.mark.one_in(3)
 def test_the_base_of_a_dam_bears_its_weight_less_the_uplift(way: tuple[str, str]):
     builder = builder_of()
     builder.block(name="rock", vertices=rectangle(-4.0, -3.0, 14.0, 3.0), fixed=True)

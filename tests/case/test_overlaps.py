@@ -150,6 +150,7 @@ def test_two_blocks_that_touch_to_round_off():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
+@pytest.mark.one_in(3)
 def test_what_overlaps_is_found(place):
     """Cells moved a little into their neighbours: found where the oracle finds a common area."""
     rng = np.random.default_rng(11)

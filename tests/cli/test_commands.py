@@ -374,6 +374,7 @@ def test_status_line():
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.one_in(3)
 def test_signals_end_a_run_and_keep_its_results(incline, number):
     command = [sys.executable, "-m", "clast", "run", str(incline), "--set", "time.end=1e3"]
     process = subprocess.Popen(

@@ -72,6 +72,7 @@ def files_in(folder: Path) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.one_in(2)
 def test_what_kernels_call_is_kept_within_them(threads: int, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(SCRIPT, encoding="utf-8")

@@ -171,6 +171,7 @@ def crossed_edges(outlines, way):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.one_in(3)
 def test_vertex_that_would_cross_an_edge_within_the_step_is_a_candidate(family):
     """Wherever its foot lies now: corners may fly at each other."""
     reach = replace(REACH, front=0.025)

@@ -81,6 +81,7 @@ STIFF = {"normal_stiffness": K, "shear_stiffness": K}
 @pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
 @pytest.mark.parametrize("parts", [1, 3])
+@pytest.mark.one_in(3)
 def test_a_joint_turns_by_twelve_times_the_moment(process, parts):
     """theta = 12 M/(k b^3), closure N/(k b)."""
     force, moment = 2e5, 2e3
@@ -95,6 +96,7 @@ def test_a_joint_turns_by_twelve_times_the_moment(process, parts):
 @pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 2, 10])
 @pytest.mark.parametrize("share", [0.2, 0.25, 1 / 3, 0.4, 0.42, 0.45])
+@pytest.mark.one_in(3)
 def test_a_face_that_has_opened_in_part_turns_as_its_rest_does(share, parts):
     """Beyond the kern the face bears on 3 (b/2 - e): theta = 2 N/(k a^2)."""
     force = 2e5
@@ -150,6 +152,7 @@ def is_whole(run):
 @pytest.mark.parametrize("parts", [1, 4])
 @pytest.mark.parametrize("springs", BONDS)
 @pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
+@pytest.mark.one_in(3)
 def test_a_bonded_beam_breaks_as_beam_theory_says(parts, springs, share, holds):
     """M = sigma_t b^2/6, on one edge and on four."""
     moment = share * 1e6 * HEIGHT**2 / 6.0

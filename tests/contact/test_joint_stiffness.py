@@ -126,6 +126,7 @@ def squeezed(process, law, force=(0.0, -2e6), end=0.2):
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.one_in(3)
 def test_a_joint_closes_by_stress_over_stiffness(process, law):
     """Whatever the process and the law: multipliers are not to take away what a joint gives."""
     closure = -squeezed(process, LAWS[law]).history("A").displacement[-1, 1]
@@ -188,6 +189,7 @@ def is_closed(ledger) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.one_in(3)
 def test_the_ledger_stays_closed_where_lengths_of_contact_change(process):
     """The springs keep changing until the block falls freely."""
     is_closed(over_a_ledge(process, end=1.05))
@@ -195,6 +197,7 @@ def test_the_ledger_stays_closed_where_lengths_of_contact_change(process):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.one_in(3)
 def test_the_ledger_stays_closed_where_a_block_lands_on_a_soft_corner(process):
     """The corner has 2.4 % of a face's springs; the others come in as the block turns flat (94)."""
     is_closed(over_a_ledge(process, end=1.3))

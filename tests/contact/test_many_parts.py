@@ -44,6 +44,7 @@ def copied(copies):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.one_in(2)
 def test_copies_of_a_system_have_copies_of_its_contacts(seed):
     one, all_of_them = shaken(1, seed), shaken(COPIES, seed)
     blocks, vertices, count = len(OUTLINES), 4 * len(OUTLINES), len(one)

@@ -69,6 +69,7 @@ def test_the_law_of_the_page_is_one(hardening):
 @pytest.mark.parametrize(
     ("process", "tolerance"), [("modified", 2e-3), ("open-close", 2e-3), ("convex", 3e-4)]
 )
+@pytest.mark.one_in(3)
 def test_the_law_of_the_page_slides_as_it_should(hardening, process, tolerance):
     """Incline of 45 degrees, friction 20: friction lags by a step but in the convex process."""
     case = Case.from_toml(INCLINE, [f"method.process={process}"])

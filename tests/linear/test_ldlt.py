@@ -246,6 +246,7 @@ def eliminated(one, order):
 
 @pytest.mark.slow  # no fewer blocks have four strips
 @pytest.mark.parametrize("parted", [True, False])
+@pytest.mark.one_in(2)
 def test_the_seam_is_eliminated_as_if_one_block_came_after_the_other(parted):
     """By segments, or, where segments are coupled, as a whole."""
     one = elastic_grid(4 * ordering.LEAST // 40 + 5, 40)

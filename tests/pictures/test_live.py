@@ -273,6 +273,7 @@ def test_a_page_has_a_checkpoint_written_that_the_run_goes_on_from(tmp_path):
 
 
 @pytest.mark.parametrize("hangs", ["reads nothing", "asks nothing", "has gone"])
+@pytest.mark.one_in(3)
 def test_a_browser_that_hangs_or_has_gone_stops_nothing(tmp_path, hangs):
     page = LivePage(tmp_path / "run.vtkhdf")
     client = Client(page)

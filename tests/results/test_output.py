@@ -276,6 +276,7 @@ main()
 @pytest.mark.slow
 @posix
 @pytest.mark.parametrize(("room", "code"), [(20_000, 2), (700_000, 3)])
+@pytest.mark.one_in(2)
 def test_a_full_disk_is_said_in_two_lines(tmp_path, room, code):
     case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
     case.write_text(INCLINE, encoding="utf-8")

@@ -148,6 +148,7 @@ def check_for_others(path: Path) -> None:
     [(three_blocks, moved, 1, 3), (three_blocks, moved, 39, 40), (many_blocks, shifted, 63, 65)],
     ids=["first frames", "new chunks", "new branches of the indexes"],
 )
+@pytest.mark.one_in(3)
 def test_every_state_of_the_file_is_read(
     tmp_path: Path,
     disk: Disk,

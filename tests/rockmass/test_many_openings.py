@@ -40,6 +40,7 @@ def sets(seed: int) -> list[JointSet]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-3, 1e-2])
+@pytest.mark.one_in(3)
 def test_areas_of_thirty_openings(tolerance):
     """Blocks have all of the rock: to round-off, but where the rock is thinner than the grid.
 

@@ -344,6 +344,8 @@ def test_arrays_must_fit_to_the_model(
     refused(words, forge(part, part, forged))
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 def test_mutations_are_refused_or_harmless(interrupted: Path, tmp_path: Path):
     """Several hundred changes at random: a message or a run, and nothing else touched."""
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)

@@ -35,6 +35,7 @@ def same(one: object, other: object) -> bool:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.one_in(3)
 def test_a_run_goes_on_from_any_of_its_steps(process: str, law: str):
     model, method, schedule = prepared(process, law)
     carried: list[RunState] = []

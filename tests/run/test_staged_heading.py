@@ -29,6 +29,7 @@ def turned_over(run: clast.Run) -> float:
         pytest.param("modified", "augmented-lagrangian", marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.one_in(3)
 def test_all_that_stages_have_at_once(process: str, law: str):
     model, method, schedule = prepared(process, law)
     carried: list[RunState] = []

@@ -93,6 +93,7 @@ def same(one: object, other: object) -> bool:
         ("modified", "augmented-lagrangian"),
     ],
 )
+@pytest.mark.one_in(3)
 def test_a_run_in_stages_goes_on_from_any_of_its_steps(process: str, law: str):
     model, method, schedule = prepared(process, law)
     carried: list[RunState] = []

@@ -202,6 +202,7 @@ def test_processes_without_restitution_say_so(process):
 @pytest.mark.slow
 @pytest.mark.parametrize("corners", [4, 6, 8])
 @pytest.mark.parametrize(("stiffness", "within"), [(5e7, 1e-2), (5e9, 2e-3)])
+@pytest.mark.one_in(3)
 def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness, within):
     """From corner to corner: w+/w = (i + R^2 cos(2 pi/n))/(i + R^2), i = I/m of the polygon.
 

@@ -36,6 +36,7 @@ def amplitudes(history, swing: np.ndarray, period: float) -> tuple[float, float]
 
 
 @pytest.mark.parametrize("process", ["convex", "modified", "open-close"])
+@pytest.mark.one_in(3)
 def test_a_raft_pushed_under_swings_for_ever(process: str):
     """w2 = rho g B/m; with the pressures of the start of a step it grew by exp(w2 h t/4)."""
     width, height, density, push = 3.0, 1.0, 500.0, 0.08

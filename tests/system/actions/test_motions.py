@@ -102,6 +102,7 @@ def test_it_does_not_matter_how_the_block_is_turned(angle: float, mirrored: bool
 
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("method", ["convex", "open-close"])
+@pytest.mark.one_in(3)
 def test_a_body_goes_where_it_is_led_to_the_last_digit(fixed: bool, method: str):
     builder = stones()
     builder.block(name="gate", vertices=box(0.0, 0.0, 2.0, 1.0), fixed=fixed)
@@ -120,6 +121,7 @@ def test_a_body_goes_where_it_is_led_to_the_last_digit(fixed: bool, method: str)
 
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.one_in(3)
 def test_a_wall_that_is_driven_throws_what_it_hits(fixed: bool, restitution: float):
     builder = stones()
     builder.gravity = (0.0, 0.0)
@@ -171,6 +173,7 @@ def test_reactions_on_piers_that_settle():
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.one_in(3)
 def test_a_fixed_point_is_led(method: str):
     builder = stones()
     builder.block(name="beam", vertices=box(0.0, 0.0, 4.0, 1.0))
@@ -238,6 +241,7 @@ def test_motions_begin_and_end_with_stages():
 
 
 @pytest.mark.parametrize("step", [50, 150, 205])
+@pytest.mark.one_in(3)
 def test_a_run_goes_on_to_the_bit(tmp_path: Path, step: int):
     text = pushed().to_toml(
         step=1e-3, end=1.0, every=0.05, stages=[clast.Stage(**keys) for keys in STAGES]

@@ -68,6 +68,7 @@ def run_of(law: str, *stages: dict[str, Any]) -> clast.Run:
 
 
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.one_in(3)
 def test_joints_keep_their_wear_over_a_stage(law: str):
     whole = run_of(law).reaction("box")
     parts = run_of(law, STAGES[0], {**STAGES[1], "time": 0.08}).reaction("box")
@@ -78,6 +79,7 @@ def test_joints_keep_their_wear_over_a_stage(law: str):
 
 
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.one_in(3)
 def test_joints_that_wear_go_on_to_the_bit(law: str, tmp_path: Path):
     text = box(law).to_toml(step=1e-3, end=0.16, every=0.04)
     case = clast.Case.from_toml(text, ["output.checkpoint_every=1e6"])

@@ -82,6 +82,7 @@ def test_without_friction_a_block_slides_over_seams_as_fast_as_before(gap, loose
 
 @pytest.mark.parametrize(("gap", "rise"), [(0.0, 3.6e-6), (1e-3, 0.0), (1e-2, 2e-6)])
 @pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.one_in(3)
 def test_a_body_with_steps_and_notches_is_as_its_pieces(gap, rise, mirrored):
     """Tiles that stand on a bed are fixed with it as one body; it is penetrated by 4e-6 m."""
     base, bed = tiles(4, gap, rise), box(-1.0, -1.0, 8.0, 0.5)
@@ -105,6 +106,7 @@ def test_seams_are_passed_at_any_speed_and_step(speed, step, mirrored):
 
 @pytest.mark.parametrize("process", [Modified(), OpenClose(), Convex()], ids=str)
 @pytest.mark.parametrize(("phi", "mirrored"), [(10.0, False), (25.0, True)])
+@pytest.mark.one_in(3)
 def test_a_slope_in_pieces_is_a_slope_in_one(process, phi, mirrored):
     how = method(process=process, contact_law=Penalty(2e8))
     slope = np.radians(20.0)
@@ -183,6 +185,7 @@ BENDS = {
 @pytest.mark.parametrize(
     ("bends", "phi"), list(zip(BENDS, [0.0, 15.0, 0.0, 15.0, 0.0], strict=True))
 )
+@pytest.mark.one_in(3)
 def test_terrain_in_pieces_is_terrain_in_one(bends, phi):
     """Each piece ends where the ground bends; one outline with all bends is right."""
     rise = np.tan(np.radians(BENDS[bends]))

@@ -73,6 +73,7 @@ def test_a_slab_whatever_the_step(slab, settings):
 
 
 @pytest.mark.parametrize("process", ["modified", "open-close"])
+@pytest.mark.one_in(2)
 def test_a_slab_whatever_the_process(slab, process):
     case = clast.Case.from_toml(slab.file, [f"method.process={process}"])
     found = clast.factor_of_safety(case, tolerance=0.02)

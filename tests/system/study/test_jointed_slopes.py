@@ -101,6 +101,7 @@ def factor_of(model, horizontal):
 
 
 @pytest.mark.parametrize("seed", [7, 8, 9])
+@pytest.mark.one_in(3)
 def test_a_jointed_slope_fails_between_the_factors_of_limit_analysis(seed):
     model = case_of(seed).model()
     without, opening = (factor_of(model, one) for one in (factor_without_dilation, largest_factor))

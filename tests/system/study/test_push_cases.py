@@ -23,6 +23,7 @@ def test_a_shipped_case_is_that_of_the_problem(name):
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if "n31" not in name])
+@pytest.mark.one_in(3)
 def test_a_case_fails_under_the_push_of_limit_analysis(name):
     one = CASES[name]
     found = clast.collapse_load(one.file, "pga", tolerance=TOLERANCE)
@@ -56,6 +57,7 @@ def test_one_command_finds_it(tmp_path):
         (["time.step=0.08"], {}),
     ],
 )
+@pytest.mark.one_in(3)
 def test_the_factor_depends_neither_on_the_search_nor_on_the_step(name, settings, how):
     one = CASES[name]
     case = clast.Case.from_toml(one.file, settings)
