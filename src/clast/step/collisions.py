@@ -3,20 +3,8 @@
 An impact changes velocities and no position.  From there on a block goes on as if it had begun the
 step with its new velocity, ``shift`` away from where it was: by -t dv for a change dv at time t.
 
-``bodies`` are velocities now and before the impact (n, 6), shifts (n, 6), m, the time of the last
-impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), the change of (u, v, r) by an impulse,
-and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, arms
-(contact/jacobian.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
-contact strikes, infinity if it does not; whether it carries, and how often it has struck (m,);
-which contacts may wait to strike, whether each is among them (m,), and how many they are.
-``around`` is where the contacts of each block begin (n + 1,) and these.  ``limits`` are the step,
-s, the closing velocity, m/s, from which contacts strike, and the gap, m, at which one strikes along
-with another of its blocks.
-
-``group`` is what takes part in one impact: the contacts and their place in that list (m,) each, -1
-if none, and the opening velocity they are to leave with at least (m,) each; what they are to
-impulses, and the course of these (step/impulses.py); the blocks and whether they are among them
-(n,) each; and how many contacts and blocks there are, and how many impulses may still be renewed.
+Arguments of kernels are named tuples (step/impulses.py): ``bodies`` are Bodies, ``contacts``
+Closing, ``live`` Strikes, ``around`` ContactsOfBlocks, ``group`` an ImpactGroup.
 """
 
 from __future__ import annotations
@@ -27,7 +15,18 @@ from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.vec6 import plus_product, row, total, zeros
 from clast.contact.jacobian import relative_motion
-from clast.step.impulses import describe, find, renew
+from clast.step.impulses import (
+    Bodies,
+    Closing,
+    ContactsOfBlocks,
+    ImpactGroup,
+    ImpactLimits,
+    Strikes,
+    describe,
+    find,
+    renew,
+    room_for,
+)
 
 SAME = 1e-9
 """Time between impacts that are one, in units of the step."""
@@ -58,7 +57,7 @@ Later strikes are left to the springs.
 @kernel(forceinline=True)
 def _accelerations(c, acceleration, contacts):
     """Return the accelerations of contact c along its normal and its edge, m/s2."""
-    _, vertex_block, edge_block, arms, _, _ = contacts
+    vertex_block, edge_block, arms = contacts.vertex_block, contacts.edge_block, contacts.arms
     i, j = vertex_block[c], edge_block[c]
     nx, ny = arms[c, 0], arms[c, 1]
     x, y = acceleration[i, 0] - acceleration[j, 0], acceleration[i, 1] - acceleration[j, 1]
@@ -68,7 +67,7 @@ def _accelerations(c, acceleration, contacts):
 @kernel(forceinline=True)
 def _rates(c, time, velocity, acceleration, contacts):
     """Return how fast contact c opens and slips at a time in the step, m/s."""
-    _, vertex_block, edge_block, arms, _, _ = contacts
+    vertex_block, edge_block, arms = contacts.vertex_block, contacts.edge_block, contacts.arms
     opening, slip = relative_motion(arms, c, velocity, vertex_block[c], edge_block[c])
     along_normal, along_edge = _accelerations(c, acceleration, contacts)
     return opening + time * along_normal, slip + time * along_edge
@@ -77,9 +76,11 @@ def _rates(c, time, velocity, acceleration, contacts):
 @kernel()
 def _moment(c, bodies, contacts, limits):
     """Return when contact c closes faster than the threshold, s; infinity: not in this step."""
-    velocity, _, shift, last, acceleration, _, _ = bodies
-    gap, vertex_block, edge_block, arms, _, _ = contacts
-    step, threshold, _ = limits
+    velocity, shift, last = bodies.velocity, bodies.shift, bodies.last
+    acceleration = bodies.acceleration
+    gap, vertex_block, edge_block = contacts.gap, contacts.vertex_block, contacts.edge_block
+    arms = contacts.arms
+    step, threshold = limits.step, limits.threshold
     i, j = vertex_block[c], edge_block[c]
     start = max(last[i], last[j])
     bend, _ = _accelerations(c, acceleration, contacts)
@@ -107,8 +108,9 @@ def _moves(b, mobility):
 @kernel()
 def _look_ahead(listed, bodies, contacts, live, limits):
     """Write when the contacts listed (k,) strike; no impulse moves two blocks that cannot move."""
-    moment, bears, hits, waiting, waits, number = live
-    mobility, vertex_block, edge_block = bodies[5], contacts[1], contacts[2]
+    moment, bears, hits = live.moment, live.bears, live.hits
+    waiting, waits, number = live.waiting, live.waits, live.number
+    mobility, vertex_block, edge_block = bodies.mobility, contacts.vertex_block, contacts.edge_block
     for c in listed:
         strikes = not bears[c] and hits[c] < NEVER
         strikes &= _moves(vertex_block[c], mobility) or _moves(edge_block[c], mobility)
@@ -121,7 +123,7 @@ def _look_ahead(listed, bodies, contacts, live, limits):
 @kernel()
 def _add_block(b, mobility, group):
     """Put block b among those of the group, if it moves."""
-    _, _, _, _, _, blocks, among, counts = group
+    blocks, among, counts = group.blocks, group.among, group.counts
     if not among[b] and _moves(b, mobility):
         blocks[counts[1]], among[b] = b, True
         counts[1] += 1
@@ -130,22 +132,23 @@ def _add_block(b, mobility, group):
 @kernel()
 def _join(c, time, target, bodies, contacts, group):
     """Let contact c take part, and its blocks."""
-    velocity, acceleration, mobility = bodies[0], bodies[4], bodies[5]
-    members, place, targets, linear, course, _, _, counts = group
+    velocity, acceleration, mobility = bodies.velocity, bodies.acceleration, bodies.mobility
+    members, place, targets = group.members, group.place, group.targets
+    linear, course, counts = group.linear, group.course, group.counts
     at = counts[0]
     members[at], place[c], targets[at] = c, at, target
     counts[0] += 1
     rates = _rates(c, time, velocity, acceleration, contacts)
     describe(at, c, rates, target, velocity, mobility, contacts, linear)
-    course[0][at, 0] = course[0][at, 1] = 0.0
-    _add_block(contacts[1][c], mobility, group)
-    _add_block(contacts[2][c], mobility, group)
+    course.impulses[at, 0] = course.impulses[at, 1] = 0.0
+    _add_block(contacts.vertex_block[c], mobility, group)
+    _add_block(contacts.edge_block[c], mobility, group)
 
 
 @kernel()
 def _let_strike(c, time, bodies, contacts, hits, group):
     """Let contact c take part and rebound; return how fast it closes, m/s."""
-    before, acceleration, restitution = bodies[1], bodies[4], contacts[4]
+    before, acceleration, restitution = bodies.before, bodies.acceleration, contacts.restitution
     rate, _ = _rates(c, time, before, acceleration, contacts)
     back = restitution[c] if hits[c] < OFTEN else 0.0
     _join(c, time, max(0.0, -rate) * back, bodies, contacts, group)
@@ -160,10 +163,10 @@ def _moment_of_all(first, bodies, contacts, live, around, limits, group):
     corner than on the ground between.  So the impact is that of the last contact which closes
     before any other of these blocks is as deep as faces are uneven.
     """
-    before, acceleration, mobility = bodies[1], bodies[4], bodies[5]
-    _, vertex_block, edge_block, _, _, _ = contacts
-    moment, (start, listed) = live[0], around
-    blocks, among, counts = group[5], group[6], group[7]
+    before, acceleration, mobility = bodies.before, bodies.acceleration, bodies.mobility
+    vertex_block, edge_block = contacts.vertex_block, contacts.edge_block
+    moment, start, listed = live.moment, around.start, around.listed
+    blocks, among, counts = group.blocks, group.among, group.counts
     latest, at = np.inf, 0
     _add_block(vertex_block[first], mobility, group)
     _add_block(edge_block[first], mobility, group)
@@ -172,7 +175,7 @@ def _moment_of_all(first, bodies, contacts, live, around, limits, group):
         for c in listed[start[b] : start[b + 1]]:
             if moment[c] < np.inf and moment[c] <= latest:
                 rate, _ = _rates(c, moment[c], before, acceleration, contacts)
-                latest = min(latest, moment[c] + limits[2] / -rate)
+                latest = min(latest, moment[c] + limits.even / -rate)
                 _add_block(vertex_block[c], mobility, group)
                 _add_block(edge_block[c], mobility, group)
         at += 1
@@ -193,21 +196,22 @@ def _gather(first, time, bodies, contacts, live, around, limits, group):
     Those that strike as it does wherever they are: it should not depend on the order of the blocks.
     Where it waits for others of its blocks, until ``time``, all of these that have closed then.
     """
-    before, acceleration = bodies[1], bodies[4]
-    start, listed = around
-    moment, _, hits, waiting, _, number = live
-    place, blocks, counts = group[1], group[5], group[7]
+    before, acceleration = bodies.before, bodies.acceleration
+    start, listed = around.start, around.listed
+    moment, hits, waiting = live.moment, live.hits, live.waiting
+    number = live.number
+    place, blocks, counts = group.place, group.blocks, group.counts
     fastest, at = 0.0, 0
-    waits = time > moment[first] + SAME * limits[0]
+    waits = time > moment[first] + SAME * limits.step
     for c in waiting[: number[0]]:
-        if c == first or (not waits and moment[c] <= time + SAME * limits[0]):
+        if c == first or (not waits and moment[c] <= time + SAME * limits.step):
             fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
     while at < counts[1]:
         b = blocks[at]
         for c in listed[start[b] : start[b + 1]]:
             if place[c] < 0 and moment[c] < np.inf:
                 rate, _ = _rates(c, time, before, acceleration, contacts)
-                if moment[c] <= time or -rate * (moment[c] - time) <= limits[2]:
+                if moment[c] <= time or -rate * (moment[c] - time) <= limits.even:
                     fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
         at += 1
     return fastest
@@ -219,10 +223,11 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
 
     Each takes its first impulse at once: a blow runs on from block to block before all are renewed.
     """
-    velocity, before, _, _, acceleration, _, _ = bodies
-    first, listed = around
-    bears = live[1]
-    _, place, _, linear, course, blocks, _, counts = group
+    velocity, before, acceleration = bodies.velocity, bodies.before, bodies.acceleration
+    first, listed = around.start, around.listed
+    bears = live.bears
+    place, linear, course = group.place, group.linear, group.course
+    blocks, counts = group.blocks, group.counts
     known, at = counts[0], 0
     while at < counts[1]:
         b = blocks[at]
@@ -241,8 +246,9 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
 @kernel()
 def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
     """Find the impulses of all that take part, and let all that feel them take part."""
-    _, _, _, linear, course, blocks, _, counts = group
-    felt, velocity = max(FELT * fastest, SLOW * limits[1]), bodies[0]
+    linear, course, blocks = group.linear, group.course, group.blocks
+    counts = group.counts
+    felt, velocity = max(FELT * fastest, SLOW * limits.threshold), bodies.velocity
     enough, more, is_rough = ROUGH * felt, True, True
     while more:
         count = counts[0]
@@ -258,8 +264,8 @@ def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
 @kernel()
 def _gained(time, velocity, bodies, group):
     """Return by how much the kinetic energy is above that before the impact, J/m."""
-    _, before, _, _, acceleration, _, mass_matrix = bodies
-    _, _, _, _, _, blocks, _, counts = group
+    before, acceleration, mass_matrix = bodies.before, bodies.acceleration, bodies.mass_matrix
+    blocks, counts = group.blocks, group.counts
     change, mean = np.empty((1, 6)), np.empty((1, 6))
     gained = 0.0
     for b in blocks[: counts[1]]:
@@ -278,8 +284,8 @@ def _mix(time, other, bodies, group):
 
     The velocities gain none by themselves.
     """
-    velocity, mass_matrix = bodies[0], bodies[6]
-    blocks, counts = group[5], group[7]
+    velocity, mass_matrix = bodies.velocity, bodies.mass_matrix
+    blocks, counts = group.blocks, group.counts
     least, most = _gained(time, velocity, bodies, group), _gained(time, other, bodies, group)
     bend, change = 0.0, np.empty((1, 6))
     for b in blocks[: counts[1]]:
@@ -297,8 +303,8 @@ def _mix(time, other, bodies, group):
 @kernel()
 def _put(other, bodies, group):
     """Write other velocities for the blocks that take part."""
-    velocity, (_, _, _, _, _, blocks, _, counts) = bodies[0], group
-    for b in blocks[: counts[1]]:
+    velocity = bodies.velocity
+    for b in group.blocks[: group.counts[1]]:
         for a in range(3):
             velocity[b, a] = other[b, a]
 
@@ -311,9 +317,10 @@ def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
     energy than there is (Kane 1984); so may a plastic one that turns a slip round, and that is then
     blended with the velocities before.
     """
-    velocity, before, _, _, _, _, _ = bodies
-    _, _, target, linear, course, _, _, counts = group
-    impulses, goal, ease = course[0], linear[3], linear[4]
+    velocity, before = bodies.velocity, bodies.before
+    target, linear, course = group.targets, group.linear, group.course
+    counts = group.counts
+    impulses, goal, ease = course.impulses, linear.goal, linear.ease
     rebound = velocity.copy()
     _put(before, bodies, group)
     for at in range(counts[0]):
@@ -330,21 +337,23 @@ def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
 @kernel()
 def _end(time, bodies, contacts, live, around, limits, group):
     """Write the result of the impact: contacts under load, the shifts, and the next strike."""
-    velocity, before, shift, last, acceleration, _, _ = bodies
-    moment, bears, hits, _, _, _ = live
-    members, place, _, _, _, blocks, among, counts = group
+    velocity, before, shift = bodies.velocity, bodies.before, bodies.shift
+    last, acceleration = bodies.last, bodies.acceleration
+    moment, bears, hits = live.moment, live.bears, live.hits
+    members, place, blocks = group.members, group.place, group.blocks
+    among, counts = group.among, group.counts
     for c in members[: counts[0]]:
         rate, _ = _rates(c, time, velocity, acceleration, contacts)
         if moment[c] < np.inf:
             hits[c] += 1
-        bears[c] = rate <= limits[1]
+        bears[c] = rate <= limits.threshold
         place[c] = -1
     for b in blocks[: counts[1]]:
         for a in range(3):
             shift[b, a] -= time * (velocity[b, a] - before[b, a])
             before[b, a] = velocity[b, a]
         last[b], among[b] = time, False
-    start, listed = around
+    start, listed = around.start, around.listed
     for b in blocks[: counts[1]]:
         _look_ahead(listed[start[b] : start[b + 1]], bodies, contacts, live, limits)
 
@@ -352,23 +361,24 @@ def _end(time, bodies, contacts, live, around, limits, group):
 @kernel()
 def _strike(first, bodies, contacts, live, around, limits, group):
     """Let a contact strike, and all that do with it; return the energy lost, J/m."""
-    counts = group[7]
+    counts = group.counts
     counts[:2] = 0
     time = _moment_of_all(first, bodies, contacts, live, around, limits, group)
     fastest = _gather(first, time, bodies, contacts, live, around, limits, group)
     _impulses(time, fastest, bodies, contacts, live, around, limits, group)
-    gained = _gained(time, bodies[0], bodies, group)
+    gained = _gained(time, bodies.velocity, bodies, group)
     if gained > 0.0:
         _give_no_more(time, fastest, bodies, contacts, live, around, limits, group)
-        gained = _gained(time, bodies[0], bodies, group)
+        gained = _gained(time, bodies.velocity, bodies, group)
     _end(time, bodies, contacts, live, around, limits, group)
     return -gained
 
 
 @kernel()
 def _earliest(live):
-    """Return the contact that strikes first, -1 if none does; those that do not wait no more."""
-    moment, _, _, waiting, waits, number = live
+    """Return the contact that strikes first, -1 if none; drop those that can no longer strike."""
+    moment, waiting, waits = live.moment, live.waiting, live.waits
+    number = live.number
     found, at = -1, 0
     while at < number[0]:
         c = waiting[at]
@@ -385,7 +395,7 @@ def _earliest(live):
 @kernel()
 def _contacts_of_blocks(contacts, mobility):
     """Return where the contacts of each block that can move begin (n + 1,), and these."""
-    _, vertex_block, edge_block, _, _, _ = contacts
+    vertex_block, edge_block = contacts.vertex_block, contacts.edge_block
     count = len(mobility)
     free = np.empty(count, np.bool_)
     for b in range(count):
@@ -402,7 +412,7 @@ def _contacts_of_blocks(contacts, mobility):
             if free[b]:
                 listed[at[b]] = c
                 at[b] += 1
-    return first, listed
+    return ContactsOfBlocks(first, listed)
 
 
 @kernel()
@@ -434,11 +444,15 @@ def mobilities(mass_matrix, fixed):
 
 
 @kernel()
-def any_strikes(velocity, acceleration, contacts, bears, limits):
-    """Return whether any contact strikes in the step, when it comes to it."""
+def any_strikes(velocity, acceleration, closing, bears, limit):
+    """Return whether any contact strikes in the step, when it comes to it.
+
+    ``closing`` are the contacts and ``limit`` the limits, in the order of Closing, ImpactLimits.
+    """
+    contacts, limits = Closing(*closing), ImpactLimits(*limit)
     shift, last = np.zeros_like(velocity), np.zeros(len(velocity))
     of_none = np.empty((0, 3, 3)), np.empty((0, 6, 6))
-    bodies = velocity, velocity, shift, last, acceleration, *of_none
+    bodies = Bodies(velocity, velocity, shift, last, acceleration, *of_none)
     for c in range(len(bears)):
         if not bears[c] and _moment(c, bodies, contacts, limits) < np.inf:
             return True
@@ -446,29 +460,29 @@ def any_strikes(velocity, acceleration, contacts, bears, limits):
 
 
 @kernel()
-def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limits):
+def strike(velocity, acceleration, mobility, mass_matrix, closing, bears, limit):
     """Return velocities (n, 6) and shifts (n, 6), m, after the impacts of a step, and their loss.
 
     The loss is the kinetic energy, J/m, at the moments of impact.  ``bears`` (m,) says which
-    contacts carry already: they do not strike, but pass impulses on.
+    contacts carry already: they do not strike, but pass impulses on.  ``closing`` and ``limit``
+    are those of ``any_strikes``.
     """
+    contacts, limits = Closing(*closing), ImpactLimits(*limit)
     count, blocks = len(bears), len(velocity)
     after, shift = velocity.copy(), np.zeros_like(velocity)
-    bodies = after, velocity.copy(), shift, np.zeros(blocks), acceleration, mobility, mass_matrix
-    waiting = np.empty(count, np.int64), np.zeros(count, np.bool_), np.zeros(1, np.int64)
-    live = np.full(count, np.inf), bears.copy(), np.zeros(count, np.int64), *waiting
-    around = _contacts_of_blocks(contacts, mobility)
-    linear = (
-        np.empty((count, 2), np.int64),
-        np.empty((count, 2, 6)),
-        np.empty((count, 2, 6)),
-        np.empty((count, 2)),
-        np.empty((count, 2)),
-        np.empty(count),
-        np.empty(count),
+    last = np.zeros(blocks)
+    bodies = Bodies(after, velocity.copy(), shift, last, acceleration, mobility, mass_matrix)
+    live = Strikes(
+        np.full(count, np.inf),
+        bears.copy(),
+        np.zeros(count, np.int64),
+        np.empty(count, np.int64),
+        np.zeros(count, np.bool_),
+        np.zeros(1, np.int64),
     )
-    course = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
-    group = (
+    around = _contacts_of_blocks(contacts, mobility)
+    linear, course = room_for(count)
+    group = ImpactGroup(
         np.empty(count, np.int64),
         np.full(count, -1),
         np.empty(count),
@@ -480,7 +494,7 @@ def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limit
     )
     _look_ahead(np.arange(count), bodies, contacts, live, limits)
     lost, first = 0.0, _earliest(live)
-    while first >= 0 and group[7][2] > 0:
+    while first >= 0 and group.counts[2] > 0:
         lost += _strike(first, bodies, contacts, live, around, limits, group)
         first = _earliest(live)
     return after, shift, lost
