@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
+from clast.pictures.page.document import write_page
 from clast.results import Report, Results, RunRecorder, read_results
+from scenes.browsers import CHROMIUM, RENDERERS, settled
 
 
 def grid_model(rows: int, columns: int, title: str = "A wall") -> Model:
@@ -141,3 +144,55 @@ def wet_run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     builder.water(2.4, name="pool", amplitude="rise", drained_at=[(10001.5, 0)])
     path = tmp_path_factory.mktemp("water") / "pier.vtkhdf"
     return clast.simulate(builder, end=0.02, step=1e-3, output=path)
+
+
+@pytest.fixture(scope="module", params=RENDERERS)
+def browser(request: pytest.FixtureRequest) -> Iterator[tuple[Any, str]]:
+    """A browser for the tests of a file, and how it draws."""
+    driving = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("chromium is not installed")
+    with driving.sync_playwright() as driver:
+        started = driver.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *RENDERERS[request.param]]
+        )
+        yield started, request.param
+        started.close()
+
+
+@pytest.fixture
+def opened(browser: tuple[Any, str], tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Return a function that opens a page in a window of its own, and keeps what goes wrong."""
+    started, renderer = browser
+    windows = []
+
+    def opening(
+        results: Any, width: int = 1280, height: int = 800, address: str = "", **media: str
+    ) -> Any:
+        windows.append(started.new_context(viewport={"width": width, "height": height}, **media))
+        page = windows[-1].new_page()
+        page.faults = []
+        page.on("pageerror", lambda fault: page.faults.append(str(fault)))
+        page.on(
+            "console",
+            lambda said: page.faults.append(said.text) if said.type == "error" else None,
+        )
+        page.on(
+            "request",
+            lambda asked: (
+                page.faults.append(asked.url)
+                if not asked.url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))
+                else None
+            ),
+        )
+        if results is not None:
+            file = write_page(results, tmp_path / "page.html")
+            address = f"{file.as_uri()}?renderer={renderer}{address}"
+        page.goto(address)
+        page.wait_for_selector("main[data-ready=yes]", timeout=60_000)
+        settled(page)
+        return page
+
+    yield opening
+    for window in windows:
+        window.close()

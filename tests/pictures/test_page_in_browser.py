@@ -2,7 +2,6 @@
 
 import dataclasses
 import threading
-import time
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,64 +12,10 @@ import clast
 from clast.pictures.joints.joint_values import JOINT_FIELDS, scale_of_faces
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.server import LiveServer
-from clast.pictures.page.document import BUDGET, page_text, write_page
+from clast.pictures.page.document import BUDGET, page_text
 from clast.pictures.page.scene import scene_of
 from clast.pictures.scale import scale_of
-from scenes.browsers import CHROMIUM, RENDERERS
-
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
-]
-
-
-@pytest.fixture(params=RENDERERS)
-def opened(request, wall, tmp_path):
-    """Return a function that opens the page of a wall in a window, and what went wrong there."""
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", *RENDERERS[request.param]]
-        )
-
-        def opening(results, width=1280, height=800, address=""):
-            page = browser.new_page(viewport={"width": width, "height": height})
-            page.faults = []
-            page.on("pageerror", lambda fault: page.faults.append(str(fault)))
-            page.on(
-                "console",
-                lambda said: page.faults.append(said.text) if said.type == "error" else None,
-            )
-            page.on(
-                "request",
-                lambda asked: (
-                    page.faults.append(asked.url)
-                    if not asked.url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))
-                    else None
-                ),
-            )
-            if results is not None:
-                file = write_page(results, tmp_path / "page.html")
-                address = f"{file.as_uri()}?renderer={request.param}{address}"
-            page.goto(address)
-            page.wait_for_selector("main[data-ready=yes]", timeout=60_000)
-            settled(page)
-            return page
-
-        yield opening
-        browser.close()
-
-
-def settled(page):
-    """Wait until what was asked for has been drawn."""
-    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
-def until(page, condition, seconds=60.0):
-    """Wait for a condition; the page's own policy forbids to hand it a text to evaluate."""
-    end = time.monotonic() + seconds
-    while not page.evaluate(condition):
-        assert time.monotonic() < end, condition
-        page.wait_for_timeout(100)
+from scenes.browsers import settled, until
 
 
 def colour_at(page, x, y, above=False):
@@ -95,10 +40,10 @@ def colour_at(page, x, y, above=False):
     )
 
 
-def test_a_page_plays_and_answers(opened, wall, request):
+def test_a_page_plays_and_answers(opened, wall, browser):
     results = wall(4, 5)
     page = opened(results)
-    assert page.evaluate("document.querySelector('main').dataset.renderer") in request.node.name
+    assert page.evaluate("document.querySelector('main').dataset.renderer") == browser[1]
     assert "20 blocks, 6 frames" in page.inner_text("[data-part=counts]")
     assert page.evaluate("clastPage.state.frame") == 5
     page.focus("[data-part=above]")
@@ -106,6 +51,7 @@ def test_a_page_plays_and_answers(opened, wall, request):
     assert page.evaluate("clastPage.state.frame") == 0
     page.keyboard.press(".")
     assert page.evaluate("clastPage.state.frame") == 1
+    page.select_option("[data-part=speed]", "5")
     page.click("[data-part=play]")
     until(page, "clastPage.state.frame === 5 && !clastPage.playing")
     page.select_option("[data-part=field]", "velocity")
@@ -351,16 +297,22 @@ def test_narrow_and_wide_windows_show_all(opened, wall, size):
 
 
 def test_pictures_and_tables_can_be_taken_along(opened, wall, tmp_path):
-    page = opened(wall(3, 3))
+    results = wall(3, 3)
+    page = opened(results)
     for part, begins in (("png", b"\x89PNG"), ("svg", b"<svg"), ("csv", b'"time (s)"')):
         with page.expect_download() as taken:
             page.click(f"[data-part={part}]")
         file = tmp_path / f"taken.{part}"
         taken.value.save_as(file)
         assert file.read_bytes().startswith(begins)
+    # the table is the chart that is shown: the displacement of the measured point
+    table = np.genfromtxt(tmp_path / "taken.csv", delimiter=",", skip_header=1)
+    point = results.history("top")
+    assert table[:, 0] == pytest.approx(point.time)
+    assert table[:, 1:] == pytest.approx(point.displacement, rel=1e-6)
 
 
-def test_a_live_page_takes_up_frames_and_leads_its_run(opened, parted, tmp_path, request):
+def test_a_live_page_takes_up_frames_and_leads_its_run(opened, parted, tmp_path, browser):
     results = clast.read(parted.output)
     orders = []
     feed = Feed(results.path)
@@ -369,7 +321,7 @@ def test_a_live_page_takes_up_frames_and_leads_its_run(opened, parted, tmp_path,
     feed._results = dataclasses.replace(results, times=results.times[:1], report=None)
     server = LiveServer(("127.0.0.1", 0), feed, orders.append)
     threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
-    address = server.address.replace("/#", f"/?renderer={request.node.callspec.params['opened']}#")
+    address = server.address.replace("/#", f"/?renderer={browser[1]}#")
     page = opened(None, address=address)
     assert page.evaluate("clastPage.run.frameCount") == 1
     assert "paused" in page.inner_text("[data-part=status]")

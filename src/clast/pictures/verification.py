@@ -12,6 +12,7 @@ import numpy as np
 
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
+from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,13 +28,15 @@ EXACT_STYLES = ("-", "--", ":", "-.")
 COMPUTED = ("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00")
 MARKS = ("o", "s", "^", "D", "v")
 """Colours and marks of computed values, in turn."""
-PANEL = (4.6, 3.6)
-"""Width and height of a panel, inches."""
-ROOM = 5
-"""Curves whose legend finds room within the axes."""
-LEGEND = 1.8
-"""Width of a legend beside the axes, inches."""
-DOTS = 100
+SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
+"""Width of the set-up and of a chart, and their height, inches."""
+KEY, LETTER = 0.5, 0.062
+"""Width of a line in a legend, and of a letter, inches."""
+APART = 0.03
+"""Distance of the marks of a curve at least, in diagonals of the axes."""
+ARROWS = 40
+"""Arrows of a set-up at most."""
+DOTS = 150
 """Dots per inch."""
 COLOURS = 160
 """Colours of a picture."""
@@ -101,15 +104,17 @@ def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
     from matplotlib.figure import Figure
 
     panels = merged(charts)
-    wide = sum(len(chart.curves) > ROOM for chart in panels)
-    size = (PANEL[0] * (1 + len(panels)) + LEGEND * wide, PANEL[1])
-    figure = Figure(figsize=size, layout="constrained")
+    longest = max((len(one.label) for chart in panels for one in chart.curves), default=0)
+    # a legend beside its chart covers nothing
+    beside = (CHART + KEY + LETTER * longest) if panels else 0.0
+    rows = max(1, len(panels))
+    figure = Figure(figsize=(SET_UP + beside, HIGH * rows), layout="constrained")
     FigureCanvasAgg(figure)
-    widths = [PANEL[0], *(PANEL[0] + LEGEND * (len(one.curves) > ROOM) for one in panels)]
-    axes = figure.subplots(1, 1 + len(panels), squeeze=False, width_ratios=widths)[0]
-    draw_set_up(axes[0], set_up)
-    for each, chart in zip(axes[1:], panels, strict=True):
-        draw_chart(each, chart)
+    widths = [SET_UP, beside] if panels else [SET_UP]
+    grid = figure.add_gridspec(rows, len(widths), width_ratios=widths)
+    draw_set_up(figure.add_subplot(grid[0, 0]), set_up)
+    for row, chart in enumerate(panels):
+        draw_chart(figure.add_subplot(grid[row, 1]), chart)
     _save_small(figure, path)
 
 
@@ -137,9 +142,10 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
             MARKS[k % len(MARKS)],
             color=COMPUTED[k % len(COMPUTED)],
             # marks of several variants lie on each other: the first is the largest
-            ms=4.0 + 1.6 * max(0, 3 - k),
+            ms=3.2 + 1.3 * max(0, 3 - k),
             mfc="none",
-            mew=1.2,
+            mew=1.0,
+            markevery=APART,
             label=one.label,
         )
     axes.set_xscale(chart.x_scale)
@@ -149,14 +155,21 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
 
         # labels of all digits would lie on each other
         axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 4.0)))
-    axes.set_xlabel(chart.x_label)
-    axes.set_ylabel(chart.y_label)
-    axes.set_title(chart.title, fontsize=10)
-    axes.grid(color="#dddddd", lw=0.6)
-    if len(chart.curves) > ROOM:
-        axes.legend(fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     else:
-        axes.legend(fontsize=7, frameon=False)
+        axes.locator_params(axis="x", nbins=6)
+    axes.set_xlabel(chart.x_label, fontsize=SMALL_SIZE, color=INK)
+    axes.set_ylabel(chart.y_label, fontsize=SMALL_SIZE, color=INK)
+    axes.set_title(chart.title, fontsize=TEXT_SIZE, color=INK)
+    axes.grid(color="#dddddd", lw=0.6)
+    style(axes)
+    axes.legend(
+        fontsize=SMALL_SIZE,
+        labelcolor=INK,
+        frameon=False,
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.0,
+    )
 
 
 def draw_set_up(axes: Axes, model: Model) -> None:
@@ -175,7 +188,9 @@ def draw_set_up(axes: Axes, model: Model) -> None:
         )
         axes.add_patch(patch)
     held = model.fixed_points.at + model.origin
-    axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=8, clip_on=False)
+    if len(held):
+        # without a point an artist that is not clipped would ask for room at the edge of the figure
+        axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=6, clip_on=False)
     size = float(np.ptp(model.vertices, axis=0).max())
     _draw_arrows(axes, *_loads(model), 0.18 * size)
     _draw_arrows(axes, *_velocities(model), 0.18 * size)
@@ -184,13 +199,12 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
-    axes.set_title("set-up (m)", fontsize=10)
-    axes.tick_params(labelsize=8)
+    axes.locator_params(nbins=6)
+    axes.set_title("set-up (m)", fontsize=TEXT_SIZE, color=INK)
+    style(axes)
     width, height = np.ptp(model.vertices, axis=0)
     if height < 0.1 * width:
         axes.set_yticks([])  # no room for numbers
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
 
 
 def _loads(model: Model) -> tuple[Floats, Floats]:
@@ -267,11 +281,14 @@ def _draw_ground_motion(axes: Axes, model: Model, size: float) -> None:
 def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None:
     """Draw vectors (k, 2) at (k, 2); the longest has the length given.
 
-    An arrow that would run into the picture ends at its place instead of starting there.
+    An arrow that would run into the picture ends at its place instead of starting there.  Of many
+    arrows some are drawn.
     """
     largest = np.hypot(*vectors.T).max(initial=0.0)
     if largest == 0.0:
         return
+    every = -(-len(at) // ARROWS)
+    at, vectors = at[::every], vectors[::every]
     arrows = vectors * length / largest
     middle = at.mean(axis=0)
     inwards = np.sum((middle - at) * arrows, axis=1) > 1e-9 * length**2

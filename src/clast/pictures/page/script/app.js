@@ -26,6 +26,8 @@ const SLOW = 250;
 /** Milliseconds of a first frame above which a software renderer is given up. */
 const CALM = 250;
 /** Milliseconds that a frame stays at least where somebody has asked for less motion. */
+const OFTEN = 200;
+/** Milliseconds after which the address follows. */
 const NEAR = 9;
 /** How far from a joint a click still means it, pixels; never more than a part of a block. */
 
@@ -39,6 +41,7 @@ export class Page {
     this.embedded = root.classList.contains("embedded");
     this.run = new RunData(scene);
     this.view = new View();
+    this.addressDue = null;
     this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
     this.state.joint = null;
     this.state.follow = false;
@@ -275,7 +278,7 @@ export class Page {
     const button = this.$("play");
     button.setAttribute("aria-label", wanted ? "Pause" : "Play");
     button.textContent = wanted ? "❚❚" : "▶";
-    if (!wanted) return;
+    if (!wanted) return this.changed();
     if (this.state.frame >= this.run.frameCount - 1) this.goTo(0);
     const [first, last] = [this.run.times[0], this.run.times[this.run.frameCount - 1]];
     let before = performance.now();
@@ -370,7 +373,7 @@ export class Page {
     this.root.dataset.milliseconds = this.frameTime.toFixed(1);
     this.leaveSlowSoftware();
     this.showState(scale);
-    this.writeAddress();
+    this.addressDue ??= setTimeout(() => this.writeAddress(), OFTEN);
   }
 
   /** Use the 2D canvas where WebGL2 proves slow in the first frames. */
@@ -491,7 +494,9 @@ export class Page {
     this.changed();
   }
 
+  /** Write the state into the address; browsers allow it a few times a second. */
   writeAddress() {
+    this.addressDue = null;
     if (this.playing || this.embedded) return;
     const { state, view, run } = this;
     const said = [

@@ -31,6 +31,7 @@ export class RunData {
 
   take(moving) {
     this.moving = moving;
+    this.placed = -1;
     this.frameCount = moving.times.length;
     for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels"]) {
       this[name] = moving[name];
@@ -90,6 +91,8 @@ export class RunData {
    * @param {number} frame
    */
   vertices(frame) {
+    if (this.placed === frame) return this.here;
+    this.placed = frame;
     this.here ??= new Float32Array(this.start.length);
     const map = new Float32Array(6);
     for (let block = 0; block < this.blockCount; block++) {

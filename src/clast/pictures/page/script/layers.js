@@ -173,7 +173,8 @@ export function drawFaces(pen, seen, field) {
     const key = `${colour} ${step}`;
     if (!groups.has(key)) groups.set(key, { colour, step, paths: [] });
     // one contact alone is a dot: no length would not be drawn
-    groups.get(key).paths.push([x0, y0, x1 === x0 && y1 === y0 ? x1 + 0.01 : x1, y1]);
+    const dot = x1 === x0 && y1 === y0 ? 1 : 0;
+    groups.get(key).paths.push([x0 - dot, y0, x1 + dot, y1]);
   });
   const order = [...groups.values()].sort((a, b) => a.step - b.step);
   for (const { colour, step, paths } of order) {

@@ -1,5 +1,10 @@
 // Two pens for the same drawing: on a canvas, or into an SVG text.  Coordinates are those of the screen.
 
+const AT_ONCE = 200;
+/** Lines of one stroke: where many cross a row of pixels, each is the slower for the others. */
+const ROUND = 2;
+/** Width from which the ends and corners of lines are round, pixels: below nobody sees it. */
+
 /** Draws on a 2D canvas. */
 export class CanvasPen {
   /** @param {CanvasRenderingContext2D} context */
@@ -10,17 +15,23 @@ export class CanvasPen {
   /** Draw lines: each of ``paths`` is x and y by turns. */
   lines(paths, colour, width, dash = []) {
     const { context } = this;
-    context.beginPath();
-    for (const path of paths) {
-      context.moveTo(path[0], path[1]);
-      for (let k = 2; k < path.length; k += 2) context.lineTo(path[k], path[k + 1]);
-    }
+    const round = width >= ROUND && !dash.length;
     context.setLineDash(dash);
     context.strokeStyle = colour;
     context.lineWidth = width;
-    context.lineJoin = "round";
-    context.lineCap = dash.length ? "butt" : "round";
-    context.stroke();
+    context.lineJoin = round ? "round" : "miter";
+    context.lineCap = round ? "round" : "butt";
+    context.miterLimit = 2;
+    for (let first = 0; first < paths.length; first += AT_ONCE) {
+      const past = Math.min(paths.length, first + AT_ONCE);
+      context.beginPath();
+      for (let number = first; number < past; number++) {
+        const path = paths[number];
+        context.moveTo(path[0], path[1]);
+        for (let k = 2; k < path.length; k += 2) context.lineTo(path[k], path[k + 1]);
+      }
+      context.stroke();
+    }
     context.setLineDash([]);
   }
 
@@ -31,7 +42,7 @@ export class CanvasPen {
     for (const path of paths) {
       context.moveTo(path[0], path[1]);
       for (let k = 2; k < path.length; k += 2) context.lineTo(path[k], path[k + 1]);
-      context.closePath();
+      // filling closes outlines; closePath would look for the bounds of all of them each time
     }
     context.fillStyle = colour;
     context.fill();

@@ -1,0 +1,103 @@
+"""The page under a person's hands: keys, wheel, drag; and what the system asks of it."""
+
+import numpy as np
+import pytest
+
+from scenes.browsers import settled, until
+
+MOVES = [
+    ("+", lambda before: (before[0], before[1], 1.25 * before[2])),
+    ("-", lambda before: (before[0], before[1], 0.8 * before[2])),
+    ("ArrowLeft", lambda before: (before[0] - 40 / before[2], before[1], before[2])),
+    ("ArrowRight", lambda before: (before[0] + 40 / before[2], before[1], before[2])),
+    ("ArrowUp", lambda before: (before[0], before[1] + 40 / before[2], before[2])),
+    ("ArrowDown", lambda before: (before[0], before[1] - 40 / before[2], before[2])),
+]
+
+
+def test_keys_move_the_view_and_go_through_the_frames(opened, wall):
+    page = opened(wall(4, 5))
+    page.focus("[data-part=above]")
+    for key, wanted in MOVES:
+        page.keyboard.press("0")
+        before = page.evaluate("[clastPage.view.x, clastPage.view.y, clastPage.view.scale]")
+        page.keyboard.press(key)
+        after = page.evaluate("[clastPage.view.x, clastPage.view.y, clastPage.view.scale]")
+        assert after == pytest.approx(wanted(before), abs=1e-9), key
+    for keys, frame in (
+        (["Home"], 0),
+        (["."], 1),
+        (["."], 2),
+        ([","], 1),
+        (["Shift+."], 5),
+        (["Shift+,"], 0),
+        (["End"], 5),
+    ):
+        for key in keys:
+            page.keyboard.press(key)
+        assert page.evaluate("clastPage.state.frame") == frame, keys
+    page.keyboard.press("Space")
+    assert page.evaluate("clastPage.playing")
+    page.keyboard.press("Space")
+    assert not page.evaluate("clastPage.playing")
+    # what is written into a field moves nothing
+    page.keyboard.press("End")
+    page.focus("[data-part=low]")
+    page.keyboard.press("Home")
+    assert page.evaluate("clastPage.state.frame") == 5
+    assert page.faults == []
+
+
+def test_wheel_and_drag_move_what_is_under_the_pointer(opened, wall):
+    page = opened(wall(4, 5))
+    box = page.locator("[data-part=above]").bounding_box()
+    x, y = round(box["x"] + 0.7 * box["width"]), round(box["y"] + 0.3 * box["height"])
+    place = (
+        "([x, y]) => { const box = clastPage.above.getBoundingClientRect(); const { view } ="
+        " clastPage; return [view.worldX(x - box.left), view.worldY(y - box.top), view.scale]; }"
+    )
+    before = page.evaluate(place, [x, y])
+    page.mouse.move(x, y)
+    page.mouse.wheel(0, -300)
+    settled(page)
+    after = page.evaluate(place, [x, y])
+    assert after[:2] == pytest.approx(before[:2], abs=1e-6)
+    assert after[2] == pytest.approx(before[2] * np.exp(0.45), rel=1e-6)
+    page.mouse.down()
+    page.mouse.move(x - 60, y + 25, steps=4)
+    page.mouse.up()
+    settled(page)
+    assert page.evaluate(place, [x - 60, y + 25])[:2] == pytest.approx(after[:2], abs=1e-6)
+    assert page.evaluate("clastPage.state.chosen") == -1  # a drag is no click
+
+
+def test_whoever_wants_less_motion_sees_few_frames(opened, wall):
+    page = opened(wall(2, 3), reduced_motion="reduce")
+    page.evaluate("""() => {
+      const { goTo } = clastPage;
+      clastPage.seen = [];
+      clastPage.goTo = (frame) => {
+        clastPage.seen.push(performance.now());
+        goTo.call(clastPage, frame);
+      };
+      clastPage.speed = 20; // a frame each tenth of a second, where nobody minds
+      clastPage.play(true);
+    }""")
+    until(page, "!clastPage.playing")
+    apart = np.diff(page.evaluate("clastPage.seen"))
+    assert len(apart) and apart.min() >= 240.0  # ms
+
+
+def test_a_dark_system_has_a_dark_page_and_a_print_has_no_controls(opened, wall):
+    page = opened(wall(3, 3), color_scheme="dark")
+    assert page.get_attribute("main", "data-theme") == "dark"
+    paper = "getComputedStyle(document.querySelector('main')).backgroundColor"
+    assert page.evaluate(paper) == "rgb(22, 24, 27)"
+    page.click("[data-part=theme]")
+    assert page.evaluate(paper) == "rgb(255, 255, 255)"
+    page.emulate_media(media="print")
+    for part in ("field", "play", "png", "layers", "csv"):
+        assert not page.is_visible(f"[data-part={part}]"), part
+    for part in ("title", "legend", "stage", "chart", "report"):
+        assert page.is_visible(f"[data-part={part}]"), part
+    assert page.faults == []
