@@ -30,12 +30,12 @@ MARKS = ("o", "s", "^", "D", "v")
 """Colours and marks of computed values, in turn."""
 SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
 """Width of the set-up and of a chart, and their height, inches."""
-KEY, LETTER = 0.5, 0.062
-"""Width of a line in a legend, and of a letter, inches."""
+KEY, LETTER, LINE = 0.5, 0.062, 0.175
+"""Width of a line in a legend, width of a letter and height of a line of text, inches."""
 APART = 0.03
 """Distance of the marks of a curve at least, in diagonals of the axes."""
-ARROWS = 40
-"""Arrows of a set-up at most."""
+ARROWS, MANY = 40, 100
+"""Arrows of a set-up at most, and blocks from which their outlines are thin."""
 DOTS = 150
 """Dots per inch."""
 COLOURS = 160
@@ -99,23 +99,27 @@ def merged(charts: Sequence[Chart]) -> list[Chart]:
 
 
 def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
-    """Draw the set-up and the charts side by side into a picture."""
+    """Draw the set-up and, beside it, the charts one below the other into a picture."""
+    _save_small(figure_of(set_up, merged(charts)), path)
+
+
+def figure_of(set_up: Model, charts: Sequence[Chart]) -> Figure:
+    """Return the figure of a set-up and its charts; legends stand beside charts, and cover nothing."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    panels = merged(charts)
-    longest = max((len(one.label) for chart in panels for one in chart.curves), default=0)
-    # a legend beside its chart covers nothing
-    beside = (CHART + KEY + LETTER * longest) if panels else 0.0
-    rows = max(1, len(panels))
-    figure = Figure(figsize=(SET_UP + beside, HIGH * rows), layout="constrained")
+    longest = max((len(one.label) for chart in charts for one in chart.curves), default=0)
+    heights = [max(HIGH, LINE * (2 + len(chart.curves))) for chart in charts] or [HIGH]
+    widths = [SET_UP, CHART + KEY + LETTER * longest] if charts else [SET_UP]
+    figure = Figure(figsize=(sum(widths), sum(heights)), layout="constrained")
     FigureCanvasAgg(figure)
-    widths = [SET_UP, beside] if panels else [SET_UP]
-    grid = figure.add_gridspec(rows, len(widths), width_ratios=widths)
+    grid = figure.add_gridspec(
+        len(heights), len(widths), width_ratios=widths, height_ratios=heights
+    )
     draw_set_up(figure.add_subplot(grid[0, 0]), set_up)
-    for row, chart in enumerate(panels):
+    for row, chart in enumerate(charts):
         draw_chart(figure.add_subplot(grid[row, 1]), chart)
-    _save_small(figure, path)
+    return figure
 
 
 def _save_small(figure: Figure, path: Path) -> None:
@@ -133,8 +137,8 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
     exact = [one for one in chart.curves if one.exact]
     computed = [one for one in chart.curves if not one.exact]
     for k, one in enumerate(exact):
-        style = EXACT_STYLES[k % len(EXACT_STYLES)]
-        axes.plot(one.x, one.y, style, color=EXACT, lw=1.2, label=one.label)
+        dashes = EXACT_STYLES[k % len(EXACT_STYLES)]
+        axes.plot(one.x, one.y, dashes, color=EXACT, lw=1.2, label=one.label)
     for k, one in enumerate(computed):
         axes.plot(
             one.x,
@@ -183,7 +187,7 @@ def draw_set_up(axes: Axes, model: Model) -> None:
             closed=True,
             fc=FIXED if fixed else ROCK,
             ec=OUTLINE,
-            lw=0.9,
+            lw=0.8 if model.block_count < MANY else 0.3,
             hatch="///" if fixed else None,
         )
         axes.add_patch(patch)
@@ -199,10 +203,11 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
-    axes.locator_params(nbins=6)
+    width, height = np.ptp(model.vertices, axis=0)
+    axes.locator_params(axis="x", nbins=6)
+    axes.locator_params(axis="y", nbins=max(1, min(6, round(6 * height / width))))
     axes.set_title("set-up (m)", fontsize=TEXT_SIZE, color=INK)
     style(axes)
-    width, height = np.ptp(model.vertices, axis=0)
     if height < 0.1 * width:
         axes.set_yticks([])  # no room for numbers
 
@@ -297,7 +302,7 @@ def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None
             "",
             (x + dx, y + dy),
             (x, y),
-            arrowprops={"arrowstyle": "-|>", "color": ARROW, "lw": 1.4},
+            arrowprops={"arrowstyle": "-|>", "color": ARROW, "lw": 1.0, "mutation_scale": 7.0},
         )
         # both ends count for the limits of the axes
         axes.plot((x, x + dx), (y, y + dy), color=ARROW, lw=0.5)
