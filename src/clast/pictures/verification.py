@@ -104,7 +104,7 @@ def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
 
 
 def figure_of(set_up: Model, charts: Sequence[Chart]) -> Figure:
-    """Return the figure of a set-up and its charts; legends stand beside charts, and cover nothing."""
+    """Return the figure of a set-up and its charts, with legends beside them that cover nothing."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
