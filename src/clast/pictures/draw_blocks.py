@@ -25,6 +25,8 @@ FIXED = "#dcdcdc"
 """Fill of fixed blocks."""
 EXCAVATED = (0, (4.0, 3.0))
 """Dashes of the outlines of excavated blocks."""
+THIN = 0.02
+"""Width of outlines by the size of blocks."""
 HATCH = "////"
 """Hatching of fixed blocks."""
 KIND_COLOURS = (
@@ -63,9 +65,15 @@ def outlines_of(results: Divided, vertices: Floats) -> list[Floats]:
     return np.split(vertices, results.block_start[1:-1])
 
 
-def _line_width(blocks: int) -> float:
+def _line_width(axes: Axes, results: Divided, vertices: Floats) -> float:
     """Return a width of outlines, points, that leaves room for the colours of small blocks."""
-    return float(np.clip(8.0 / np.sqrt(blocks), 0.12, 0.8))
+    box = axes.get_window_extent()
+    figure = axes.get_figure(root=True)
+    scale = (
+        box.width / abs(float(np.ptp(axes.get_xlim()))) * 72.0 / (figure.dpi if figure else 72.0)
+    )
+    size = scale * float(np.sqrt(np.median(areas_of(results, vertices))))
+    return float(np.clip(THIN * size, 0.05, 0.8))
 
 
 def draw_start(axes: Axes, results: Outlined, start: Floats, gone: Bools | None = None) -> None:
@@ -73,12 +81,13 @@ def draw_start(axes: Axes, results: Outlined, start: Floats, gone: Bools | None 
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, start)
+    width = _line_width(axes, results, start)
     axes.add_collection(
         PolyCollection(
             outlines if gone is None else [outlines[b] for b in np.flatnonzero(~gone)],
             facecolors="none",
             edgecolors=FAINT,
-            linewidths=0.8 * _line_width(len(outlines)),
+            linewidths=0.8 * width,
             zorder=1,
         )
     )
@@ -99,7 +108,8 @@ def draw_blocks(
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, vertices)
-    width = share * _line_width(len(outlines))
+    whole = _line_width(axes, results, vertices)
+    width = share * whole
     there = np.ones(len(outlines), np.bool_) if gone is None else ~gone
     fixed, free = np.flatnonzero(results.fixed & there), np.flatnonzero(~results.fixed & there)
     axes.add_collection(
@@ -107,7 +117,7 @@ def draw_blocks(
             [outlines[b] for b in np.flatnonzero(~there)],
             facecolors="none",
             edgecolors=FAINT,
-            linewidths=0.6 * _line_width(len(outlines)),
+            linewidths=0.6 * whole,
             linestyles=EXCAVATED,
             zorder=1,
         )

@@ -1,5 +1,8 @@
 // What part of the world is seen: a centre, m, and pixels per metre.  y goes up in the world.
 
+const BAR = 24;
+/** Height of the scale bar with its text, pixels. */
+
 /** The part of the world that a drawing shows. */
 export class View {
   constructor() {
@@ -10,13 +13,13 @@ export class View {
     this.height = 1;
   }
 
-  /** Show a box of the world, m, with a margin. */
+  /** Show a box of the world, m, with a margin, and above the scale bar. */
   fit(left, low, right, high) {
-    this.x = 0.5 * (left + right);
-    this.y = 0.5 * (low + high);
     const wide = Math.max(right - left, 1e-9);
     const tall = Math.max(high - low, 1e-9);
-    this.scale = 0.94 * Math.min(this.width / wide, this.height / tall);
+    this.scale = 0.94 * Math.min(this.width / wide, Math.max(this.height - BAR, 1) / tall);
+    this.x = 0.5 * (left + right);
+    this.y = 0.5 * (low + high) - (0.5 * BAR) / this.scale;
   }
 
   screenX(x) {
