@@ -2,6 +2,7 @@
 
 import re
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -12,6 +13,7 @@ from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import plot_histories
 from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
 from clast.pictures.side_by_side.compared_frames import plot_two_frames
+from scenes.drawings import text_of
 
 
 def drawn(draw, run):
@@ -99,3 +101,16 @@ def test_what_is_no_layer_and_no_frame(parted, tmp_path):
         plot_two_frames(parted, tmp_path / "a.png", (0, 99))
     with pytest.raises(CaseError, match="no block in this part"):
         plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(zoom=(50, 50, 60, 60)))
+
+
+def test_two_frames_have_the_water_the_scale_and_the_direction_of_gravity(
+    wet_run, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(matplotlib.rcParams, "svg.fonttype", "none")
+    plain, marked = tmp_path / "plain.svg", tmp_path / "marked.svg"
+    plot_two_frames(wet_run, plain, (0, -1))
+    plot_two_frames(wet_run, marked, (0, -1), look=Look(layers=("scale", "gravity")))
+    assert "water level" in text_of(plain) and "water pressure, up to" in text_of(plain)
+    before, after = (text_of(path).split() for path in (plain, marked))
+    # the letter g, and the length of the bar with its unit
+    assert "g" not in before and "g" in after and len(after) == len(before) + 3

@@ -206,6 +206,7 @@ def _level_handles(results: Recording, frame: int) -> list[Any]:
 
 def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
     """Draw lines of equal displacement within blocks, with their values."""
+    from matplotlib.patheffects import Normal, Stroke
     from matplotlib.ticker import MaxNLocator
     from matplotlib.tri import Triangulation
 
@@ -228,7 +229,10 @@ def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
         linewidths=0.7,
         zorder=4,
     )
-    axes.clabel(drawn, fontsize=0.8 * SMALL_SIZE, fmt=lambda level: f"{level:g} {unit}")
+    numbers = axes.clabel(drawn, fontsize=SMALL_SIZE, fmt=lambda level: f"{level:g} {unit}")
+    for number in numbers:
+        # above bolts and lines, and to be read on them
+        number.set(zorder=9, path_effects=[Stroke(linewidth=2.0, foreground="white"), Normal()])
 
 
 def _triangles(results: Recording, here: Floats, frame: int) -> Any:

@@ -10,9 +10,11 @@ import numpy as np
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks, draw_bolts
 from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE, UPRIGHT
+from clast.pictures.draw_water import draw_water, handles_of_water, pressures_of, waters_of
 from clast.pictures.fields import SCALARS, check_field
 from clast.pictures.figure_options import CM, DEFAULT, Look
 from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.plot import draw_points, legend_handles, places_of_points
 from clast.pictures.scale import ColourScale, scale_of
@@ -42,16 +44,20 @@ def plot_two_frames(
     title = results.title or results.name
     above = tuple(name for name in look.layers if name in LAYERS)
     last = numbers[-1]
+    waters = waters_of(results, last)
+    pressed = pressures_of(results, waters, last, results.vertices(last))
     handles = [
         *legend_handles(results, field, gone_in_frame(results, last)),
+        *handles_of_water(waters, pressed),
         *draw_bolts.handles_of(results.bolts(last)),
         *layer_handles(above, results, last),
     ]
     bars = int(field in SCALARS or field in JOINT_FIELDS)
-    size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, 0)
+    below = int("scale" in look.layers)
+    size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, below)
     if size[1] < UPRIGHT:  # the colour bar lies below both
-        size, keys, narrowest = canvas.sizes(part, _half(look, 0), title, handles, bars, 0)
-    sheet = canvas.sheet_for(size, title, keys.lines, bars, narrowest)
+        size, keys, narrowest = canvas.sizes(part, _half(look, 0), title, handles, bars, below)
+    sheet = canvas.sheet_for(size, title, keys.lines + below, bars, narrowest)
     shift = size[0] + BETWEEN
     wide = replace(
         sheet,
@@ -86,6 +92,8 @@ def plot_two_frames(
         else:
             values = SCALARS[field].values(results, number)[drawn]
             unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
+        waters = waters_of(results, number)
+        draw_water(axes, results, waters, pressures_of(results, waters, number, here), seen)
         draw_bolts.draw_bolts(axes, results.bolts(number))
         draw_layers(above, axes, results, number)
         draw_points(axes, results.point_name, places_of_points(results, [number])[0])
@@ -94,6 +102,10 @@ def plot_two_frames(
             label = f"{own.label} ({unit})"
             draw_blocks.draw_colour_bar(figure, wide, coloured, label, scale.extend)
     keys.draw(figure, wide)
+    if "scale" in look.layers:
+        draw_scale_bar(figure, wide, seen)
+    if "gravity" in look.layers:
+        draw_gravity(figure, wide, results)
     return canvas.save(figure, Path(path))
 
 
