@@ -174,7 +174,7 @@ def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> Diago
     base = DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
     if context.held is None:
         return base
-    return context.held.terms(base, scheme.inertia * frames.mass_matrix)
+    return context.held.terms(base, scheme.inertia * frames.mass_matrix, model.area)
 
 
 def springs_between(shares: Sequence[Contribution]) -> Springs | None:

@@ -26,7 +26,9 @@ from clast.linear.system import DiagonalTerms, PairedLinks, contact_motions
 from clast.model.model import Bools, Floats, Ints, Model
 
 STIFF = 1e16
-"""Diagonal of prescribed unknowns, in units of their own."""
+"""Diagonal of prescribed unknowns, in units of their own and of the stiffness of the block."""
+ROTATION = 2
+"""Number of the rotation among the unknowns."""
 HEAVY = 1e8
 """Mass of a body with a prescribed motion in an impact, in units of its own."""
 
@@ -72,8 +74,12 @@ class DrivenBlocks:
         """Return d' (n, 6) of d (n, 6)."""
         return self.put(unknowns, np.zeros_like(unknowns))
 
-    def terms(self, base: DiagonalTerms, inertia: Floats) -> DiagonalTerms:
-        """Return the equations of d' without springs; ``inertia`` (n, 6, 6) is M/(theta h2)."""
+    def terms(self, base: DiagonalTerms, inertia: Floats, area: Floats) -> DiagonalTerms:
+        """Return the equations of d' without springs; ``inertia`` (n, 6, 6) is M/(theta h2).
+
+        In a long step inertia is nothing beside springs: what is prescribed is stiff beside the
+        stiffness of its block, too, of the ``area`` (n,), m2.
+        """
         rows = np.flatnonzero(self.blocks)
         moved = self.displacement[rows]
         force, momentum = base.force.copy(), base.momentum.copy()
@@ -81,7 +87,10 @@ class DrivenBlocks:
         momentum[rows] -= np.einsum("kij,kj->ki", inertia[rows], moved)
         matrix = base.diagonal.copy()
         block, axis = np.nonzero(self.free)
-        matrix[block, axis, axis] *= STIFF
+        strains = np.arange(3, 6)
+        elastic = matrix[block][:, strains, strains].max(axis=1)
+        elastic = np.where(axis < ROTATION, elastic / area[block], elastic)
+        matrix[block, axis, axis] = STIFF * (matrix[block, axis, axis] + elastic)
         return replace(base, diagonal=matrix, force=force, momentum=momentum)
 
     def springs(self, springs: Springs) -> Springs:
