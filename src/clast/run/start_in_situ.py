@@ -32,7 +32,7 @@ from clast.block import elasticity, polygon
 from clast.block.displacement import basis
 from clast.compute.stopwatch import Stages
 from clast.contact.candidates import SearchDistance
-from clast.contact.clipped_spring import springs_of
+from clast.contact.clipped_spring import Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts, chosen
 from clast.contact.coulomb import largest_forces
 from clast.contact.joints.wear import borne_already
@@ -58,7 +58,7 @@ from clast.model.state import State
 from clast.step.convex import FrictionLoop, Search
 from clast.step.integration import Scheme
 from clast.step.method import Method
-from clast.step.start import StepContext, begin, diagonal_terms
+from clast.step.start import StepContext, begin, diagonal_terms, springs_between
 
 SOLUTIONS = 200
 """Static solutions at most: contacts that slip or open shift their load to others."""
@@ -135,9 +135,9 @@ def _settled(model: Model, method: Method, balance: Balance, step: float) -> Bal
     """Return the forces and stresses of the static solution: another one changes them no more."""
     factor, changes = FactorOfStep(inexact(method.solver, DIRECTION)), [np.inf] * STALLED
     for _ in range(SOLUTIONS):
-        base = _static_terms(model, method, balance, step)
+        context = begin(model, _still(method), balance.state, step, None)
         before = balance.contacts
-        balance = _shifted(model, method, balance, _minimum(model, balance, base, factor))
+        balance = _shifted(context, balance, _minimum(context, balance, factor))
         after, largest = balance.contacts, _largest(model, balance)
         change = np.abs(after.normal_force - before.normal_force)
         change = np.maximum(change, np.abs(after.shear_force - before.shear_force))
@@ -150,12 +150,14 @@ def _settled(model: Model, method: Method, balance: Balance, step: float) -> Bal
 
 
 def _minimum(
-    model: Model, balance: Balance, base: DiagonalTerms, factor: FactorOfStep
+    context: StepContext, balance: Balance, factor: FactorOfStep
 ) -> tuple[Floats, Contacts, ContactResponse]:
     """Return d (n, 6) of a static solution, its contacts, of which bonds may break, and answer."""
-    law = Penalty(model.stiffest)
+    model, law = context.model, Penalty(context.model.stiffest)
     contacts, _ = _bearing(law, balance.contacts)
-    springs = springs_of(contacts)
+    yielding, others = _springs_that_settle(context)
+    springs, (rows, *_) = merged(springs_of(contacts), yielding)
+    base = _with_springs(_static_terms(context), others, model.fixed)
     potential = Potential(
         base=base,
         inverse=inverse_of_blocks(base.diagonal),
@@ -166,7 +168,7 @@ def _minimum(
     )
     search = Search(
         law=law,
-        rows=slice(None),
+        rows=rows,
         schedule=MinimisationStrategy(),
         friction=FrictionLoop(),
         # by the bound that holds without springs, for which there is nothing but inertia
@@ -272,19 +274,20 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
     """Return the static equations: their right-hand side is the unbalanced force."""
-    base = _static_terms(model, method, balance, step)
+    context = begin(model, _still(method), balance.state, step, None)
+    base = _with_springs(_static_terms(context), context.springs, model.fixed)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
     none = np.zeros(len(contacts))
     return assemble(base, contacts, response, contacts.gap, none, model.fixed)
 
 
-def _static_terms(model: Model, method: Method, balance: Balance, step: float) -> DiagonalTerms:
-    """Return the static equations without contacts; inertia holds otherwise free blocks."""
-    context = begin(model, _still(method), balance.state, step, None)
+def _static_terms(context: StepContext) -> DiagonalTerms:
+    """Return the static equations of each block; inertia holds otherwise free blocks."""
+    model = context.model
     base = diagonal_terms(context, np.zeros_like(context.velocity), Scheme(theta=1.0, step=np.inf))
     # the same for blocks of any size, by which the equations are as well posed for all
     inertia = RESTING * model.stiffest / model.mass[:, None, None] * context.frames.mass_matrix
-    return _with_springs(replace(base, diagonal=base.diagonal + inertia), context)
+    return replace(base, diagonal=base.diagonal + inertia)
 
 
 def _largest(model: Model, balance: Balance) -> float:
@@ -300,12 +303,21 @@ def _unbalanced(model: Model, system: BlockSystem) -> Floats:
     return np.asarray(np.where(model.fixed, 0.0, np.hypot(*system.force[:, :2].T)))
 
 
-def _with_springs(base: DiagonalTerms, context: StepContext) -> DiagonalTerms:
-    """Return the terms with the forces of springs between blocks, of bolts above all.
+def _springs_that_settle(context: StepContext) -> tuple[tuple[Springs, ...], Springs | None]:
+    """Return the springs whose forces static solutions change, and those that keep them.
 
-    Nothing moves in the static solution, so they carry their pretension.
+    Bolts keep their pretension, for nothing moves.
     """
-    springs, fixed = context.springs, context.model.fixed
+    settles = [hasattr(action, "settled") for action in context.actions]
+    both = [
+        springs_between([one for one, its in zip(context.shares, settles, strict=True) if its is k])
+        for k in (True, False)
+    ]
+    return () if both[0] is None else (both[0],), both[1]
+
+
+def _with_springs(base: DiagonalTerms, springs: Springs | None, fixed: Bools) -> DiagonalTerms:
+    """Return the terms with the forces of springs between blocks, where they are."""
     if springs is None:
         return base
     bear, graph = springs.at(springs.gap, springs.slip), graph_of(springs, len(fixed))
@@ -314,14 +326,13 @@ def _with_springs(base: DiagonalTerms, context: StepContext) -> DiagonalTerms:
 
 
 def _shifted(
-    model: Model,
-    method: Method,
+    context: StepContext,
     balance: Balance,
     found: tuple[Floats, Contacts, ContactResponse],
 ) -> Balance:
     """Return forces and stresses after a static solution, which moves nothing."""
     unknowns, contacts, response = found
-    state = balance.state
+    model, state = context.model, balance.state
     return replace(
         balance,
         contacts=_with_forces(contacts, response.normal_force, response.shear_force),
@@ -329,7 +340,7 @@ def _shifted(
             state,
             stress=elasticity.strained(state.stress, model.elasticity, unknowns),
             points=_stretched(model, state, unknowns),
-            actions=_held(model, method, state, unknowns),
+            actions=_held(context, unknowns),
         ),
     )
 
@@ -348,18 +359,19 @@ def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
     return points
 
 
-def _held(model: Model, method: Method, state: State, unknowns: Floats) -> tuple[Any, ...]:
+def _held(context: StepContext, unknowns: Floats) -> tuple[Any, ...]:
     """Return the own states of actions, the outline's with the reactions of its springs."""
-    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
-    centroid = _centroids(model, state)
+    model, state, centroid = context.model, context.state, context.frames.centroid
     found = []
-    for action, own in zip(actions, state.actions, strict=True):
+    for action, own, share in zip(context.actions, state.actions, context.shares, strict=True):
         if isinstance(action, InSituBoundary):
             rows = basis(state.vertices[own.vertex] - centroid[own.block])
             moved = np.einsum("kxi,ki->kx", rows, unknowns[own.block])
             own = replace(own, force=own.force - np.einsum("kxy,ky->kx", own.hold, moved))
         if isinstance(action, BoundaryDashpots):
             own = action.after(model, own, state.vertices, centroid, unknowns)
+        if hasattr(action, "settled"):
+            own = action.settled(context.at, own, share, unknowns)
         found.append(own)
     return tuple(found)
 

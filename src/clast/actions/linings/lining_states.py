@@ -52,6 +52,8 @@ class OneLining:
     """Thickness, m."""
     tension: float
     """Tensile strength, Pa, inf where it has no strengths."""
+    compression: float
+    """Compressive strength, Pa, inf where it has none."""
     curve: InteractionCurve | None
     """Strength of its sections; None: it is elastic."""
     segments: Ints

@@ -134,7 +134,19 @@ class Linings:
         """Return the work of the joints, and their forces."""
         bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
         found = self._within(bending).finish(start, state.joints, share, solution)
-        ended = LiningStates(joints=found.state, cracked=state.cracked, yielded=state.yielded)
+        return replace(found, state=self._judged(state, found.state))
+
+    def settled(
+        self, start: StepStart, state: LiningStates, share: Contribution, displacement: Floats
+    ) -> LiningStates:
+        """Return the linings with the forces after d (n, 6) of a solution that moves nothing."""
+        bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
+        joints = self._within(bending).settled(start, state.joints, share, displacement)
+        return self._judged(state, joints)
+
+    def _judged(self, state: LiningStates, joints: LinkStates) -> LiningStates:
+        """Return the linings with joints at the end of a step: which have cracked or yielded."""
+        ended = LiningStates(joints=joints, cracked=state.cracked, yielded=state.yielded)
         forces = self.forces(ended)
         cracked, yielded = state.cracked.copy(), state.yielded.copy()
         for one in self.each:
@@ -146,7 +158,7 @@ class Linings:
                 stress = edge_stress(normal, moment, one.thickness)
                 pulled = stress > one.tension * (1.0 + AGREES) + AGREES * -one.curve.normal[0]
                 cracked[one.joints] |= pulled
-        return replace(found, state=replace(ended, cracked=cracked, yielded=yielded))
+        return replace(ended, cracked=cracked, yielded=yielded)
 
     def events(
         self, model: Model, before: LiningStates, after: LiningStates
@@ -179,6 +191,12 @@ class Linings:
             name=self.springs.rows.name,
             along=np.concatenate([one.along for one in self.each]),
             face=np.concatenate(face).astype(np.int64),
+            section=np.concatenate(
+                [
+                    np.tile([one.thickness, one.tension, one.compression], (len(one.joints), 1))
+                    for one in self.each
+                ]
+            ),
         )
 
     def forces(self, state: LiningStates) -> Floats:

@@ -143,12 +143,25 @@ class Links:
 
     def forces_at(self, start: StepStart, state: LinkStates, displacement: Floats) -> Floats:
         """Return the forces (m,) of all rows after d (n, 6), N/m, or moments, N."""
+        return self._pulled(start, state, displacement)[0].force
+
+    def settled(
+        self, start: StepStart, state: LinkStates, share: Contribution, displacement: Floats
+    ) -> LinkStates:
+        """Return the links with the forces after d (n, 6) of a solution that moves nothing."""
+        pulled, moved = self._pulled(start, state, displacement)
+        return replace(pulled, rest=pulled.rest - moved)
+
+    def _pulled(
+        self, start: StepStart, state: LinkStates, displacement: Floats
+    ) -> tuple[LinkStates, Floats]:
+        """Return the links with the forces after d (n, 6), and by how much it stretches rows."""
         active, moved = self._active(start, state), np.zeros(len(self.rows.link))
         if len(active.row):
             springs, order = self._springs(start, active)
             gap, _ = stretches(springs, displacement)
             moved[active.row] = self._moved(springs, gap, order, active)
-        return self._stretched(active, active.state, active.stretch + moved).force
+        return self._stretched(active, active.state, active.stretch + moved), moved
 
     def events(
         self, model: Model, before: LinkStates, after: LinkStates

@@ -222,6 +222,7 @@ def linings_of_ground(
                 closed=one.table.joins_ends,
                 thickness=one.table.thickness,
                 tension=np.inf if one.table.tension is None else one.table.tension,
+                compression=np.inf if one.table.compression is None else one.table.compression,
                 curve=None
                 if one.table.compression is None
                 else interaction_curve(

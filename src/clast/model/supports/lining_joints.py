@@ -18,6 +18,9 @@ class LiningJoints:
     """Where it is along the middle of its lining, m, shape (k,)."""
     face: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     """Vertices of the segment beside it, outside and inside, shape (k, 2)."""
+    section: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    """Its thickness, m, and strengths in tension and compression, Pa, infinite for none, shape
+    (k, 3); (0, 3) in results of before."""
 
     @property
     def linings(self) -> tuple[str, ...]:
