@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from clast.pictures.plot import plot_bolt_history as plot_bolt_history
     from clast.pictures.plot import plot_history as plot_history
     from clast.pictures.plot import plot_results as plot_results
+    from clast.pictures.supports.interaction import plot_interaction as plot_interaction
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
@@ -112,6 +113,7 @@ HOME = {
     "Look": "clast.pictures.figure_options",
     "plot_bolt_history": "clast.pictures.plot",
     "plot_history": "clast.pictures.plot",
+    "plot_interaction": "clast.pictures.supports.interaction",
     "plot_results": "clast.pictures.plot",
     "Run": "clast.results",
     "RunRecorder": "clast.results",

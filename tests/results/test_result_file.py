@@ -221,7 +221,7 @@ def test_same_run_gives_the_same_file(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_large_frames_and_small_ones_take_little_more_than_their_numbers(tmp_path: Path):
     recorded = record(three_blocks(), tmp_path / "out.vtkhdf", steps=1000)
     # 13 vertices and 3 blocks, two contacts, and 5 steps of histories and energies per frame.
-    numbers = 8 * (13 * 6 + 3 * 14 + 2 * 9 + 5 * (2 * 6 + len(ENERGY.row) + 6) + 10)
+    numbers = 8 * (13 * 6 + 3 * 14 + 2 * 13 + 5 * (2 * 6 + len(ENERGY.row) + 6) + 10)
     assert recorded.run.output.stat().st_size / len(recorded.frames) < 1.6 * numbers
 
 

@@ -6,15 +6,16 @@ from numpy.lib.recfunctions import drop_fields
 
 import clast
 from clast.errors import CaseError
+from clast.pictures.joints.joint_values import faces_worn
 from clast.results import read_results
 from clast.results.result_tables import FrameContacts
 
 
-def pushed(tmp_path, name="a.vtkhdf", **keys):
+def pushed(tmp_path, name="a.vtkhdf", joint=None, **keys):
     """Return the run of a brick that slides to the left on a table, recorded in a file."""
     builder = clast.ModelBuilder(gravity=(0.0, -9.8))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    builder.add_joint("default", friction_angle=20.0)
+    builder.add_joint("default", **{"friction_angle": 20.0, **(joint or {})})
     builder.block(name="table", vertices=[(-4, -1), (4, -1), (4, 0), (-4, 0)], fixed=True)
     builder.block(
         name="brick", vertices=[(0, 0), (1, 0), (1, 0.5), (0, 0.5)], velocity=(-2.0, 0.0, 0.0)
@@ -48,6 +49,28 @@ def test_slip_does_not_depend_on_steps_that_are_cut(tmp_path):
     cut = pushed(tmp_path, "b.vtkhdf", max_displacement=1.5e-3)
     assert cut.report.steps > 1.5 * whole.report.steps
     assert cut.contacts(-1).slip == pytest.approx(whole.contacts(-1).slip, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("keys", "lost"),
+    [
+        ({}, 0.0),
+        ({"residual_friction_angle": 10.0, "slip_weakening": 0.2}, None),
+        ({"residual_friction_angle": 10.0, "slip_weakening": 0.01}, 1.0),
+        ({"residual_friction_angle": 10.0}, 1.0),
+        ({"cohesion": 1e3, "residual_cohesion": 0.0}, 1.0),
+    ],
+    ids=["plain", "weakening", "weakened", "at once", "brittle"],
+)
+def test_strength_is_lost_with_the_slide(tmp_path, keys, lost):
+    run = pushed(tmp_path, joint=keys)
+    contacts = run.contacts(-1)
+    slid = -run.history("foot").displacement[-1, 0]
+    share = slid / keys["slip_weakening"] if lost is None else lost
+    assert contacts.worn == pytest.approx(share, rel=2e-3)
+    assert np.array_equal(read_results(tmp_path / "a.vtkhdf").contacts(-1).worn, contacts.worn)
+    (value,) = np.unique(np.round(faces_worn(run, -1).value, 6))
+    assert value == pytest.approx(100.0 * share, rel=2e-3)
 
 
 def test_older_results_do_not_have_it(tmp_path):

@@ -96,6 +96,7 @@ def contacts_at(model: Model, vertices: list[int]) -> tuple[Contacts, ContactRes
         normal_force=normal_force,
         shear_force=0.1 * normal_force,
         mode=np.ones(count, np.int64),
+        bonded=np.ones(count, np.bool_),
     )
     return Contacts(**contacts), ContactResponse(**response)  # type: ignore[arg-type]
 

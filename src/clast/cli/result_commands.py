@@ -114,7 +114,7 @@ def plot(
         str,
         typer.Option(
             help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-            "mobilised, sliding: what joints do."
+            "mobilised, sliding, worn: what joints do."
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
@@ -154,11 +154,18 @@ def plot(
     bolt: Annotated[
         str, typer.Option(metavar="NAME", help="Draw the force of this bolt over time.")
     ] = "",
+    interaction: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="Draw N and M of this lining with its interaction curve."
+        ),
+    ] = "",
 ) -> None:
     """Draw a frame of a result file, or over time the motion of a point or the force of a bolt."""
     from clast.pictures.histories import plot_histories
     from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
     from clast.pictures.side_by_side.compared_frames import plot_two_frames
+    from clast.pictures.supports.interaction import plot_interaction
     from clast.results import read_results
 
     look = Look(
@@ -186,10 +193,15 @@ def plot(
         frames = int(first), int(second)
         return plot_two_frames(results, target, frames, field=field, look=look)
 
+    def of_lining(results: Results, target: Path, name: str) -> object:
+        number = frame_asked(results, frame, time, stage)
+        return plot_interaction(results, target, name, frame=number)
+
     curves: dict[str, tuple[str, Callable[[Results, Path, str], object]]] = {
         "--point": (point, plot_history),
         "--bolt": (bolt, plot_bolt_history),
         "--history": (history, several),
+        "--interaction": (interaction, of_lining),
         "--compare-frames": (compare_frames, two),
     }
     asked = {option: one for option, one in curves.items() if one[0]}

@@ -20,7 +20,12 @@ from clast.model.model import Floats, Ints, Model
 from clast.model.stages.reference import ReferenceState
 from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
 from clast.results.frames import VERTICES
-from clast.results.samples.contact_samples import contact_rows, opening_and_slip, places_of
+from clast.results.samples.contact_samples import (
+    contact_rows,
+    opening_and_slip,
+    places_of,
+    worn,
+)
 from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
 from clast.step.method import StepResult
 
@@ -75,6 +80,7 @@ class FrameFields:
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
         rows["opening"], rows["slip"] = opening_and_slip(self._model, state, contacts, loaded)
+        rows["worn"] = worn(self._model, state, (contacts, response.bonded), loaded)
         return rows
 
 

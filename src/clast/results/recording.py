@@ -310,9 +310,12 @@ class Recording:
         """
         if name not in self.lining_name:
             raise unknown_name("lining", name, self.lining_name)
-        own = self.lining_joints.of(name)
-        rows = [self._rows(LINING_TABLE, int(k)) for k in own]
-        return LiningHistory(self.lining_joints.along[own], self.lining_joints.face[own], rows)
+        joints = self.lining_joints
+        own = joints.of(name)
+        every = self._rows(LINING_TABLE)
+        rows = [LINING_TABLE.one(every, int(k)) for k in own]
+        section = joints.section[own] if len(joints.section) else joints.section
+        return LiningHistory(joints.along[own], joints.face[own], section, rows)
 
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""

@@ -156,7 +156,23 @@ class Results(Recording):
         apart = index is not None and table.of is not None and bool(table.of.path)
         place = places[index if index is not None and apart else 0]
         rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
+        self._check_rows(table, rows)
         return rows if index is None or apart else table.one(rows, index)
+
+    def _check_rows(self, table: TableSchema, rows: NDArray[Any]) -> None:
+        """Raise CaseError where a table has values that are no numbers, or states without names."""
+        there = set(rows.dtype.names or ())
+        for column in (one for one in table.timed if one.name in there):
+            values = rows[column.name]
+            what = "" if column.may_be_nan or np.isfinite(values).all() else "are no numbers"
+            if column.words and ((values < 0) | (values >= len(column.words))).any():
+                what = "do not exist"
+            if what:
+                raise CaseError(
+                    f"is damaged: /{table.name} has values of '{column.name}' that {what}",
+                    where=str(self.path),
+                    remedy=AGAIN,
+                )
 
     def __repr__(self) -> str:
         points = ", ".join(self.point_name[:4])

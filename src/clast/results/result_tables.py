@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from clast import thumbnails
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR
+from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR, WORN
 
 PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
 """Names of the columns of vectors and of stresses, by their number."""
@@ -229,6 +229,9 @@ class LiningHistory:
     """Where the joints are along the middle of the lining, m, shape (k,)."""
     face: Ints
     """Vertices beside each of them, outside and inside, shape (k, 2)."""
+    section: Floats
+    """Thickness, m, tensile and compressive strength, Pa, infinite for none, of each, shape (k, 3);
+    (0, 3) where an earlier clast wrote the results."""
     rows: list[NDArray[Any]]
     """The rows of each joint."""
 
@@ -371,7 +374,7 @@ class FrameContacts(Columns):
     """The contacts of one frame that carry a force, a row each; m rows.
 
     Columns: position_x, position_y, normal_x, normal_y, normal_force, shear_force, vertex, edge,
-    mode, joint, opening, slip, vertex_block, edge_block.
+    mode, joint, opening, slip, worn, vertex_block, edge_block.
     """
 
     def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
@@ -430,7 +433,7 @@ class FrameContacts(Columns):
 
         Raises CaseError where an earlier clast recorded the contacts, which did not keep it.
         """
-        return self._way("opening")
+        return self._since("opening", SLIP)
 
     @property
     def slip(self) -> Floats:
@@ -439,12 +442,20 @@ class FrameContacts(Columns):
         Positive where the vertex's block has moved to the left as seen from the block of the edge;
         it has the same sign seen from the other block.  Raises CaseError as ``opening`` does.
         """
-        return self._way("slip")
+        return self._since("slip", SLIP)
 
-    def _way(self, name: str) -> Floats:
+    @property
+    def worn(self) -> Floats:
+        """Share of the strength lost, 0 at the peak, 1 at the residual one, shape (m,).
+
+        Raises CaseError as ``opening`` does.
+        """
+        return self._since("worn", WORN)
+
+    def _since(self, name: str, what: str) -> Floats:
         if name not in self:
             raise CaseError(
-                f"an earlier clast wrote these results, without {SLIP}", remedy="run the case again"
+                f"an earlier clast wrote these results, without {what}", remedy="run the case again"
             )
         return self.rows[name]
 

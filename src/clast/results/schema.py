@@ -48,6 +48,7 @@ VTKHDF_VERSION = (2, 2)
 POLYGON = 7
 """VTK's number for a polygonal cell."""
 SLIP = "opening and slip of contacts"
+WORN = "the strength that contacts have lost"
 CHUNK_BYTES = 2048
 """Bytes that small things share a chunk of the file with."""
 CHUNK_ROWS = 512
@@ -370,6 +371,11 @@ CONTACTS = TableSchema(
         Column(
             name="slip", unit="m", meaning="along the edge since the contact was made", since=SLIP
         ),
+        Column(
+            name="worn",
+            meaning="share of the strength lost: 0 at the peak, 1 at the residual one",
+            since=WORN,
+        ),
     ),
 )
 
@@ -690,6 +696,15 @@ MODEL = (
         value=lambda m: m.lining_joints.face,
         meaning="vertices of the segment beside each joint: outside, and inside",
         since="linings",
+    ),
+    OfModel(
+        name="lining_section",
+        of=LINING_JOINTS,
+        packed=False,
+        value=lambda m: m.lining_joints.section,
+        meaning="thickness, m, tensile and compressive strength, Pa, infinite for none, of each "
+        "joint of a lining",
+        since="the sections of linings",
     ),
     OfModel(
         name="bolt_of_point",

@@ -153,7 +153,18 @@ def lining_joints_of(file: Any, blocks: StoredBlocks) -> LiningJoints:
         raise MalformedError("/model/lining_along is not a place for each joint of a lining")
     if face.min() < 0 or face.max() >= blocks.start[-1]:
         raise MalformedError("/model/lining_face names vertices that do not exist")
-    return LiningJoints(name=name, along=along, face=face)
+    return LiningJoints(name=name, along=along, face=face, section=_sections(file, len(name)))
+
+
+def _sections(file: Any, joints: int) -> NDArray[Any]:
+    """Return the sections of the joints of linings, (k, 3), none where the file is of before."""
+    if "lining_section" not in file["model"]:
+        return np.zeros((0, 3))
+    found = _whole(file, "model/lining_section", "f", (3,)).astype(np.float64)
+    fits = len(found) == joints and (found > 0.0).all(axis=0)[[0, 2]].all()
+    if not fits or not (found[:, 1] >= 0.0).all() or not np.isfinite(found[:, 0]).all():
+        raise MalformedError("/model/lining_section is not a section for each joint of a lining")
+    return found
 
 
 def measured_contacts_of(file: Any) -> tuple[str, ...]:

@@ -22,10 +22,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.contact.joints.barton_bandis import mobilised, rough_contacts
 from clast.contact.joints.faces import Places
 from clast.contact.joints.flush import had_by_faces
 from clast.model.joints import JointTable
-from clast.model.model import Bools, Floats, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
 
 
@@ -78,3 +79,22 @@ def _weakened(table: JointTable, places: Places, slid: Floats) -> Floats:
 def share_lost(table: JointTable, places: Places, slid: Floats) -> Floats:
     """Return which share of the way from peak to residual strength contacts have gone, (m,)."""
     return np.asarray(np.minimum(1.0, slid / table.worn_after.take(places.joint)))
+
+
+def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -> Floats:
+    """Return which share of what they can lose contacts along ``joint`` (k,) have lost, (k,).
+
+    0 at the peak, 1 at the residual strength; ``slid`` (k,) is how far they have slid, m.  Bonds
+    that are broken are lost; of a rough joint beyond its peak it is the roughness that is gone.
+    """
+    loses = ~np.isnan(table.residual_friction)
+    loses |= ~np.isnan(table.residual_cohesion) & (table.slip_weakening > 0.0)
+    share = np.minimum(1.0, slid / table.worn_after.take(joint))
+    lost = np.where(loses.take(joint), share, 0.0)
+    rough = rough_contacts(table, joint)
+    if rough is not None:
+        x = slid[rough.rows] / rough.peak_slip
+        lost[rough.rows] = np.where(x > 1.0, 1.0 - mobilised(x), 0.0)
+    _, cohesion, tensile_strength = table.strengths
+    binds = ((cohesion > 0.0) | (tensile_strength > 0.0)).take(joint)
+    return np.where(binds & ~bonded, 1.0, lost)

@@ -110,6 +110,16 @@ def faces_sliding(results: Recording, frame: int) -> Faces:
     return replace(faces, value=100.0 * sums[0] / np.maximum(sums[1], 1e-300))
 
 
+def faces_worn(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with the share of their strength that is lost, percent.
+
+    0 at the peak, 100 at the residual strength; mean of the contacts of a face.
+    """
+    contacts = results.contacts(frame)
+    faces, sums = _faces_of(contacts, contacts.worn, np.ones(len(contacts)))
+    return replace(faces, value=100.0 * sums[0] / sums[1])
+
+
 def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Floats]]:
     """Return the faces that contacts lie along, without values, and sums of ``values`` (m,)."""
     if not len(contacts):
@@ -158,6 +168,7 @@ JOINT_FIELDS = {
     "opening": JointField("Opening of joints", "m", faces_opened),
     "mobilised": JointField("Mobilised friction of joints", "°", faces_mobilised),
     "sliding": JointField("Share of joints that slides", "%", faces_sliding),
+    "worn": JointField("Strength lost by joints", "%", faces_worn),
 }
 """Fields that colour joints, and not blocks."""
 

@@ -20,7 +20,7 @@ from clast.results.frames import gone_in_frame
 
 CONTACT_BYTES, FACE_BYTES = 26, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
-FACES = ("slip", "opening")
+FACES = ("slip", "opening", "worn")
 """Fields of joints on the page: it has the others of each contact that is clicked."""
 CONTACT_NUMBERS = ("x", "y", "angle", "normal", "shear", "slip", "opening")
 """Quantities of a contact: place, direction of its normal, forces, slip, opening."""
@@ -131,6 +131,8 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
     """Return contacts and joints; of each the same share of a full frame where room is short."""
     contacts = _contacts(about)
     faces = {name: rows for name in FACES if (rows := _faces(about, name)) is not None}
+    if "worn" in faces and not any(weight.any() for weight in faces["worn"].weight):
+        del faces["worn"]
     if about.results.water:
         faces["water"] = _wetted(about)
     every = [contacts, *faces.values()]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from clast.contact.contacts import Contacts
-from clast.model.model import Floats, Ints, Model
+from clast.contact.joints.weakening import strength_lost
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State, contact_keys
 from clast.step.method import StepResult
 
@@ -78,16 +79,35 @@ def opening_and_slip(
 
     The memory has them; contacts that it does not know have those of the start of the step.
     """
+    gap = contacts.gap + contacts.rest_gap
+    opening, slip = _kept(model, state, contacts, rows, {"gap": gap, "slip": contacts.slip})
+    return opening, slip
+
+
+def worn(model: Model, state: State, result: tuple[Contacts, Bools], rows: Ints) -> Floats:
+    """Return which share of their strength some contacts have lost at the end of the step, (k,).
+
+    ``result`` are the contacts, and which of them are bonded by then, (m,).
+    """
+    contacts, bonded = result
+    begun = {"slide_length": contacts.slide_length}
+    (slid,) = _kept(model, state, contacts, rows, begun)
+    return strength_lost(model.joint_table, contacts.joint[rows], slid, bonded[rows])
+
+
+def _kept(
+    model: Model, state: State, contacts: Contacts, rows: Ints, begun: dict[str, Floats]
+) -> list[Floats]:
+    """Return numbers of some contacts that the memory has, (k,) each, others as they ``begun``."""
     memory, count = state.memory, len(model.vertices)
     own = contacts.vertex[rows], contacts.edge[rows], contacts.point[rows]
     key, known = contact_keys(*own, count), memory.keys(count)
     at = np.minimum(np.searchsorted(known, key), max(0, len(known) - 1))
     found = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
-    ways = []
-    gap = contacts.gap + contacts.rest_gap
-    for kept, begun in ((memory.gap, gap), (memory.slip, contacts.slip)):
-        ways.append(np.where(found, kept[at] if len(known) else 0.0, begun[rows]))
-    return ways[0], ways[1]
+    return [
+        np.where(found, getattr(memory, name)[at] if len(known) else 0.0, first[rows])
+        for name, first in begun.items()
+    ]
 
 
 def places_of(model: Model, state: State, contacts: Contacts, rows: Ints) -> Floats:

@@ -152,7 +152,7 @@ export class Page {
       shown < all ? `the largest ${shown} of ${all} ${what}` : `${all} ${what}`;
     const said = [`${run.blockCount} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
     if (run.contacts.of) said.push(part("contacts", run.contacts));
-    const faces = { slip: "slips of joints", opening: "openings of joints", water: "wet faces" };
+    const faces = { slip: "slips of joints", opening: "openings of joints", worn: "worn joints", water: "wet faces" };
     for (const [name, table] of Object.entries(run.faces)) {
       if (table.shown < table.of) said.push(part(faces[name], table));
     }
