@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
+from clast.actions.linings.linings import linings_of
 from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
 from clast.errors import ModelError, shortened
@@ -63,6 +64,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_stiffness_warnings(model, method),
         *_joint_stiffness_warnings(model, method),
         *_static_warnings(model, method),
+        *_support_warnings(model, method),
         *_slipping_warnings(model, method, schedule),
         *_damping_warnings(model, method, schedule),
         *_wave_warnings(model, method, schedule),
@@ -230,6 +232,27 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
             f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
             f"give way. Raise it to {100.0 * stiffest:.1g}, or leave it out"
+        )
+
+
+def _support_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of supports that other processes than the convex one do not carry."""
+    if bears_any_step(method.process):
+        return
+    linings, _ = linings_of(model)
+    weak = [one.name for one in linings.each if one.curve is not None] if linings else []
+    if weak:
+        yield (
+            f"lining '{shortened(weak[0])}' has strengths, and the process is not convex: where a "
+            "section yields and turns, steps begin with normal forces beyond its strength, and "
+            'segments may be thrown apart. Use process = "convex", or leave tension and '
+            "compression out"
+        )
+    if method.dynamic_ratio == 0.0 and model.is_driven:
+        yield (
+            "motions are prescribed in a static run, and the process is not convex: its steps keep "
+            "their inertia, so that what is moved lags behind and forces depend on the step. Use "
+            'process = "convex", or see that the results stay with half of time.step'
         )
 
 
