@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import operator
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -53,6 +54,8 @@ LONGEST = 1000
 """Most characters of an expression."""
 DEEPEST = 40
 """Most levels of brackets and operators."""
+CALLED = re.compile(r"""(\w+)\(\s*([^()"',]*[^()"',\s])\s*[,)]""")
+"""A function, and its first argument without quotes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,9 +144,19 @@ def read(text: Any, where: str, names: Iterable[str], functions: Iterable[str]) 
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         what = f"'{shortened(text)}' is no expression"
-        raise CaseError(what, where=where, remedy=remedy) from None
+        quoted = _with_quotes(text, functions)
+        raise CaseError(what, where=where, remedy=quoted or remedy) from None
     _check(tree, where, list(names), list(functions), 0)
     return Expression(text=text.strip(), tree=tree, where=where)
+
+
+def _with_quotes(text: str, functions: Iterable[str]) -> str:
+    """Return that a name needs quotes, where a function is called with such a one, else ""."""
+    known = set(functions)
+    for called, name in CALLED.findall(text):
+        if called in known and not name.isidentifier():
+            return f'put names of several words in quotes: {called}("{shortened(name)}")'
+    return ""
 
 
 def _check(node: ast.expr, where: str, names: list[str], functions: list[str], depth: int) -> None:

@@ -87,6 +87,20 @@ class RunResults:
         """Reaction of a support, N/m, over time."""
         return _of_vector(self.run.reaction(name).force, part)
 
+    def lining_utilisation(self, name: str) -> Floats:
+        """Largest share of its strength that a section of a lining uses, over time."""
+        return np.asarray(np.nan_to_num(self.run.lining(name).utilisation).max(axis=1))
+
+    def lining_moment(self, name: str) -> Floats:
+        """Largest size of the moment along a lining, N, over time."""
+        return np.asarray(np.abs(self.run.lining(name).moment).max(axis=1))
+
+    def lining_force(self, name: str) -> Floats:
+        """Normal force along a lining of the largest size, N/m, tension positive, over time."""
+        normal = self.run.lining(name).normal_force
+        largest = np.abs(normal).argmax(axis=1)
+        return np.asarray(normal[np.arange(len(normal)), largest])
+
     def contact(self, name: str, quantity: str) -> Floats:
         """A quantity of a measured contact over time: normal, shear, Pa; opening, slip, m."""
         return np.asarray(self.run.measured_contact(name)[quantity])
@@ -187,6 +201,9 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "link_force": ("link",),
     "links_failed": (),
     "reaction": ("support", "part"),
+    "lining_utilisation": ("lining",),
+    "lining_moment": ("lining",),
+    "lining_force": ("lining",),
     "contact": ("measured contact", "quantity"),
     "normal_force": ("joint",),
     "shear_force": ("joint",),
@@ -210,6 +227,7 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
         "bolt": model.bolts.name,
         "link": model.links,
         "support": model.reactions.name,
+        "lining": model.lining_joints.linings,
         "measured contact": model.measured_contacts.name,
         "quantity": QUANTITIES,
         "joint": tuple(one.name for one in model.joint_table.joints),
