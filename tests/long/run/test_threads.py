@@ -13,10 +13,12 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from hashlib import sha256
+from typing import Any
 
 import numpy as np
 import pytest
 
+import clast
 from clast.compute.jit import BY_THREADS
 from clast.compute.parallel import BLOCKS, CONTACTS
 from clast.model.model import Model
@@ -24,14 +26,47 @@ from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import slope_of
 from scenes.places import TESTS
-from scenes.systems import by_convex, heap, wall
+from scenes.systems import box, by_convex, courses_of_bricks, heap, wall
 
 YOUNG = 5e9
+
+ROUGH = {
+    "law": "barton-bandis",
+    "jrc": 8.0,
+    "jcs": 50e6,
+    "residual_friction_angle": 27.0,
+    "sample_length": 0.5,
+}
+WORN = {
+    "friction_angle": 30.0,
+    "residual_friction_angle": 20.0,
+    "slip_weakening": 1e-4,
+    "cohesion": 1e4,
+    "residual_cohesion": 0.0,
+    "dilation_angle": 5.0,
+    "kinetic_friction_angle": 18.0,
+    "critical_speed": 0.01,
+}
+"""Keys of joints whose strength depends on sliding."""
+
+
+def worn_wall(joint: dict[str, Any]) -> Model:
+    """Return a wall of 1,000 bricks along such joints, pushed aside by its weight."""
+    builder = clast.ModelBuilder(gravity=(6.0, -9.8))
+    builder.add_rock("rock", young=YOUNG, poisson=0.2, density=2600.0)
+    builder.add_joint("default", **joint)
+    bricks = courses_of_bricks(25, 40, bonded=True)
+    for number, outline in enumerate([box(-1.0, -1.0, 42.0, 1.0), *bricks]):
+        builder.block(name=f"{number}", vertices=outline, fixed=number == 0)
+    return builder.build()
+
 
 SCENES: dict[str, tuple[Callable[[], Model], float, float, int]] = {
     "wall": (lambda: wall(25, 40), YOUNG, 5e-3, 4),
     "stiff slope": (lambda: slope_of(1000), 50.0 * YOUNG, 1e-3, 2),
     "heap": (lambda: heap(900, 30), YOUNG, 5e-3, 160),
+    "rough joints": (lambda: worn_wall(ROUGH), YOUNG, 2e-3, 6),
+    "worn joints": (lambda: worn_wall(WORN), YOUNG, 2e-3, 6),
 }
 """Model, normal stiffness in N/m per m, step in s, number of steps."""
 
