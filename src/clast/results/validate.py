@@ -161,7 +161,7 @@ def _sections(file: Any, joints: int) -> NDArray[Any]:
     if "lining_section" not in file["model"]:
         return np.zeros((0, 3))
     found = _whole(file, "model/lining_section", "f", (3,)).astype(np.float64)
-    fits = len(found) == joints and (found > 0.0).all(axis=0)[[0, 2]].all()
+    fits = len(found) == joints and (found[:, [0, 2]] > 0.0).all()
     if not fits or not (found[:, 1] >= 0.0).all() or not np.isfinite(found[:, 0]).all():
         raise MalformedError("/model/lining_section is not a section for each joint of a lining")
     return found
