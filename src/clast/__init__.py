@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
     from clast.study.fit import fit as fit
     from clast.study.fitting.back_analysis import Fit as Fit
-    from clast.study.fitting.back_analysis import FitSettings as FitSettings
+    from clast.study.fitting.fit_settings import FitSettings as FitSettings
     from clast.study.study_api import HowMade as HowMade
     from clast.study.study_api import Study as Study
     from clast.study.variables.distributions import Beta as Beta
@@ -125,7 +125,7 @@ HOME = {
     "HowMade": "clast.study.study_api",
     "Study": "clast.study.study_api",
     "Fit": "clast.study.fitting.back_analysis",
-    "FitSettings": "clast.study.fitting.back_analysis",
+    "FitSettings": "clast.study.fitting.fit_settings",
     "fit": "clast.study.fit",
     "Collapse": "clast.study.collapsing.collapse",
     "collapse_load": "clast.study.collapsing.collapse",

@@ -6,6 +6,8 @@ import pytest
 
 from clast.errors import CaseError
 from clast.study.description import Description, described, parameters_of
+from clast.study.fitting.fit_settings import FitSettings
+from clast.study.fitting.observations import Observation
 from clast.study.judging.expressions import read
 from clast.study.judging.measures import ARGUMENTS
 from clast.study.variables.parameters import ParameterPlaces, keys_of, places
@@ -243,11 +245,42 @@ def test_a_sweep_has_all_combinations_or_takes_lists_in_step() -> None:
         ({"vary": parameters_of({"a.b": [1], "c": "uniform(0, 1)"})}, "no continuous"),
         ({"vary": parameters_of({"a.b": [1]}), "correlate": ()}, "is a list"),
         ({"kind": "sweep", "correlate": ()}, "drawn by chance"),
+        ({"fail": "u"}, "is a number"),
+        ({"fail": "displacement(A)"}, "is a number"),
+        ({"fail": "u > 1 or u"}, "is a number"),
+        ({"fail": "1"}, "is a number"),
+        ({"kind": "fit", "fit": FitSettings(rounds=0)}, "number of rounds"),
     ],
 )
 def test_studies_that_cannot_be_made_are_refused(changes: dict[str, object], what: str) -> None:
     with pytest.raises(CaseError, match=what):
-        study(**changes)
+        _ = study(**changes).condition
+
+
+@pytest.mark.parametrize(
+    "fail", ["fails()", "not u > 1", "u > 1 and fails()", "b or d", "1 < u < 2", "bolt_yields(B)"]
+)
+def test_conditions_are_true_or_false(fail: str) -> None:
+    measure = {"u": "displacement(A)", "b": "u > 3", "d": "b and fails()"}
+    assert study(measure=measure, fail=fail).condition is not None
+
+
+def test_a_back_analysis_is_read_as_it_is_written() -> None:
+    seen = (
+        Observation(point='A "1"', part=0, value=0.25, time=0.5, sd=1e-3),
+        Observation(point="B", part=1, value=-1e-7, sd=2e-3),
+    )
+    how = FitSettings(method="es-mda", members=20, rounds=2, seed=9)
+    measure = {one.measure: one.measure for one in seen}
+    given = {"kind": "fit", "fit": how, "observe": seen, "measure": measure, "fail": ""}
+    one = study(**given)
+    again = described(one.text, "study.toml")
+    assert (again.text, again.observe, again.fit) == (one.text, seen, how)
+    assert again.n == 20 * 3
+    assert [list(one.calls()) for one in again.measures.values()] == [
+        [("displacement", ['A "1"', "x", "0.5"])],
+        [("displacement", ["B", "y"])],
+    ]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import typer
 
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
 from clast.cli.study_tables import print_collapse, print_collected, print_fit, print_trial
-from clast.cli.terminal import json_text, print_json, status, tell
+from clast.cli.terminal import status, tell
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
 
@@ -209,41 +209,26 @@ def fit(
     members: Annotated[int, typer.Option(help="Members of the ensemble.")] = 100,
     rounds: Annotated[int, typer.Option(help="Rounds of the ensemble.")] = 4,
     seed: Annotated[int, typer.Option(help="Seed of the ensemble.")] = 1,
-    runs: Annotated[
-        str, typer.Option(metavar="DIR", help="Keep runs there, and go on with those that are.")
-    ] = "",
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
-    ] = None,
+    output: Out = None,
     workers: Workers = None,
+    scheduler: Scheduler = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Find the parameters with which a case moves as it was measured (back-analysis)."""
     from clast.case.case_file import Case
-    from clast.study.fit import fit as fitted
-    from clast.study.fitting.back_analysis import FitSettings
+    from clast.study.fit import described
+    from clast.study.fitting.fit_settings import FitSettings
+    from clast.study.folder import StudyFolder
+    from clast.study.work import Bench
 
-    how = FitSettings(method=method, members=members, rounds=rounds, seed=seed, folder=runs)
-    if output is not None and not output.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+    how = FitSettings(method=method, members=members, rounds=rounds, seed=seed)
     loaded = Case.from_toml(case, settings or ())
     ranges = dict(_pairs("--vary", vary, "joint.bedding.shear_stiffness=uniform(1e8, 1e10)"))
-    with heard(), status() as show:
-        found = fitted(
-            loaded,
-            observe,
-            ranges,
-            how=how,
-            workers=workers,
-            watch=lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"),
-        )
-    if output is not None:
-        output.write_text(json_text(found.as_dict()) + "\n", encoding="utf-8")
-    if as_json:
-        print_json(found.as_dict())
-    elif not quiet:
-        print_fit(found)
+    study = described(loaded, observe, ranges, how)
+    there = StudyFolder.made(_folder(case, output), loaded, study)
+    Bench.of(there).check()
+    _go_on_fitting(there, _how(workers, scheduler, ""), as_json, quiet)
 
 
 @app.command()
@@ -258,7 +243,7 @@ def resume(
 ) -> None:
     """Go on with a study: make the runs that are not done."""
     from clast.study.collapsing import collapse
-    from clast.study.description import COLLAPSE
+    from clast.study.description import COLLAPSE, FIT
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
@@ -266,6 +251,9 @@ def resume(
         with heard(), status():
             found = collapse.go_on(there, None if quiet or as_json else print_trial)
         print_collapse(found, as_json, quiet)
+        return
+    if there.study.kind == FIT:
+        _go_on_fitting(there, _how(workers, scheduler, array, retry), as_json, quiet)
         return
     _go_on(there, _how(workers, scheduler, array, retry), as_json, quiet)
 
@@ -278,15 +266,15 @@ def collect(
     quiet: Quiet = False,
 ) -> None:
     """Write table and report of the finished runs of a study."""
-    from clast.study.description import COLLAPSE
+    from clast.study.description import COLLAPSE, FIT
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
-    if there.study.kind == COLLAPSE:
+    if there.study.kind in (COLLAPSE, FIT):
         raise CaseError(
-            "is a study of a factor, which has all of its trials or none",
+            "is a search, whose runs follow from each other: it has an answer when it is over",
             where=str(folder),
-            remedy=f"clast study resume {folder}",
+            remedy=f"clast study resume {folder}: it finds what is done, and writes the report",
         )
     print_collected(there, parquet, as_json, quiet)
 
@@ -390,6 +378,16 @@ def _make(
     there = StudyFolder.made(folder, study.case, study.described(**drawn))
     Bench.of(there).check()
     _go_on(there, how, as_json, quiet)
+
+
+def _go_on_fitting(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:
+    """Make the remaining runs of a back-analysis; print its result."""
+    from clast.study.fit import go_on
+    from clast.study.fitting.fit_report import write_fit
+
+    with heard(), status() as show:
+        found = go_on(there, how, lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"))
+    print_fit(found, write_fit(there, found), as_json, quiet)
 
 
 def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:

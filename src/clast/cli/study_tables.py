@@ -34,10 +34,15 @@ def print_trial(number: int, trial: Trial) -> None:
     )
 
 
-def print_fit(found: Fit) -> None:
-    """Print the result of a back-analysis."""
+def print_fit(found: Fit, report: Path, as_json: bool, quiet: bool) -> None:
+    """Print the result of a back-analysis, and where its report is."""
     from rich.table import Table
 
+    if as_json:
+        print_json({**found.as_dict(), "folder": str(report.parent)})
+        return
+    if quiet:
+        return
     table = Table(title=f"{len(found.observed)} observations, {found.runs} runs")
     for head in ("parameter", "value", "95 %: from", "to"):
         table.add_column(head, justify="left" if head == "parameter" else "right")
@@ -51,6 +56,7 @@ def print_fit(found: Fit) -> None:
             tell(f"correlation of {second} and {first}: {found.correlation[k, n]:.2f}")
     if found.remark:
         tell(found.remark)
+    tell(f"report: {report}")
 
 
 def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None:

@@ -38,8 +38,10 @@ from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.model.model import Floats
+from clast.study.fitting.fit_settings import FitSettings
+from clast.study.fitting.observations import Observation, of_rows
 from clast.study.judging.expressions import Expression, read
-from clast.study.judging.measures import ARGUMENTS, FOS
+from clast.study.judging.measures import ARGUMENTS, CONDITIONS, FOS
 from clast.study.variables import random_draws
 from clast.study.variables.designs import SAMPLINGS
 from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
@@ -47,9 +49,9 @@ from clast.study.variables.parameters import Parameter
 from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Sampling
 from clast.study.variables.texts import parsed
 
-SWEEP, MONTECARLO, COLLAPSE = "sweep", "montecarlo", "fos"
+SWEEP, MONTECARLO, COLLAPSE, FIT = "sweep", "montecarlo", "fos", "fit"
 """Kinds of studies."""
-KINDS = (SWEEP, MONTECARLO, COLLAPSE)
+KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT)
 KEEPS = ("none", "failed", "worst N", "all")
 """Of which runs the result files are kept."""
 WORST = re.compile(r"worst [1-9][0-9]{0,4}")
@@ -85,7 +87,7 @@ class Description:
     """A study, but for its case; m parameters."""
 
     kind: str
-    """"sweep", "montecarlo" or "fos"."""
+    """"sweep", "montecarlo", "fos" or "fit"."""
     case: str = ""
     """Case file, beside study.toml."""
     vary: tuple[Parameter, ...] = ()
@@ -106,13 +108,22 @@ class Description:
     """How factors are looked for where the study, or a measure, asks for one."""
     keep: str = "none"
     """Of which runs the result files are kept: "none", "failed", "worst N" or "all"."""
+    observe: tuple[Observation, ...] = ()
+    """Of a back-analysis: the measured values."""
+    fit: FitSettings | None = None
+    """Of a back-analysis: how it is made."""
 
     # Runs ----------------------------------------------------------------------------------------
 
     def values(self, run: int) -> tuple[Value, ...]:
-        """Return the parameters of a run, from 1, in their order."""
+        """Return the parameters of a run, from 1, in their order.
+
+        Of a back-analysis the medians: its search asks for runs as it goes.
+        """
         if self.kind == SWEEP:
             return self._listed(run - 1)
+        if self.kind == FIT:
+            return tuple(one.drawn.quantile(0.5) for one in self.vary)
         if isinstance(self.sampling, PointEstimate):
             return self._at_signs(self.sampling.signs(run - 1, len(self._drawn)))
         chances = self.sampling.probabilities(run - 1, self.n, len(self._drawn))
@@ -182,7 +193,17 @@ class Description:
         """The failure condition; None where none is asked for."""
         if not self.fail:
             return None
-        return read(self.fail, "fail", list(self.measure), [*ARGUMENTS, FOS])
+        found = read(self.fail, "fail", list(self.measure), [*ARGUMENTS, FOS])
+        known = [*CONDITIONS]
+        for name, one in self.measures.items():
+            known += [name] if one.is_condition(known) else []
+        if not found.is_condition(known):
+            raise CaseError(
+                f"'{shortened(self.fail)}' is a number, by which no run fails",
+                where="fail",
+                remedy=f'compare it with a limit, e.g. "{shortened(self.fail)} > 0.05"',
+            )
+        return found
 
     @property
     def expressions(self) -> list[Expression]:
@@ -196,7 +217,7 @@ class Description:
     def text(self) -> str:
         """The file ``study.toml``."""
         content: dict[str, Any] = {"schema": 1, "kind": self.kind, "case": self.case}
-        if self.kind != COLLAPSE:
+        if self.kind not in (COLLAPSE, FIT):
             content["n"] = self.n
         if self.kind == MONTECARLO:
             content["sampling"] = type(self.sampling).WORD
@@ -222,6 +243,9 @@ class Description:
             ]
         if self.correlate:
             content["correlate"] = [{"of": [a, b], "value": c} for a, b, c in self.correlate]
+        if self.fit is not None:
+            content["fit"] = vars(self.fit)
+            content["observe"] = [one.row() for one in self.observe]
         return case_text.to_toml(content)
 
     @cached_property
@@ -265,6 +289,8 @@ class Description:
                 remedy='give a measure, e.g. crest = "displacement(A)", or a failure condition',
             )
         self._check_correlations(names)
+        if self.kind == FIT:
+            return replace(self, n=(self.fit or FitSettings()).checked().most_runs(len(names)))
         return self._counted_sweep() if self.kind == SWEEP else self._counted()
 
     def _counted_sweep(self) -> Description:
@@ -382,7 +408,7 @@ def described(text: str, file: str) -> Description:
     """Return the study of the text of a ``study.toml``; raises CaseError naming the fault."""
     content = case_text.parse(text, file)
     known = {"schema", "kind", "case", "n", "sampling", "seed", "replicates", "together", "keep"}
-    known |= {"fail", "measure", "factor", "vary", "correlate"}
+    known |= {"fail", "measure", "factor", "vary", "correlate", "observe", "fit"}
     for key in content:
         if key not in known:
             raise CaseError(
@@ -411,6 +437,8 @@ def described(text: str, file: str) -> Description:
             factor=None
             if factor is None
             else FactorSettings(**{**factor, "joints": tuple(factor.get("joints", ()))}),
+            observe=of_rows(content.get("observe", [])),
+            fit=FitSettings(**content["fit"]) if "fit" in content else None,
             **own,
         ).checked()
     except (KeyError, TypeError, ValueError, AttributeError) as error:

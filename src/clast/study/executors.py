@@ -9,7 +9,6 @@ the study finds all finished runs.
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
@@ -20,7 +19,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing import get_context
@@ -29,6 +28,7 @@ from typing import Any, Protocol
 from clast.errors import CaseError
 from clast.study.folder import NO_RESULT, StudyFolder
 from clast.study.work import make_runs
+from clast.study.worker_start import start_worker
 
 TRIES = 3
 """How often a run is tried whose worker dies."""
@@ -80,16 +80,6 @@ class Workers(Protocol):
     def renew(self, place: int) -> None:
         """Have a new worker at a place: the old one has died, or is to be renewed."""
 
-    def close(self, *, now: bool) -> None:
-        """End all workers, ``now`` without waiting for their runs."""
-
-
-def start_worker() -> None:
-    """Have a worker use one thread, before anything is imported, and not hear the key."""
-    os.environ["NUMBA_NUM_THREADS"] = "1"
-    with suppress(ValueError):
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-
 
 @dataclass
 class Processes:
@@ -121,7 +111,7 @@ class Processes:
             pool.shutdown(wait=False, cancel_futures=True)
 
     def close(self, *, now: bool) -> None:
-        """End all workers."""
+        """End all workers, ``now`` without waiting for their runs."""
         for pool in self._pools.values():
             # a process of the pool ends between two runs where its driver is gone
             for process in list((getattr(pool, "_processes", None) or {}).values()):
@@ -152,9 +142,6 @@ class Foreign:
     def renew(self, place: int) -> None:
         """Leave it to the executor."""
 
-    def close(self, *, now: bool) -> None:
-        """Leave the executor to its owner."""
-
 
 @dataclass
 class Driver:
@@ -178,25 +165,20 @@ class Driver:
         self._handed = 0
         going: dict[Future[int], tuple[int, list[int]]] = {}
         again: list[list[int]] = []
-        now = True
-        try:
-            while True:
-                for place in self._free(going):
-                    portion = again.pop() if again else self._portion(runs)
-                    if not portion:
-                        break
-                    future = self.workers.submit(place, str(self.folder.path.absolute()), portion)
-                    going[future] = (place, portion)
-                if not going:
+        while True:
+            for place in self._free(going):
+                portion = again.pop() if again else self._portion(runs)
+                if not portion:
                     break
-                done, _ = wait(going, TELL_EVERY, FIRST_COMPLETED)
-                for future in done:
-                    place, portion = going.pop(future)
-                    again += self._ended(future, place, portion)
-                self._tell(going)
-            now = False
-        finally:
-            self.workers.close(now=now)
+                future = self.workers.submit(place, str(self.folder.path.absolute()), portion)
+                going[future] = (place, portion)
+            if not going:
+                break
+            done, _ = wait(going, TELL_EVERY, FIRST_COMPLETED)
+            for future in done:
+                place, portion = going.pop(future)
+                again += self._ended(future, place, portion)
+            self._tell(going)
 
     def _free(self, going: dict[Future[int], tuple[int, list[int]]]) -> list[int]:
         """Return the places at which nothing is being made."""
@@ -261,7 +243,7 @@ class Driver:
         why = f"{type(error).__name__}: {error}" if error else "it ended without a result"
         result = {
             "run": run,
-            "parameters": dict(zip(names, study.values(run), strict=True)),
+            "parameters": dict(zip(names, self.folder.values(run), strict=True)),
             "status": NO_RESULT,
             "reason": f"its worker ended {TRIES} times: {' '.join(why.split())[:300]}",
         }
@@ -309,14 +291,22 @@ def in_this_process(
 
 @contextmanager
 def workers_of(executor: Any, count: int | None, scheduler: str) -> Iterator[Workers]:
-    """Give who makes runs: processes where neither an executor nor a scheduler is given."""
+    """Give who makes runs: processes where neither an executor nor a scheduler is given.
+
+    They end with the block, at once where it is left by an error.
+    """
     if scheduler:
         with _of_dask(scheduler) as (pool, workers):
             yield Foreign(pool, workers if count is None else lambda: count)
     elif executor is not None:
         yield Foreign(executor, lambda: count or _workers_in(executor))
     else:
-        yield Processes(count or os.cpu_count() or 1)
+        own, now = Processes(count or os.cpu_count() or 1), True
+        try:
+            yield own
+            now = False
+        finally:
+            own.close(now=now)
 
 
 def _workers_in(executor: Any) -> int:

@@ -13,32 +13,36 @@ there is an ensemble (``fitting/ensemble.py``).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
-from multiprocessing import get_context
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import optimize, stats
 
+from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError
-from clast.study.description import parameters_of
-from clast.study.executors import start_worker
-from clast.study.fitting.back_analysis import (
-    ENSEMBLE,
-    Fit,
-    FitSettings,
-    Fitting,
-    ParameterScale,
-)
+from clast.inputs.declaring import text as case_text
+from clast.study import trial_table
+from clast.study.description import FIT, Description, parameters_of
+from clast.study.executors import workers_of
+from clast.study.fitting.back_analysis import Fit, Fitting, ParameterScale, Watch
 from clast.study.fitting.ensemble import smoothed
-from clast.study.fitting.fit_runs import RunStore
+from clast.study.fitting.fit_runs import FitRuns
+from clast.study.fitting.fit_settings import ENSEMBLE, MOST_PLACES, FitSettings
 from clast.study.fitting.observations import Observation, read_observations
+from clast.study.folder import DONE, StudyFolder, with_files, write_whole
 from clast.study.probabilities import CONFIDENCE
+from clast.study.study_api import USUAL, HowMade
 from clast.study.trial_cases import content_of, given_case
-from clast.study.variables.parameters import ParameterPlaces
+from clast.study.variables.parameters import Parameter, ParameterPlaces
+from clast.study.work import Bench
+
+RESULT, BEST = "fit.json", "best.toml"
+"""The result of a back-analysis, and its case with the best parameters."""
 
 
 def fit(
@@ -47,56 +51,122 @@ def fit(
     vary: Mapping[str, Any],
     *,
     how: FitSettings | None = None,
-    executor: Executor | None = None,
-    workers: int | None = None,
-    watch: Callable[[int, float], None] | None = None,
+    folder: str | Path | None = None,
+    watch: Watch | None = None,
+    **made: Any,
 ) -> Fit:
     """Return the parameters with which a case moves as it was measured.
 
     ``observe`` is a table (CSV) with the columns point, time, x, y, sd, or a list; ``vary`` has
     paths -> ranges, ``"uniform(1e8, 1e10)"``; ``how`` chooses an ensemble in place of least
-    squares, and a folder that keeps the runs.  Raises CaseError for invalid input, and where a run
-    cannot go on.
+    squares.  ``folder`` keeps all runs, and goes on with those that are there.  ``made`` says who
+    makes them: fields of ``HowMade``, e.g. ``workers``.  Raises CaseError for invalid input, and
+    where a run cannot go on.
     """
     loaded = given_case(case)
-    chosen = (how or FitSettings()).checked()
+    study = described(loaded, observe, vary, how or FitSettings())
+    with ExitStack() as stack:
+        place = folder
+        if place is None:
+            place = stack.enter_context(tempfile.TemporaryDirectory(prefix="clast-fit-"))
+        kept = StudyFolder.made(Path(place), loaded, study)
+        Bench.of(kept).check()
+        found = go_on(kept, HowMade(**made), watch)
+    return found if folder is not None else found.in_folder(None)
+
+
+def described(
+    case: Case,
+    observe: Path | str | Sequence[Observation],
+    vary: Mapping[str, Any],
+    how: FitSettings,
+) -> Description:
+    """Return the description of a back-analysis; raises CaseError for an invalid one."""
+    chosen = how.checked()
     parameters = parameters_of(vary)
     if not parameters:
         raise CaseError("nothing varies", where="vary", remedy="give at least one parameter")
-    points = loaded.model().measured_points.name
     if isinstance(observe, str | Path):
-        observations = tuple(read_observations(Path(observe), points))
+        observations = read_observations(Path(observe), case.model().measured_points.name)
     else:
-        observations = tuple(observe)
-    is_ensemble = chosen.method == ENSEMBLE
-    if len(observations) < len(parameters) and not is_ensemble:
+        observations = list(observe)
+    _check_observations(observations, parameters, chosen)
+    for one in parameters:
+        ParameterScale.of(one)
+    return Description(
+        kind=FIT,
+        vary=parameters,
+        measure={one.measure: one.measure for one in observations},
+        observe=tuple(observations),
+        fit=chosen,
+    ).checked()
+
+
+def _check_observations(
+    observations: Sequence[Observation], parameters: Sequence[Parameter], how: FitSettings
+) -> None:
+    """Raise CaseError where observations do not suit the method."""
+    if not observations:
+        raise CaseError("there is none", where="observe", remedy="give at least one observation")
+    if how.method == ENSEMBLE:
+        if observations[0].sd is None:
+            raise CaseError(
+                "es-mda weighs observations by their standard deviations, which are not given",
+                where="observe",
+                remedy="give the table a column sd, or take method least-squares",
+            )
+    elif len(observations) < len(parameters):
         raise CaseError(
             f"{len(observations)} observations do not give {len(parameters)} parameters",
             where="observe",
             remedy="measure more, vary less, or take method es-mda, which begins with what is "
             "known before",
         )
-    if is_ensemble and observations[0].sd is None:
+
+
+def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None) -> Fit:
+    """Go on with the back-analysis in a folder; return its result, also written there.
+
+    Raises CaseError where a run cannot go on.
+    """
+    study = folder.study
+    if made.array is not None:
         raise CaseError(
-            "es-mda weighs observations by their standard deviations, which are not given",
-            where="observe",
-            remedy="give the table a column sd, or take method least-squares",
+            "runs of a back-analysis follow from each other, and are no array",
+            where="--array",
+            remedy="give --workers N, or --scheduler",
         )
-    scales = tuple(map(ParameterScale.of, parameters))
-    keep = RunStore.opened(chosen.folder, loaded)
-    with _pool(executor, workers) as pool:
+    with folder.driven(), workers_of(made.executor, made.workers, made.scheduler) as workers:
+        if made.retry:
+            for result in folder.results():
+                if result["status"] != DONE:
+                    folder.forget(result["run"])
         fitting = Fitting(
-            case=loaded,
-            settings=ParameterPlaces.of(content_of(loaded), parameters),
-            scales=scales,
-            observations=observations,
-            pool=pool,
-            keep=keep,
+            scales=tuple(map(ParameterScale.of, study.vary)),
+            observations=study.observe,
+            made=FitRuns.of(folder, workers),
             watch=watch,
         )
-        if is_ensemble:
-            return smoothed(fitting, parameters, chosen)
-        return _fitted(fitting, [one.name for one in parameters])
+        how = study.fit or FitSettings()
+        if how.method == ENSEMBLE:
+            found = smoothed(fitting, study.vary, how)
+        else:
+            found = _fitted(fitting, [one.name for one in study.vary])
+    found = found.in_folder(folder.path)
+    _write(folder, found)
+    return found
+
+
+def _write(folder: StudyFolder, found: Fit) -> None:
+    """Write the result, the table of the runs, and the case with the best parameters."""
+    text = json.dumps(found.as_dict(), indent=1, ensure_ascii=False)
+    write_whole(folder.path / RESULT, f"{text}\n".encode())
+    trial_table.write_csv(folder, folder.path / trial_table.CSV)
+    settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
+    content = settings.case(found.value.tolist())
+    base = Path(folder.study.case).parent.as_posix()
+    text = case_text.to_toml(with_files(content, base))
+    write_whole(folder.path / BEST, text.encode("utf-8"))
 
 
 def _fitted(fitting: Fitting, names: list[str]) -> Fit:
@@ -111,7 +181,7 @@ def _fitted(fitting: Fitting, names: list[str]) -> Fit:
             x_scale=1.0,
             xtol=1e-6,
             ftol=1e-10,
-            max_nfev=60,
+            max_nfev=MOST_PLACES,
         )
     except ClastError as error:
         raise CaseError(
@@ -145,14 +215,3 @@ def _fitted(fitting: Fitting, names: list[str]) -> Fit:
         runs=fitting.runs,
         remark=remark.strip(),
     )
-
-
-@contextmanager
-def _pool(executor: Executor | None, workers: int | None) -> Any:
-    """Give who makes the runs."""
-    if executor is not None:
-        yield executor
-        return
-    context = get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=start_worker) as pool:
-        yield pool

@@ -5,6 +5,7 @@
     out/runs/0012/00123456/case.toml    the case of a run, for clast run
     out/runs/0012/00123456/result.json  what came of it; it names the study
     out/results.csv                     all results, in the order of their numbers
+    out/asked.jsonl                     of a back-analysis: the parameters of its runs
 
 A run is made in a folder of its own beside its place, which takes its name when all is written: a
 run is there as a whole or not at all, and a run that is made twice does no harm.  Runs lie by ten
@@ -30,10 +31,12 @@ from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
-from clast.study.description import Description, described
+from clast.study.description import FIT, Description, described
 from clast.study.trial_cases import content_of
+from clast.study.variables.distributions import Value
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
+ASKED = "asked.jsonl"
 SHARD = 10_000
 """Runs in a folder."""
 DONE, NO_RESULT = "done", "no result"
@@ -125,6 +128,22 @@ class StudyFolder:
     def place(self, run: int) -> Path:
         """Return the folder of a run."""
         return self.path / RUNS / f"{run // SHARD:04d}" / f"{run:08d}"
+
+    def values(self, run: int) -> tuple[Value, ...]:
+        """Return the parameters of a run, from 1; of a back-analysis as its search asks for it."""
+        return self.asked()[run - 1] if self.study.kind == FIT else self.study.values(run)
+
+    @property
+    def asked_file(self) -> Path:
+        """The file with the parameters of the runs of a back-analysis, a line for each."""
+        return self.path / ASKED
+
+    def asked(self) -> list[tuple[float, ...]]:
+        """Return the parameters of the runs that a back-analysis has asked for, from run 1 on."""
+        if not self.asked_file.exists():
+            return []
+        text = case_text.read_text(self.asked_file)
+        return [tuple(map(float, json.loads(line))) for line in text.splitlines()]
 
     def result(self, run: int) -> dict[str, Any] | None:
         """Return the result of a run; None where it is not done, or is of another study."""
@@ -242,11 +261,6 @@ def _with_files(value: Any, places: Mapping[str, str], key: str = "") -> Any:
     if isinstance(value, list):
         return [_with_files(inner, places, key) for inner in value]
     return places.get(value, value) if isinstance(value, str) and key == NAMES_FILE else value
-
-
-def bytes_of_files(case: Case) -> bytes:
-    """Return what all files hold that a case names, one after the other."""
-    return b"".join(_bytes_of(case, name) for name in _files_in(content_of(case)))
 
 
 def _bytes_of(case: Case, name: str) -> bytes:

@@ -45,7 +45,7 @@ def keep_worst(folder: StudyFolder, columns: StudyResults) -> list[int]:
 def made_again(folder: StudyFolder, number: int, output: Path | None = None) -> Run | None:
     """Return a run, made again; None where it cannot go on."""
     settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
-    case = changed(folder.base, settings.case(folder.study.values(number)))
+    case = changed(folder.base, settings.case(folder.values(number)))
     try:
         return case.run(output=output, warn=lambda _text: None)
     except CaseError:

@@ -41,7 +41,7 @@ def share_of_places(folder: StudyFolder) -> FailurePlaces | None:
             continue
         failed += 1
         if failed <= MOST_RUNS:
-            model = changed(base, settings.case(study.values(result["run"]))).model()
+            model = changed(base, settings.case(folder.values(result["run"]))).model()
             fails = np.isin(model.block_name, result["blocks"])
             count += _inside(_outline(model, fails), x, y)
     if not failed:

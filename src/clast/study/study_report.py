@@ -119,7 +119,9 @@ def write_report(folder: StudyFolder) -> Path:
     for name, values in columns.measures.items():
         page.head(f"{name} = {study.measure[name]}")
         _spread(page, columns, values)
-        _drawn(page, lambda name=name, values=values: _figures(columns, name, values, pictures))
+        add_figures(
+            page, lambda name=name, values=values: _figures(columns, name, values, pictures)
+        )
         _influence(page, columns, values)
         _sensitivity(page, columns, values)
     if len(columns.fails):
@@ -128,7 +130,7 @@ def write_report(folder: StudyFolder) -> Path:
     _what_varies(page, folder)
     for number in probabilities.worst(columns):
         page.head(f"Worst run: {number}")
-        drawn = zip((one.name for one in study.vary), study.values(number), strict=True)
+        drawn = zip((one.name for one in study.vary), folder.values(number), strict=True)
         page.table(["parameter", "value"], list(drawn))
         _worst(page, folder, number)
     return write_html(page.text(), folder.path / REPORT)
@@ -220,7 +222,7 @@ def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Pa
         places = share_of_places(folder)
         label = "share of the runs in which the rock at a place fails"
         if places is not None:
-            _drawn(page, lambda: [(figures.draw_places(places, label, path), label)])
+            add_figures(page, lambda: [(figures.draw_places(places, label, path), label)])
         page.say("Blocks differ from run to run, so that places are counted.", "remark")
         return
     page.table(["block", "runs", "share of the runs"], rows[:MOST_ROWS])
@@ -232,7 +234,7 @@ def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Pa
         vertices=model.vertices + model.origin, block_start=model.block_start, share=share
     )
     label = "share of the runs in which a block fails"
-    _drawn(page, lambda: [(figures.draw_frequency(section, label, path), label)])
+    add_figures(page, lambda: [(figures.draw_frequency(section, label, path), label)])
 
 
 def _same_blocks(folder: StudyFolder) -> bool:
@@ -285,7 +287,9 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
     path = pictures / "displacement.png"
     bracket = (found.low, found.high)
     label = "displacement against factor, with the bracket"
-    _drawn(page, lambda: [(figures.draw_factors(marks, bracket, path, found.by.SYMBOL), label)])
+    add_figures(
+        page, lambda: [(figures.draw_factors(marks, bracket, path, found.by.SYMBOL), label)]
+    )
     page.head("Trials")
     heads = ["trial", found.by.SYMBOL, "verdict", "displacement, m", "steps", "blocks that fail"]
     page.table(
@@ -337,7 +341,7 @@ def _listed(blocks: Sequence[str]) -> str:
     return ", ".join(blocks[:6]) + more
 
 
-def _drawn(page: Page, draw: Any) -> None:
+def add_figures(page: Page, draw: Any) -> None:
     """Add figures, or a note on the missing library."""
     try:
         page.pictures(draw())

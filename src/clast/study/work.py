@@ -81,7 +81,7 @@ class Bench:
     def make(self, run: int) -> dict[str, Any]:
         """Make a run; return its result, which is written down."""
         study, folder = self.folder.study, self.folder
-        values = study.values(run)
+        values = folder.values(run)
         content = self.settings.case(values)
         result: dict[str, Any] = {
             "run": run,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import tomllib
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from clast.errors import CaseError
 from clast.inputs.declaring.text import to_toml
 from clast.study.collapsing import trial
 from clast.verification.problems.masonry import arch_push
-from clast.verification.problems.slopes import wet_slope
+from clast.verification.problems.slopes import toppling, wet_slope
 
 
 def written(path: Path, builder: clast.ModelBuilder, **keys: object) -> Path:
@@ -41,6 +42,37 @@ def test_hoek_and_brays_slope_at_four_water_levels(share, tmp_path, monkeypatch)
     assert found.is_settled and not found.undecided
     assert found.value == pytest.approx(exact, rel=0.01)
     assert all("slab" in one.blocks for one in found.trials if one.verdict == "fails")
+
+
+@pytest.mark.parametrize(
+    ("settings", "how"),
+    [
+        ([], {"start": 0.4, "growth": 3.0}),
+        (["time.step=0.05"], {"start": 2.5, "growth": 1.1}),
+        (["time.step=0.001", "time.max_displacement=0.002"], {"start": 0.93, "growth": 1.5}),
+    ],
+)
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_wet_slope_whatever_the_search_and_the_step(share, settings, how, tmp_path, monkeypatch):
+    slope = wet_slope.critical_slope()
+    case = clast.Case.from_toml(
+        wet(tmp_path / "s1.toml", slope, share * slope.depth, monkeypatch), settings
+    )
+    found = clast.factor_of_safety(case, joints=["plane"], tolerance=0.005, **how)
+    assert found.is_settled and not found.undecided
+    assert found.value == pytest.approx(slope.exact_factor(share * slope.depth), rel=0.01)
+
+
+@pytest.mark.parametrize("how", [{}, {"start": 0.4, "growth": 3.0}, {"start": 2.5, "growth": 1.1}])
+def test_sixteen_columns_topple_where_their_recursion_says(how, tmp_path):
+    builder = clast.ModelBuilder()
+    toppling.build(builder, math.degrees(math.atan(0.9)))
+    case = written(tmp_path / "s5.toml", builder, end=2.0)
+    found = clast.factor_of_safety(case, tolerance=0.005, **how)
+    exact = 0.9 / math.tan(math.radians(toppling.limit_angle()))
+    assert exact == pytest.approx(1.1459, abs=1e-4)
+    assert found.is_settled and not found.undecided
+    assert found.value == pytest.approx(exact, rel=0.02)
 
 
 def test_a_slope_that_fails_as_it_is(tmp_path, monkeypatch):

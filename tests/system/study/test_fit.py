@@ -7,6 +7,12 @@ It moves by u = P/(k A + b) while its joint holds, and by u = (P - W tan phi)/b 
 from __future__ import annotations
 
 import csv
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -15,7 +21,12 @@ import pytest
 
 import clast
 from clast.errors import CaseError
+from clast.study.fit import go_on
+from clast.study.fitting.fit_report import write_fit
 from clast.study.fitting.observations import read_observations
+from clast.study.folder import StudyFolder
+from clast.study.study_api import HowMade
+from scenes.command_line import clast_command
 
 WEIGHT, BAR, PUSH = 2600.0 * 9.81, 1e7, 4e4
 STIFFNESS, FRICTION, NOISE = 1e8, 30.0, 2e-5
@@ -114,14 +125,19 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
     for vary, what in [
         ({}, "nothing varies"),
         ({"joint.base.cohesion": [1.0, 2.0]}, "no range"),
-        ({"joint.base.friction_angle": "uniform(91, 95)"}, "cannot go on"),
+        ({"joint.base.friction_angle": "uniform(91, 95)"}, "friction_angle"),
+        ({"joint.base.friction_angle": "uniform(60, 119.9)"}, "cannot go on"),
+        ({"joint.base.friction": "uniform(1, 2)"}, "friction"),
         ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not give"),
     ]:
         with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match=what):
             clast.fit(case, table, vary, executor=one)
     late = written(tmp_path / "late.csv", np.append(exact(STIFFNESS, FRICTION)[:-1], 1.0))
     late.write_text(late.read_text().replace("A,1.0,", "A,1.5,"))
-    with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match="before the measurement"):
+    with (
+        ThreadPoolExecutor(1) as one,
+        pytest.raises(CaseError, match=r"ends at 1 s, before 1\.5 s"),
+    ):
         clast.fit(case, late, RANGES, executor=one)
     for how, what in [
         ({"method": "es"}, "no method 'es'"),
@@ -148,31 +164,127 @@ def test_intervals_hold_the_truth_as_often_as_they_say(case, tmp_path, sd):
     assert (inside >= 17).all()
 
 
-def test_an_ensemble_finds_the_truth_and_goes_on_where_it_was(case, tmp_path):
+ENSEMBLE = {
+    "joint.base.shear_stiffness": "lognormal(2e8, 1.5e8)",
+    "joint.base.friction_angle": "normal(28, 5, low=10, high=50)",
+}
+HOW = {
+    "least-squares": (RANGES, clast.FitSettings(), 5),
+    "es-mda": (ENSEMBLE, clast.FitSettings(method="es-mda", members=24, rounds=3), 3),
+}
+
+
+@pytest.mark.parametrize("method", list(HOW))
+def test_a_back_analysis_that_is_interrupted_goes_on_where_it_was(case, tmp_path, method):
     noise = np.random.default_rng(4).normal(0.0, NOISE, len(TIMES))
     table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, str(NOISE))
-    vary = {
-        "joint.base.shear_stiffness": "lognormal(2e8, 1.5e8)",
-        "joint.base.friction_angle": "normal(28, 5, low=10, high=50)",
-    }
-    how = clast.FitSettings(method="es-mda", members=24, rounds=3, folder=tmp_path / "runs")
-    made = []
+    vary, how, batches = HOW[method]
+    told = []
 
     def interrupted(runs: int, error: float) -> None:
-        made.append(runs)
-        if len(made) == 3:
+        told.append(runs)
+        if len(told) == batches:
             raise KeyboardInterrupt
 
-    with ThreadPoolExecutor(1) as one, pytest.raises(KeyboardInterrupt):
-        clast.fit(case, table, vary, how=how, executor=one, watch=interrupted)
-    kept = {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()}
-    assert len(kept) == 72
     with ThreadPoolExecutor(1) as one:
-        found = clast.fit(case, table, vary, how=how, executor=one)
+        whole = clast.fit(case, table, vary, how=how, executor=one, folder=tmp_path / "whole")
+        with pytest.raises(KeyboardInterrupt):
+            part = tmp_path / "part"
+            clast.fit(case, table, vary, how=how, executor=one, folder=part, watch=interrupted)
+        kept = {file: file.stat().st_mtime_ns for file in part.rglob("result.json")}
+        assert 0 < len(kept) == told[-1] < whole.runs
+        # a result that was lost, and one that is half written
+        first, second, *_ = sorted(kept)
+        first.unlink()
+        second.write_text("{")
+        del kept[first], kept[second]
+        go_on(StudyFolder.opened(part), HowMade(executor=one))
     assert kept == {file: file.stat().st_mtime_ns for file in kept}
-    assert found.runs == 96 and len(list((tmp_path / "runs").iterdir())) == 96
+    for name in ("results.csv", "fit.json", "best.toml"):
+        assert (part / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    assert whole.runs == len(list(part.rglob("result.json")))
     for truth, low, value, high in zip(
-        (STIFFNESS, FRICTION), found.low, found.value, found.high, strict=True
+        (STIFFNESS, FRICTION), whole.low, whole.value, whole.high, strict=True
     ):
         assert low < truth < high
         assert value == pytest.approx(truth, rel=0.15)
+    best = clast.load(tmp_path / "whole/best.toml").model()
+    assert best.joint_table.joints[-1].friction_angle == pytest.approx(whole.value[1])
+
+
+@pytest.mark.slow
+def test_a_back_analysis_that_is_killed_ends_with_the_same_table(case, tmp_path):
+    written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION), str(NOISE))
+    words = [sys.executable, "-m", "clast", "study"]
+    command = [*words, "fit", case.name, "--observe", "moved.csv", "-q", "--workers", "2"]
+    for path, given in RANGES.items():
+        command += ["--vary", f"{path}={given}"]
+    subprocess.run([*command, "-o", "whole"], cwd=tmp_path, check=True)
+    first = [*command, "-o", "part"]
+    order = random.Random(5)
+    for _ in range(3):
+        driver = subprocess.Popen(first, cwd=tmp_path, start_new_session=True)
+        time.sleep(order.uniform(5.0, 10.0))
+        if driver.poll() is None:
+            os.killpg(driver.pid, signal.SIGKILL)
+        driver.wait()
+        if (tmp_path / "part/study.toml").exists():
+            first = [*words, "resume", "part", "-q", "--workers", "2"]
+    subprocess.run(first, cwd=tmp_path, check=True)
+    for name in ("results.csv", "fit.json"):
+        assert (tmp_path / "part" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+def test_a_report_has_intervals_differences_and_correlation(case, tmp_path):
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION), str(NOISE))
+    with ThreadPoolExecutor(1) as one:
+        found = clast.fit(case, table, RANGES, executor=one, folder=tmp_path / "out")
+    report = write_fit(StudyFolder.opened(tmp_path / "out"), found).read_text(encoding="utf-8")
+    for name, value, low, high in zip(
+        found.parameter, found.value, found.low, found.high, strict=True
+    ):
+        assert f"{name} = {value:.5g} (95 %: {low:.5g} to {high:.5g})" in report
+    assert report.count("data:image/png") == 3
+    assert f"<td>{found.correlation[0, 1]:.5g}</td>" in report
+    assert report.count('<td class="text">A</td>') == len(TIMES)
+
+
+def test_a_measurement_may_be_repeated(case, tmp_path):
+    """Two readings at each time, one above and one below the truth by as much."""
+    table = tmp_path / "moved.csv"
+    rows = [
+        f"A,{t},{x + way},"
+        for t, x in zip(TIMES, exact(STIFFNESS, FRICTION), strict=True)
+        for way in (1e-5, -1e-5)
+    ]
+    table.write_text("\n".join(["point,time,x,y", *rows]))
+    with ThreadPoolExecutor(1) as one:
+        found = clast.fit(case, table, RANGES, executor=one)
+    assert found.value == pytest.approx([STIFFNESS, FRICTION], rel=0.01)
+    assert len(found.observed) == 2 * len(TIMES)
+
+
+def test_a_search_is_neither_collected_nor_an_array(case, tmp_path):
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION))
+    with ThreadPoolExecutor(1) as one:
+        clast.fit(case, table, RANGES, executor=one, folder=tmp_path / "out")
+    for words, what in [
+        (["collect", str(tmp_path / "out")], "study resume"),
+        (["resume", str(tmp_path / "out"), "--array", "1/2"], "are no array"),
+    ]:
+        done = clast_command("study", *words)
+        assert done.exit_code == 2 and what in done.output
+
+
+@pytest.mark.slow
+def test_an_ensemble_holds_the_truth_as_often_as_it_says(case, tmp_path):
+    """Of 20 intervals of 95 %, 17 or more hold the truth with a probability of 98.4 %."""
+    inside = np.zeros(2, int)
+    with ThreadPoolExecutor(1) as one:
+        for seed in range(20):
+            noise = np.random.default_rng(seed).normal(0.0, NOISE, len(TIMES))
+            table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, str(NOISE))
+            how = clast.FitSettings(method="es-mda", members=50, rounds=4, seed=seed)
+            found = clast.fit(case, table, ENSEMBLE, how=how, executor=one)
+            inside += (found.low < (STIFFNESS, FRICTION)) & ((STIFFNESS, FRICTION) < found.high)
+    assert (inside >= 17).all()

@@ -92,35 +92,35 @@ class FailurePlaces:
 
 def draw_histogram(values: Floats, label: str, path: Path) -> Path:
     """Draw how often values (k,) occur; return the picture's path."""
-    axes = _axes(path, label, "runs")
+    axes = new_axes(label, "runs")
     kept = values[np.isfinite(values)]
     bins = np.histogram_bin_edges(kept, bins="auto") if len(kept) else np.array([0.0, 1.0])
     if len(bins) > 61:
         bins = np.linspace(bins[0], bins[-1], 61)
     axes.hist(kept, bins=bins.tolist(), color=BLUE, edgecolor="white", lw=0.5)
-    return _saved(axes, path)
+    return save_axes(axes, path)
 
 
 def draw_cumulative(band: Band, label: str, path: Path) -> Path:
     """Draw the share of runs up to a value, with its band; return the picture's path."""
-    axes = _axes(path, label, "share of the runs up to it")
+    axes = new_axes(label, "share of the runs up to it")
     axes.step(band.x, band.share, where="post", color=BLUE, lw=1.3)
     if band.half.any():
         low = np.clip(band.share - band.half, 0.0, 1.0)
         high = np.clip(band.share + band.half, 0.0, 1.0)
         axes.fill_between(band.x, low, high, step="post", color=BLUE, alpha=0.18, lw=0)
     axes.set_ylim(0.0, 1.02)
-    return _saved(axes, path)
+    return save_axes(axes, path)
 
 
 def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> Path:
     """Draw how far a measure goes with each parameter; return the picture's path."""
-    axes = _axes(path, name, "", left=0.42, height=0.72)
+    axes = new_axes(name, "", left=0.42, height=0.72)
     for row, bar in enumerate(reversed(bars)):
         for value, colour, said in ((bar.low, BLUE, "least"), (bar.high, RED, "largest")):
             label = f"parameter {said}" if row == 0 else None
             axes.barh(row, value - middle, left=middle, height=0.6, color=colour, label=label)
-    labels = [_short(bar.label) for bar in reversed(bars)]
+    labels = [short_label(bar.label) for bar in reversed(bars)]
     axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
@@ -133,14 +133,14 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
         bbox_to_anchor=(1.0, 0.99),
         ncols=2,
     )
-    return _saved(axes, path)
+    return save_axes(axes, path)
 
 
 def draw_factors(
     marks: Sequence[TrialMark], bracket: tuple[float, float], path: Path, name: str
 ) -> Path:
     """Draw displacement against factor, with the bracket shaded; return the picture's path."""
-    axes = _axes(path, name, "largest displacement (m)")
+    axes = new_axes(name, "largest displacement (m)")
     low, high = bracket
     if low > 0.0 and np.isfinite(high):
         axes.axvspan(low, high, color=RED, alpha=0.15, lw=0)
@@ -171,7 +171,7 @@ def draw_factors(
             )
     axes.set_yscale("log")
     axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
-    return _saved(axes, path)
+    return save_axes(axes, path)
 
 
 def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
@@ -232,7 +232,7 @@ def _coloured(axes: Axes, drawn: ScalarMappable, label: str, path: Path) -> Path
     return canvas.save(figure, path)
 
 
-def _axes(path: Path, x_label: str, y_label: str, left: float = 0.14, height: float = 0.78) -> Axes:
+def new_axes(x_label: str, y_label: str, left: float = 0.14, height: float = 0.78) -> Axes:
     """Return empty axes of a figure of their own."""
     figure = canvas.new_figure(SIZE, DOTS)
     axes = figure.add_axes((left, 0.16, 0.96 - left, height))
@@ -243,10 +243,11 @@ def _axes(path: Path, x_label: str, y_label: str, left: float = 0.14, height: fl
     return axes
 
 
-def _saved(axes: Axes, path: Path) -> Path:
+def save_axes(axes: Axes, path: Path) -> Path:
+    """Save the figure of axes; return its path."""
     return canvas.save(axes.get_figure(root=True), path)  # type: ignore[arg-type]
 
 
-def _short(label: str) -> str:
+def short_label(label: str) -> str:
     """Return a name that fits beside a bar: its end, which tells it from others."""
     return label if len(label) <= LONGEST_LABEL else "…" + label[1 - LONGEST_LABEL :]

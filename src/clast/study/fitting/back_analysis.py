@@ -4,68 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from clast import spelling
-from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError, shortened
 from clast.model.model import Floats
-from clast.study.fitting.fit_runs import FitTask, RunStore
+from clast.study.fitting.fit_runs import FitRuns
 from clast.study.fitting.observations import Observation
-from clast.study.trial_cases import changed
 from clast.study.variables.distributions import Distribution, Range, Values
-from clast.study.variables.parameters import Parameter, ParameterPlaces
+from clast.study.variables.parameters import Parameter
 
-LEAST_SQUARES, ENSEMBLE = "least-squares", "es-mda"
-"""Methods."""
 STEP = 1e-3
 """Change of a parameter, as a share of its range, by which derivatives are taken."""
 FAR = 1e-9
 """Probability at which an unbounded distribution is taken to end."""
 DECADE = 10.0
 """Ratio of the ends of a range from which a parameter is sought by its logarithm."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FitSettings:
-    """How a back-analysis is made."""
-
-    method: str = LEAST_SQUARES
-    """"least-squares", or "es-mda": an ensemble, for many parameters."""
-    members: int = 100
-    """Members of the ensemble."""
-    rounds: int = 4
-    """How often the ensemble takes in the observations, each time a part of them."""
-    seed: int = 1
-    """Seed of the ensemble."""
-    folder: str | Path = ""
-    """Where runs are kept, so that it can go on after an interruption; "": nowhere."""
-
-    def checked(self) -> FitSettings:
-        """Return itself; raises CaseError for wrong numbers."""
-        methods = (LEAST_SQUARES, ENSEMBLE)
-        if self.method not in methods:
-            remedy = spelling.advice(str(self.method), methods, kind="method")
-            what = f"there is no method '{shortened(str(self.method))}'"
-            raise CaseError(what, where="method", remedy=remedy)
-        for name, least, most in (
-            ("members", 10, 100_000),
-            ("rounds", 1, 50),
-            ("seed", 0, 2**63 - 1),
-        ):
-            value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-                raise CaseError(
-                    f"{value!r} is no number of {name}" if name != "seed" else "is no seed",
-                    where=name,
-                    remedy=f"give a whole number from {least} to {most:,}",
-                )
-        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +47,12 @@ class Fit:
     """Runs that were made."""
     remark: str = ""
     """The reservations; "" where there are none."""
+    folder: Path | None = None
+    """Where the study is kept; None: nowhere."""
+
+    def in_folder(self, folder: Path | None) -> Fit:
+        """Return it as the result of a study that is kept in a folder; None: nowhere."""
+        return replace(self, folder=folder)
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
@@ -145,18 +108,27 @@ class ParameterScale:
         return self.low + share * (self.high - self.low)
 
 
+Watch = Callable[[int, float], None]
+"""Called with the number of runs so far and the mean error of the last ones."""
+
+
 @dataclass(kw_only=True)
 class Fitting:
     """A back-analysis on its way."""
 
-    case: Case
-    settings: ParameterPlaces
     scales: tuple[ParameterScale, ...]
+    """How each parameter is sought."""
     observations: tuple[Observation, ...]
-    pool: Executor
-    keep: RunStore
-    watch: Callable[[int, float], None] | None = None
-    runs: int = 0
+    """The measured values."""
+    made: FitRuns
+    """Its runs."""
+    watch: Watch | None = None
+    """Told how far it is."""
+
+    @property
+    def runs(self) -> int:
+        """Runs so far."""
+        return self.made.count
 
     @property
     def observed(self) -> Floats:
@@ -170,9 +142,7 @@ class Fitting:
 
     def computed(self, places: Sequence[Sequence[float]]) -> list[Floats | ClastError]:
         """Return the computed values (k,) with sets of parameters, or why there are none."""
-        tasks = [self._task(one) for one in places]
-        self.runs += len(tasks)
-        found = self.keep.made(tasks, self.pool)
+        found = self.made.computed(places)
         if self.watch is not None:
             sound = [one for one in found if not isinstance(one, ClastError)]
             errors = [(one - self.observed) / self.deviations for one in sound[:1]]
@@ -205,7 +175,3 @@ class Fitting:
     def values(self, share: Floats) -> list[float]:
         """Return the parameters at shares of their ranges."""
         return [one.value(float(x)) for one, x in zip(self.scales, share, strict=True)]
-
-    def _task(self, values: Sequence[float]) -> FitTask:
-        case = changed(self.case, self.settings.case(values))
-        return FitTask(text=case.to_toml(), file=case.file, observations=self.observations)

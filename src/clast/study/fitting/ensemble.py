@@ -21,7 +21,8 @@ from scipy import special
 
 from clast.errors import CaseError, ClastError
 from clast.model.model import Floats
-from clast.study.fitting.back_analysis import Fit, FitSettings, Fitting
+from clast.study.fitting.back_analysis import Fit, Fitting
+from clast.study.fitting.fit_settings import FitSettings
 from clast.study.probabilities import CONFIDENCE
 from clast.study.variables.parameters import Parameter
 

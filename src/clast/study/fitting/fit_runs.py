@@ -1,117 +1,87 @@
-"""The runs of a back-analysis: each made once, and kept in a folder where one is given.
+"""The runs of a back-analysis, in the order in which its search asks for them.
 
-What a run gives follows from its case: it is kept under the hash of that, so that a back-analysis
-which was interrupted finds the runs that it had made.
+The search is the same whenever it is made again, so that one which was interrupted asks for the
+runs that it had made, and finds them.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from concurrent.futures import BrokenExecutor, Executor
-from dataclasses import dataclass
-from hashlib import sha256
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError
 from clast.model.model import Floats
-from clast.study.fitting.observations import Observation
-from clast.study.folder import bytes_of_files, make_folder, write_whole
-from clast.study.judging.measures import RunResults
+from clast.study.executors import Driver, Workers
+from clast.study.folder import DONE, StudyFolder, write_whole
 
-LATE = 1e-6
-"""By how much a measurement may be later than the end of a run, as a share of its time."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FitTask:
-    """A run of a back-analysis, for a worker."""
-
-    text: str
-    """The case."""
-    file: str
-    """Its file."""
-    observations: tuple[Observation, ...]
-    """The compared values."""
+Asked = tuple[float, ...]
+"""Parameters of a run, in their order."""
 
 
-def predicted(task: FitTask) -> list[float] | str:
-    """Return the computed values at the measurements, m, or why there are none."""
-    try:
-        case = Case.from_text(task.text, task.file)
-        measured = RunResults(case.run(warn=lambda _text: None))
-    except ClastError as error:
-        return " ".join(str(error).split())
-    found = []
-    for one in task.observations:
-        history = measured.run.history(one.point)
-        way = history.displacement[:, one.part]
-        end = float(history.time[-1])
-        if one.time is not None and one.time > end * (1.0 + LATE):
-            return f"it ends at {end:g} s, before the measurement at {one.time:g} s"
-        found.append(float(way[-1] if one.time is None else np.interp(one.time, history.time, way)))
-    return found
+@dataclass(kw_only=True)
+class FitRuns:
+    """The runs of a back-analysis in the folder of its study."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class RunStore:
-    """The runs that are made, kept in a folder."""
-
-    folder: Path | None
-    """The folder; None: nowhere."""
-    files: bytes
-    """What the files hold that the case names."""
+    folder: StudyFolder
+    """The folder."""
+    workers: Workers
+    """Who makes them."""
+    asked: list[Asked] = field(default_factory=list)
+    """Parameters of each run that has been asked for, from run 1 on, by this search or before."""
+    number: dict[Asked, int] = field(default_factory=dict)
+    """Parameters -> number of the run, of this search."""
 
     @classmethod
-    def opened(cls, folder: str | Path, case: Case) -> RunStore:
-        """Return the store of a folder, which is made; of "" one that keeps nothing."""
-        if not folder:
-            return cls(folder=None, files=b"")
-        make_folder(Path(folder))
-        return cls(folder=Path(folder), files=bytes_of_files(case))
+    def of(cls, folder: StudyFolder, workers: Workers) -> FitRuns:
+        """Return the runs in a folder."""
+        return cls(folder=folder, workers=workers, asked=folder.asked())
 
-    def made(self, tasks: Sequence[FitTask], pool: Executor) -> list[Floats | ClastError]:
-        """Return the computed values (k,) of several runs, or why there are none."""
-        kept = [self._read(task) for task in tasks]
-        going = [
-            pool.submit(predicted, task) if known is None else None
-            for task, known in zip(tasks, kept, strict=True)
-        ]
-        found: list[Floats | ClastError] = []
-        for task, known, future in zip(tasks, kept, going, strict=True):
-            if future is not None:
-                try:
-                    known = future.result()
-                except BrokenExecutor as error:
-                    raise CaseError(
-                        f"a worker has ended: {error}",
-                        where="workers",
-                        remedy="it may have lacked memory: take fewer workers",
-                    ) from None
-                self._write(task, known)
-            found.append(
-                CaseError(known, where="vary") if isinstance(known, str) else np.array(known)
+    @property
+    def count(self) -> int:
+        """How many runs this search has asked for."""
+        return len(self.number)
+
+    def computed(self, places: Sequence[Sequence[float]]) -> list[Floats | ClastError]:
+        """Return the computed values (k,) with sets of parameters, or why there are none."""
+        numbers = [self._number(tuple(map(float, values))) for values in places]
+        missing = [run for run in dict.fromkeys(numbers) if self._result(run) is None]
+        if missing:
+            lines = [json.dumps(values) + "\n" for values in self.asked]
+            write_whole(self.folder.asked_file, "".join(lines).encode("ascii"))
+            for run in missing:
+                self.folder.forget(run)
+            Driver(self.folder, self.workers).make(iter(missing), len(missing))
+        return [self._values(run) for run in numbers]
+
+    def _number(self, values: Asked) -> int:
+        """Return the number of the run with these parameters, a new one where there is none."""
+        if values not in self.number:
+            run = self.count + 1
+            if self.asked[run - 1 : run] != [values]:
+                # it is another search from here on: another machine may round otherwise
+                self.asked[run - 1 :] = [values]
+            self.number[values] = run
+        return self.number[values]
+
+    def _result(self, run: int) -> dict[str, object] | None:
+        """Return the result of a run; None where it is not there, or has other parameters."""
+        found = self.folder.result(run)
+        same = found is not None and tuple(found["parameters"].values()) == self.asked[run - 1]
+        return found if same else None
+
+    def _values(self, run: int) -> Floats | ClastError:
+        """Return the computed values of a run that was made, m, shape (k,)."""
+        result = self.folder.result(run)
+        if result is None:
+            raise CaseError(
+                f"run {run} has gone while it was needed",
+                where=str(self.folder.path),
+                remedy="leave the folder to one study; clast study resume makes it again",
             )
-        return found
-
-    def _place(self, task: FitTask) -> Path:
-        parts = [task.text, *(f"{one.point} {one.part} {one.time}" for one in task.observations)]
-        hashed = sha256("\n".join(parts).encode("utf-8") + self.files).hexdigest()
-        return (self.folder or Path()) / f"{hashed[:32]}.json"
-
-    def _read(self, task: FitTask) -> list[float] | str | None:
-        """Return what is kept of a run; None where there is nothing whole."""
-        if self.folder is None:
-            return None
-        try:
-            found = json.loads(self._place(task).read_bytes())
-        except (OSError, ValueError):
-            return None
-        return found if isinstance(found, list | str) else None
-
-    def _write(self, task: FitTask, known: list[float] | str | None) -> None:
-        if self.folder is not None:
-            write_whole(self._place(task), json.dumps(known).encode("utf-8"))
+        if result["status"] != DONE:
+            return CaseError(result["reason"], where="vary")
+        study = self.folder.study
+        return np.array([result["measures"][one.measure] for one in study.observe])

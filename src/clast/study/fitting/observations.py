@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from keyword import iskeyword
 from pathlib import Path
+from typing import Any
 
 from clast import spelling
 from clast.errors import CaseError, shortened
@@ -30,6 +33,36 @@ class Observation:
     """When, s; None: at the end of the run."""
     sd: float | None = None
     """Standard deviation, m; None: not known."""
+
+    @property
+    def measure(self) -> str:
+        """The same of a run, as an expression."""
+        point, time = self.point, ""
+        if not point.isidentifier() or iskeyword(point):
+            point = json.dumps(point, ensure_ascii=False)
+        if self.time is not None:
+            time = f", {float(self.time)!r}"
+        return f"displacement({point}, {'xy'[self.part]}{time})"
+
+    def row(self) -> dict[str, Any]:
+        """Return it as a row of a table: values by column."""
+        values = {"x": None, "y": None, "xy"[self.part]: self.value}
+        found = {"point": self.point, "time": self.time, **values, "sd": self.sd}
+        return {key: value for key, value in found.items() if value is not None}
+
+
+def of_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[Observation, ...]:
+    """Return the observations that ``Observation.row`` gave."""
+    return tuple(
+        Observation(
+            point=str(one["point"]),
+            part=0 if "x" in one else 1,
+            value=float(one["x" if "x" in one else "y"]),
+            time=one.get("time"),
+            sd=one.get("sd"),
+        )
+        for one in rows
+    )
 
 
 def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:

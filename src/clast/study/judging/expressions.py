@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,6 +75,13 @@ class Expression:
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
                 if node.func.id not in OF_NUMBERS:
                     yield node.func.id, [_word(one) for one in node.args]
+
+    def is_condition(self, conditions: Container[str]) -> bool:
+        """Return whether it is true or false, not a number.
+
+        ``conditions`` are the names of functions and of other expressions that are.
+        """
+        return _is_condition(self.tree, conditions)
 
     def value(
         self, names: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
@@ -209,6 +216,19 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
             )
     for one in inner:
         _check(one, where, names, functions, depth + 1)
+
+
+def _is_condition(node: ast.expr, conditions: Container[str]) -> bool:
+    match node:
+        case ast.Compare() | ast.UnaryOp(op=ast.Not()):
+            return True
+        case ast.BoolOp():
+            return all(_is_condition(one, conditions) for one in node.values)
+        case ast.Name():
+            return node.id in conditions
+        case ast.Call(func=ast.Name()):
+            return node.func.id in conditions  # type: ignore[attr-defined]
+    return False
 
 
 def number(value: Any) -> Any:

@@ -6,6 +6,7 @@ are histories, of which an expression takes the last value.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,6 +31,10 @@ QUANTITIES = ("normal", "shear", "opening", "slip", "sliding")
 """Quantities of a measured contact."""
 PARTS = ("x", "y")
 """Parts of a vector; without one its length is meant."""
+MAY_LACK = ("part", "time")
+"""Arguments that may be left out."""
+LATE = 1e-6
+"""By how much a time may be later than the end of a run, as a share of that."""
 FOS = "factor_of_safety"
 """The measure that is a study of its own."""
 
@@ -45,13 +50,15 @@ class RunResults:
         """Return the functions of measures by their names."""
         return {name: getattr(self, name) for name in ARGUMENTS}
 
-    def displacement(self, name: str, part: str = "") -> Floats:
-        """Displacement of a measured point or a block, m, over time."""
-        return _of_vector(self._history(name).displacement, part)
+    def displacement(self, name: str, part: str = "", time: str = "") -> Floats:
+        """Displacement of a measured point or a block, m, over time or at a time."""
+        history = self._history(name)
+        return _at(history.time, _of_vector(history.displacement, part), time)
 
-    def speed(self, name: str, part: str = "") -> Floats:
-        """Speed of a measured point or a block, m/s, over time."""
-        return _of_vector(self._history(name).velocity, part)
+    def speed(self, name: str, part: str = "", time: str = "") -> Floats:
+        """Speed of a measured point or a block, m/s, over time or at a time."""
+        history = self._history(name)
+        return _at(history.time, _of_vector(history.velocity, part), time)
 
     def rotation(self, name: str) -> Floats:
         """Rotation of the block of a measured point, or of a block, degrees, over time."""
@@ -192,8 +199,8 @@ class RunResults:
 
 
 ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "displacement": ("point or block", "part"),
-    "speed": ("point or block", "part"),
+    "displacement": ("point or block", "part", "time"),
+    "speed": ("point or block", "part", "time"),
     "rotation": ("point or block",),
     "bolt_force": ("bolt",),
     "bolt_yields": ("bolt",),
@@ -216,7 +223,11 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "end": (),
     "steps": (),
 }
-"""Functions of measures -> their arguments; a part may be left out."""
+"""Functions of measures -> their arguments; a part and a time may be left out."""
+
+
+CONDITIONS = ("fails", "bolt_yields")
+"""Functions of measures that are true or false."""
 
 
 def known_names(model: Model) -> dict[str, Sequence[str]]:
@@ -242,7 +253,7 @@ def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
             wanted: tuple[str, ...] = ()
         else:
             wanted = ARGUMENTS[name]
-        least = len([one for one in wanted if one != "part"])
+        least = len([one for one in wanted if one not in MAY_LACK])
         if not least <= len(given) <= len(wanted):
             raise CaseError(
                 f"{name} is of {least or 'no'} name{'s' if least != 1 else ''}, not of "
@@ -251,12 +262,43 @@ def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
                 remedy=f"write {name}({', '.join(wanted)})",
             )
         for kind, one in zip(wanted, given, strict=False):
-            if one not in known[kind]:
+            if kind == "time":
+                _check_time(one, expression.where)
+            elif one not in known[kind]:
                 raise CaseError(
                     f"there is no {kind} '{shortened(one)}'",
                     where=expression.where,
                     remedy=spelling.advice(one, known[kind], kind=kind),
                 )
+
+
+def _check_time(text: str, where: str) -> None:
+    """Raise CaseError where a text is no time."""
+    try:
+        time = float(text)
+    except ValueError:
+        time = math.nan
+    if not (math.isfinite(time) and time >= 0.0):
+        raise CaseError(
+            f"there is no time '{shortened(text)}'", where=where, remedy="give seconds, from 0 on"
+        )
+
+
+def _at(times: Floats, values: Floats, time: str) -> Floats:
+    """Return a history (t,), or its value at a time, shape (1,).
+
+    Raises CaseError for a time after its end.
+    """
+    if not time:
+        return values
+    wanted, end = float(time), float(times[-1])
+    if wanted > end * (1.0 + LATE):
+        raise CaseError(
+            f"the run ends at {end:g} s, before {wanted:g} s",
+            where="measure",
+            remedy="let it run longer: time.end",
+        )
+    return np.atleast_1d(np.interp(wanted, times, values))
 
 
 def _of_vector(values: Floats, part: str) -> Floats:
