@@ -8,6 +8,7 @@ the study finds all finished runs.
 
 from __future__ import annotations
 
+import logging
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -337,6 +338,10 @@ def _of_dask(scheduler: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
             remedy="install it: pip install 'clast[distributed]'",
         ) from None
     remedy = "start it: dask scheduler; dask worker tcp://host:port --nthreads 1"
+    # it logs a traceback for each task when its scheduler goes, which is said in one message here
+    logger = logging.getLogger("distributed")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL)
     try:
         client = Client(scheduler, timeout=ANSWERS)
     except (OSError, TimeoutError, ValueError) as error:
@@ -352,3 +357,4 @@ def _of_dask(scheduler: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
         raise CaseError(what, where=scheduler, remedy=remedy) from None
     finally:
         client.close()
+        logger.setLevel(before)

@@ -85,10 +85,10 @@ def draw_differences(match: Match, path: Path) -> Path:
 
 
 def draw_correlation(names: Sequence[str], correlation: Floats, path: Path) -> Path:
-    """Draw the correlations (m, m) of the errors of parameters; return the path."""
+    """Draw correlations (m, m) of the errors of parameters, 1 red, -1 blue; return the path."""
     axes = new_axes("", "", left=0.42)
     axes.grid(visible=False)
-    drawn = axes.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
+    axes.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
     labels = [canvas.literal(short_label(one)) for one in names]
     axes.set_yticks(range(len(names)), labels)
     axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
@@ -105,10 +105,6 @@ def draw_correlation(names: Sequence[str], correlation: Floats, path: Path) -> P
                 color=colour,
                 fontsize=SMALL_SIZE,
             )
-    figure = axes.get_figure(root=True)
-    if figure is not None:
-        bar = figure.colorbar(drawn, ax=axes, fraction=0.05, pad=0.03)
-        bar.ax.tick_params(labelsize=SMALL_SIZE, labelcolor=INK)
     axes.tick_params(labelsize=TEXT_SIZE - 1)
     return save_axes(axes, path)
 
