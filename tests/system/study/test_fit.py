@@ -274,17 +274,3 @@ def test_a_search_is_neither_collected_nor_an_array(case, tmp_path):
     ]:
         done = clast_command("study", *words)
         assert done.exit_code == 2 and what in done.output
-
-
-@pytest.mark.slow
-def test_an_ensemble_holds_the_truth_as_often_as_it_says(case, tmp_path):
-    """Of 20 intervals of 95 %, 17 or more hold the truth with a probability of 98.4 %."""
-    inside = np.zeros(2, int)
-    with ThreadPoolExecutor(1) as one:
-        for seed in range(20):
-            noise = np.random.default_rng(seed).normal(0.0, NOISE, len(TIMES))
-            table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, str(NOISE))
-            how = clast.FitSettings(method="es-mda", members=50, rounds=4, seed=seed)
-            found = clast.fit(case, table, ENSEMBLE, how=how, executor=one)
-            inside += (found.low < (STIFFNESS, FRICTION)) & ((STIFFNESS, FRICTION) < found.high)
-    assert (inside >= 17).all()
