@@ -114,18 +114,20 @@ def reference_work() -> float:
     return time.process_time() - start
 
 
-@cache
 def slowness() -> float:
-    """Return by how much this machine is slower than that of REFERENCE, 1 at least."""
+    """Return by how much this machine is slower now than that of REFERENCE, 1 at least."""
     return max(1.0, min(reference_work() for _ in range(3)) / REFERENCE)
 
 
 def too_long(seconds: float) -> str:
     """Return what is said of a core test that took so much processor time twice; "" if nothing."""
-    if seconds <= LIMIT * NEIGHBOURS * slowness():
+    if seconds <= LIMIT * NEIGHBOURS:
+        return ""
+    slower = slowness()
+    if seconds <= LIMIT * NEIGHBOURS * slower:
         return ""
     return (
         f"took {seconds:.2f} s of processor time, the second time, with its kernels loaded; a core "
-        f"test has {LIMIT:g} s (x {NEIGHBOURS:g} for neighbours, x {slowness():.1f} for this "
+        f"test has {LIMIT:g} s (x {NEIGHBOURS:g} for neighbours, x {slower:.1f} for this "
         "machine). Make it smaller, or move it to tests/system/."
     )

@@ -116,9 +116,8 @@ def _farthest_moved(first, last, vertices, block_start, centroid, unknowns, resu
         result[b] = np.sqrt(largest)
 
 
-def farthest_moved(
-    vertices: Floats, block_start: Ints, centroid: Floats, unknowns: Floats
-) -> Floats:
+@kernel()
+def farthest_moved(vertices, block_start, centroid, unknowns):
     """Return the largest movement T d of a vertex of each block, m, shape (n,), from d (n, 6).
 
     ``vertices`` (nv, 2) and ``centroid`` (n, 2) in m, ``block_start`` (n + 1,) the first vertices.

@@ -8,16 +8,10 @@ from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
-from clast.model.model import Floats
 
 
-def terms(
-    inertia: tuple[Floats, float, Floats],
-    elastic: tuple[Floats, Floats],
-    stress: Floats,
-    mass: Floats,
-    acceleration: Floats,
-) -> tuple[Floats, Floats, Floats]:
+@kernel()
+def terms(inertia, elastic, stress, mass, acceleration):
     """Return K (n, 6, 6), F and its part that is momentum, M/(theta h2) drift, (n, 6) each.
 
     ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) in 1/s2 and the drift h v (n, 6), m;

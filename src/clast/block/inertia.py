@@ -8,6 +8,7 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import weighted_squares
+from clast.compute.jit import kernel
 from clast.compute.mat6 import put_lines
 from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import six, zeros
@@ -39,7 +40,8 @@ def block_frames(model: Model, state: State) -> BlockFrames:
     return BlockFrames(area=area, centroid=centroid, mass_matrix=matrix)
 
 
-def mass_matrices(mass: Floats, moments: Floats) -> Floats:
+@kernel()
+def mass_matrices(mass, moments):
     """Return M = int T^T T dm (n, 6, 6), exact, from mass (n,), kg/m, and moments (n, 3), kg m2/m.
 
     ``moments`` are int x2, int y2 and int xy dm about the centroid, where int x dm = int y dm = 0

@@ -36,7 +36,8 @@ def turn_at(e, at_end, direction, first, last):
     return direction[f, 0] * direction[e, 1] - direction[f, 1] * direction[e, 0]
 
 
-def moments(vertices: Floats, block_start: Ints) -> tuple[Floats, Floats, Floats]:
+@kernel()
+def moments(vertices, block_start):
     """Return area (n,), centroid (n, 2) and central second moments (n, 3): int x2, y2, xy dA.
 
     In m2, m and m4, from vertices (nv, 2), m, and the first vertex of each block (n + 1,).  Exact
@@ -99,7 +100,8 @@ def owners(block_start: Ints) -> Ints:
     return np.repeat(np.arange(len(block_start) - 1), np.diff(block_start))
 
 
-def boxes(vertices: Floats, block_start: Ints) -> Floats:
+@kernel()
+def boxes(vertices, block_start):
     """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
     box = np.empty((len(block_start) - 1, 4))
     _boxes(len(box), vertices, block_start, box)
@@ -118,7 +120,8 @@ def _boxes(first, last, vertices, block_start, box):
         box[b, 0], box[b, 1], box[b, 2], box[b, 3] = xmin, ymin, xmax, ymax
 
 
-def edges(vertices: Floats, block_start: Ints) -> tuple[Floats, Floats]:
+@kernel()
+def edges(vertices, block_start):
     """Return unit direction (nv, 2) and length (nv,), m, of the edge that starts at each vertex."""
     direction, length = np.empty((len(vertices), 2)), np.empty(len(vertices))
     _edges(len(block_start) - 1, vertices, block_start, direction, length)

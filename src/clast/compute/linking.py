@@ -10,11 +10,14 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+from llvmlite import ir
 from llvmlite.binding import Linkage
+from numba.core import boxing, cgutils, pythonapi
 from numba.core import config as numba_config
 from numba.core import types
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.np.numpy_support import as_dtype
 
 SETTINGS: Any = numba_config
 """numba's settings of this process."""
@@ -93,6 +96,32 @@ class Linking(JITCPUCodegen):
 
 
 cpu_target.target_context.codegen().__class__ = Linking
+
+
+def returned(kind: Any, value: Any, code: Any) -> Any:
+    """Return an array as Python gets it.
+
+    numba's own way has Python unpickle numpy's class for each array that a kernel returns, which
+    costs as much as to make the array: here it is kept beside the code, as its type of numbers is.
+    """
+
+    def kept(thing: Any) -> Any:
+        return code.env_manager.read_const(code.env_manager.add_const(thing))
+
+    api, builder, number = code.pyapi, code.builder, ir.IntType(32)
+    given = [api.voidptr, api.pyobj, number, number, api.pyobj]
+    form = ir.FunctionType(api.pyobj, given)
+    function = cgutils.get_or_insert_function(
+        builder.module, form, "NRT_adapt_ndarray_to_python_acqref"
+    )
+    place = builder.bitcast(cgutils.alloca_once_value(builder, value), api.voidptr)
+    shape = number(kind.ndim), number(int(kind.mutable))
+    array = builder.call(function, [place, kept(kind.box_type), *shape, kept(as_dtype(kind.dtype))])
+    code.context.nrt.decref(builder, kind, value)
+    return array
+
+
+boxing.box_array = pythonapi._boxers.functions[types.Array] = returned
 
 
 class Kernel(CPUDispatcher):

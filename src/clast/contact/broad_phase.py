@@ -214,13 +214,19 @@ def all_within(box, wide):
 
 def overlapping_of(pairs: Ints, box: Floats) -> Ints:
     """Return which of the ``pairs`` (q, 2) of boxes (n, 4) overlap, in their order."""
+    return pairs.compress(_overlapping(pairs, box), axis=0)
+
+
+@kernel()
+def _overlapping(pairs, box):
+    """Return whether pairs (q, 2) of boxes (n, 4) overlap, (q,)."""
     overlap = np.empty(len(pairs), np.bool_)
-    _overlapping(len(pairs), pairs, box, overlap)
-    return pairs.compress(overlap, axis=0)
+    _look_at_pairs(len(pairs), pairs, box, overlap)
+    return overlap
 
 
 @shared(CONTACTS)
-def _overlapping(first, last, pairs, box, overlap):
+def _look_at_pairs(first, last, pairs, box, overlap):
     """Write whether pairs ``first`` to ``last`` - 1 overlap."""
     for q in range(first, last):
         overlap[q] = _overlap(box, pairs[q, 0], pairs[q, 1])

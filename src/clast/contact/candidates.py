@@ -11,7 +11,7 @@ from clast.block import polygon
 from clast.contact import flush_faces
 from clast.contact.memory import first_rows, pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
 
 
@@ -74,14 +74,15 @@ def find_candidates(
     memory: ContactMemory,
     reach: SearchDistance,
     shift: Floats | None = None,
-    strain: Floats | None = None,
+    of_blocks: tuple[Floats, Bools] | None = None,
     of_vertices: tuple[Ints, Ints] | None = None,
 ) -> Candidates:
     """Return every edge that a vertex could be in contact with (contact/narrow_phase.py).
 
-    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
-    (n, 3) that of the blocks; nothing if not given.  ``of_vertices`` are the block of each vertex
-    (nv,) and its first row in the memory (nv + 1,), if they are known already.
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, nothing if
+    not given; ``of_blocks`` are the strains of the blocks (n, 3), none if not given, and which
+    cannot move, (n,).  ``of_vertices`` are the block of each vertex (nv,) and its first row in the
+    memory (nv + 1,), if they are known already.
     """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
@@ -90,14 +91,17 @@ def find_candidates(
     vertex_block, rows = of_vertices
     outlines = vertices, direction, length, vertex_block, block_start
     of_memory = memory.vertex, memory.block, memory.gap
+    if of_blocks is None:
+        of_blocks = np.zeros((len(box), 3)), np.zeros(len(box), np.bool_)
     bearing = (
         *flush_faces.rows_by_block(of_memory, vertex_block, len(box), reach.critdis),
         memory.vertex,
         memory.block,
         memory.edge,
         memory.gap,
-        np.zeros((len(box), 3)) if strain is None else strain,
+        of_blocks[0],
         flush_faces.goes_on(pairs, box, outlines, reach.critdis),
+        flush_faces.largest_settlements(memory.gap, *of_blocks, box),
     )
     depth = pair_penetration(vertex_block, pairs, memory)
     groups, pair, gap, along = _found(

@@ -90,9 +90,15 @@ def _taken(candidates: Candidates, vertices: Floats) -> tuple[Any, Any]:
 def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
     """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
     found, outlines = _taken(candidates, vertices)
-    keep = np.zeros(len(candidates.vertex), np.bool_)
-    known = np.zeros(len(keep), np.bool_)
-    _shortest_exits(len(candidates.remembered), found, outlines, candidates.critdis, known, keep)
+    keep: Bools = _kept(found, outlines, candidates.critdis)
+    return keep
+
+
+@kernel()
+def _kept(found, outlines, critdis):
+    """Return which candidates (m,) are kept, see ``_shortest_exits``."""
+    keep, known = np.zeros(len(found[1]), np.bool_), np.zeros(len(found[1]), np.bool_)
+    _shortest_exits(len(found[6]), found, outlines, critdis, known, keep)
     return keep
 
 

@@ -142,13 +142,21 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
         )
 
 
-@shared(CONTACTS)
-def limits_of_contacts(first, last, stiffnesses, strengths, base, found):
-    """Write the springs of contacts ``first`` to ``last`` - 1, and their strength.
+@kernel()
+def limits_of_contacts(stiffnesses, strengths, base):
+    """Return p, k, N/m per m, tension and shear force, N/m, of the springs of contacts, (m,) each.
 
-    p, k, tension and shear force (m,), N/m per m and N/m, into ``found``.  ``base`` (m,) are the
-    normal forces that bound friction, N/m.
+    ``base`` (m,) are the normal forces that bound friction, N/m.
     """
+    count = len(base)
+    found = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    _limits(count, stiffnesses, strengths, base, found)
+    return found
+
+
+@shared(CONTACTS)
+def _limits(first, last, stiffnesses, strengths, base, found):
+    """Write the springs of contacts ``first`` to ``last`` - 1, and their strength."""
     p_of_law, k_of_law, p_of_joint, k_of_joint, share = stiffnesses
     friction, cohesion, tensile_strength, length, _ = strengths
     p, k, tension, strength = found
@@ -164,8 +172,6 @@ def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
 
     ``normal`` (m,) are the normal forces that bound friction, N/m.
     """
-    count = len(contacts)
-    _, _, tension, strength = found = tuple(np.empty((4, count)))
     of_joints = contacts.normal_stiffness, contacts.shear_stiffness, contacts.spring_share
-    limits_of_contacts(count, (1.0, 1.0, *of_joints), strengths_of(contacts), normal, found)
-    return tension, strength
+    found = limits_of_contacts((1.0, 1.0, *of_joints), strengths_of(contacts), normal)
+    return found[2], found[3]

@@ -79,7 +79,7 @@ def detect(
         sought.memory,
         reach,
         shift,
-        strain,
+        (strain, sought.fixed),
         of_vertices,
     )
     keep = corner_rule.choose(found, sought.vertices)
@@ -241,20 +241,20 @@ def _contacts(
         corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
     places = with_faces(corners, model, state, centroid, edges)
     carried = carried_by(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
-    bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
-    slid, speed = carried.pop("slide_length"), carried.pop("slide_speed")
+    bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
+    slid, speed = carried["slide_length"], carried["slide_speed"]
     if joints.opens or joints.has_kinetic_friction:
         carried, speed = taken_along(carried, speed, places, state.memory, direction, model)
     strengths = bonds_of(bonds, slid, speed, places, state.memory, direction, model)
     springs = springs_of_joints(model, places.joint, places.of_springs)
     found = {
         "rest_gap": carried["dilation"],
-        "slide_speed": speed,
         "normal_stiffness": springs[0],
         "shear_stiffness": springs[1],
         "mobilises": np.zeros(len(places.joint), np.bool_),
         **carried,
         **strengths,
+        "slide_speed": speed,
     }
     if joints.opens:
         found = with_roughness(joints, places, strengths["slide_length"], found)
@@ -284,24 +284,21 @@ def _that_touch(pair: Ints, pairs: Ints) -> tuple[Ints, Ints]:
 
     ``pair`` (m,) are the pairs of the contacts, ascending.
     """
-    of_contacts, which = np.empty((2, len(pair)), np.int64)
-    count = _number_pairs(pair, of_contacts, which)
-    return of_contacts, pairs.take(which[:count], axis=0)
+    of_contacts, which = _numbered(pair)
+    return of_contacts, pairs.take(which, axis=0)
 
 
 @kernel()
-def _number_pairs(pair, of_contacts, which):
-    """Write the numbers of pairs (m,) counted from the first that has contacts on, and return them.
-
-    ``which`` (m,) begins with the pairs that have contacts.
-    """
+def _numbered(pair):
+    """Return the numbers of pairs (m,) counted among those that have contacts, and these, (k,)."""
+    of_contacts, which = np.empty(len(pair), np.int64), np.empty(len(pair), np.int64)
     count = 0
     for c in range(len(pair)):
         if count == 0 or pair[c] != which[count - 1]:
             which[count] = pair[c]
             count += 1
         of_contacts[c] = count - 1
-    return count
+    return of_contacts, which[:count]
 
 
 def _at_vertices(
@@ -316,8 +313,7 @@ def _at_vertices(
     ends, gap, touching, row = chosen
     vertex, edge, i, j, pair = ends
     count = len(gap)
-    foot, arms = np.empty((count, 2)), np.empty((count, 6))
-    _geometry(count, ends[:4], gap, (state.vertices, edges[0]), centroid, foot, arms)
+    foot, arms = _geometry(ends[:4], gap, (state.vertices, edges[0]), centroid)
     of_edges = state.vertices, model.block_start, *edges
     length, of_springs = contact_lengths(ends, of_edges, critdis)
     return Places(
@@ -338,9 +334,17 @@ def _at_vertices(
     )
 
 
+@kernel()
+def _geometry(ends, gap, outlines, centroid):
+    """Return foot (m, 2) and arms (m, 6) of contacts (contact/jacobian.py)."""
+    foot, arms = np.empty((len(gap), 2)), np.empty((len(gap), 6))
+    _measure(len(gap), ends, gap, outlines, centroid, foot, arms)
+    return foot, arms
+
+
 @shared(CONTACTS)
-def _geometry(first, last, ends, gap, outlines, centroid, foot, arms):
-    """Write foot and arms of contacts ``first`` to ``last`` - 1 (contact/jacobian.py)."""
+def _measure(first, last, ends, gap, outlines, centroid, foot, arms):
+    """Write foot and arms of contacts ``first`` to ``last`` - 1."""
     vertex, edge, i, j = ends
     vertices, direction = outlines
     for c in range(first, last):

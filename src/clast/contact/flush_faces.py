@@ -67,12 +67,32 @@ def rows_by_block(memory, vertex_block, block_count, critdis):
 
 
 @kernel()
+def largest_settlements(gap, strain, fixed, box):
+    """Return how far blocks may have been pressed down at most, m, (n,): 0 if they are ``fixed``.
+
+    By remembered contacts with gaps (r,), m, and strains (n, 3); ``box`` (n, 4) are the boxes.
+    """
+    deepest = 0.0
+    for row in range(len(gap)):
+        deepest = max(deepest, -gap[row])
+    shorter = 0.0
+    for b in range(len(box)):
+        size = (box[b, 2] - box[b, 0]) + (box[b, 3] - box[b, 1])
+        shorter = max(shorter, size * np.abs(strain[b]).sum())
+    most = np.zeros(len(box))
+    for b in range(len(box)):
+        if not fixed[b]:
+            most[b] = BLOCKS_BELOW * (1.01 * (deepest + shorter))
+    return most
+
+
+@kernel()
 def _surface(row, block, bearing, vertices, direction, vertex_block):
     """Return the surface on which ``block`` stands by a remembered contact, and its settlement.
 
     A point of it, its normal (towards the block), the other block, and the penetration, m.
     """
-    _, _, vertex, of_edge, edge, gap, _, _ = bearing
+    _, _, vertex, of_edge, edge, gap, _, _, _ = bearing
     v, e = vertex[row], edge[row]
     nx, ny = direction[e, 1], -direction[e, 0]
     depth = max(0.0, -gap[row])
@@ -100,12 +120,15 @@ def _shortening(block, nx, ny, outlines, strain):
 def _settlement(block, nx, ny, outlines, bearing):
     """Return how far a block has been pressed down against (nx, ny), m: its own and that below.
 
-    From block to block, each by the contact in which it is pressed in most.
+    From block to block, each by the contact in which it is pressed in most, down to one that cannot
+    move.
     """
     vertices, direction, _, vertex_block, _ = outlines
-    start, rows, _, _, _, _, strain, _ = bearing
+    start, rows, _, _, _, _, strain, _, most = bearing
     down = 0.0
     for _ in range(BLOCKS_BELOW):
+        if most[block] == 0.0:
+            break
         deepest, below = 0.0, -1
         for at in range(start[block], start[block + 1]):
             _, _, mx, my, other, depth = _surface(
@@ -166,6 +189,8 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
         out = (vertices[other, 0] - x) * mx + (vertices[other, 1] - y) * my
         high = (vertices[own, 0] - x) * mx + (vertices[own, 1] - y) * my
         gives = depth + ROUND_OFF * scale
+        if max(out, -high - depth) > gives + bearing[8][below]:
+            continue
         if out > gives or high < -gives - depth:  # it may be flush yet if what is below gives way
             gives += _settlement(below, mx, my, outlines, bearing)
         if out <= gives and high >= -gives - depth:
@@ -181,8 +206,8 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.  ``outlines`` are
     the vertices, direction and length of the edges that start there, block of each vertex, first
     vertex of each block; ``bearing`` are the first row of the memory of each block and these rows
-    (``rows_by_block``), the memory's vertex, block, edge and gap (k,), and the strain (n, 3)
-    of the blocks.
+    (``rows_by_block``), the memory's vertex, block, edge and gap (k,), the strain (n, 3) of the
+    blocks, where outlines go on (``goes_on``), and the ``largest_settlements`` (n,).
     """
     _, direction, length, vertex_block, block_start = outlines
     i, j = vertex_block[v], vertex_block[e]
@@ -322,7 +347,7 @@ def is_in_joint(e, at_end, i, outlines, bearing):
 @kernel()
 def _pressed_in(p, block, bearing):
     """Return how deep vertex p was in a block at the end of the last step, m."""
-    _, _, vertex, of_edge, _, gap, _, _ = bearing
+    _, _, vertex, of_edge, _, gap, _, _, _ = bearing
     at = np.searchsorted(vertex, p)
     depth = 0.0
     while at < len(vertex) and vertex[at] == p:

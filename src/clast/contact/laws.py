@@ -148,10 +148,9 @@ def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    count = len(contacts.gap)
     stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
-    p, k, tension, strength = found = tuple(np.empty((4, count)))
-    limits_of_contacts(count, stiffnesses, strengths_of(contacts), contacts.friction_base, found)
+    found = limits_of_contacts(stiffnesses, strengths_of(contacts), contacts.friction_base)
+    p, k, tension, strength = found
     return SpringLimits(normal_stiffness=p, shear_stiffness=k, tension=tension, strength=strength)
 
 

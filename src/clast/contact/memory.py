@@ -244,31 +244,33 @@ def renew(
         contacts.rest_force,
     )
     numbers, bonds_left, values = (
-        np.empty((4, count), np.int64),
+        np.empty((5, count), np.int64),
         np.empty((2, count), np.bool_),
-        np.empty((8, count)),
+        np.empty((10, count)),
     )
     # nobody writes into a state; kernels fill what they are given
     for one in (numbers, bonds_left, values):
         one.flags.writeable = False
-    vertex, block, edge, mode = numbers
+    vertex, block, edge, mode, point = numbers
     bonded, holding = bonds_left
-    new_gap, normal, shear, multiplier, rest, slips, ways, slides = values
+    new_gap, normal, shear, multiplier, rest, slips, ways, slides, speeds, dilation = values
     new_keys = vertex, block, edge, mode, bonded, holding
     new_forces = new_gap, normal, shear, multiplier, rest
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
     before = contacts.slip, contacts.slide_length, contacts.slide, contacts.mode, contacts.bonded
     step = slip, response.mode, wear.way, wear.slid
     _add_ways(count, order, before, step, (slips, ways, slides))
+    taken = contacts.point, contacts.rest_gap, wear.speed, wear.dilation
+    _take_along(count, order, taken, (point, new_gap, speeds, dilation))
     return ContactMemory(
         vertex=vertex,
         block=block,
         edge=edge,
-        point=contacts.point.take(order),
+        point=point,
         mode=mode,
         bonded=bonded,
         cohesive=holding,
-        gap=new_gap + contacts.rest_gap.take(order),
+        gap=new_gap,
         normal_force=normal,
         shear_force=shear,
         multiplier=multiplier,
@@ -276,8 +278,8 @@ def renew(
         slip=slips,
         slide_length=ways,
         slide=slides,
-        slide_speed=wear.speed.take(order),
-        dilation=wear.dilation.take(order),
+        slide_speed=speeds,
+        dilation=dilation,
     )
 
 
@@ -293,6 +295,20 @@ def _add_ways(first, last, order, before, step, ways):
         slips[row] = slip_before[c] + slip[c] if made else 0.0
         lengths[row] = length_before[c] + way[c]
         slides[row] = slide_before[c] + slid[c]
+
+
+@shared(CONTACTS)
+def _take_along(first, last, order, taken, rows):
+    """Write points, speeds and openings of rows ``first`` to ``last`` - 1; count gaps from edges.
+
+    A gap counts from the rest of its spring before.
+    """
+    point, rest_gap, speed, dilation = taken
+    points, gaps, speeds, dilations = rows
+    for row in range(first, last):
+        c = order[row]
+        points[row], speeds[row], dilations[row] = point[c], speed[c], dilation[c]
+        gaps[row] += rest_gap[c]
 
 
 def _order_of(contacts: Contacts) -> Ints:

@@ -60,9 +60,10 @@ class SmallIslands:
         if len(potential.fixed) > self.few:  # else all are small
             chosen &= self.small(potential)
         wanted = chosen.nonzero()[0]
-        if not len(wanted):
+        count = len(wanted)
+        if count == 0:
             return point, left
-        if len(wanted) > 1:
+        if count > 1:
             # the largest first: the others fill up what time is left
             wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]
         moved = copied(point)
@@ -71,7 +72,7 @@ class SmallIslands:
             islands.listing,
             potential.problem,
             moved.arrays,
-            np.array([self.finished * tolerance / len(wanted), self.iterations]),
+            np.array([self.finished * tolerance / count, self.iterations]),
             left,
         )
         work.count("passes", int(passes))

@@ -89,9 +89,9 @@ class ContactMemory:
     @property
     def corners(self) -> ContactMemory:
         """The rows of vertices alone."""
-        count = self.corner_count
-        if count == len(self):
+        if len(self.point) == 0 or self.point[-1] == 0:
             return self
+        count = self.corner_count
         return ContactMemory(**{one.name: getattr(self, one.name)[:count] for one in fields(self)})
 
     def keys(self, count: int) -> Ints:

@@ -58,10 +58,13 @@ class GrowingTable:
 
     @property
     def rows(self) -> NDArray[Any]:
-        """All rows so far, shape (t,)."""
+        """All rows so far, shape (t,); they are one buffer from then on, for none to be kept twice."""
         if not self._full:
             return self._buffer[: self._count]
-        return np.concatenate([*self._full, self._buffer[: self._count]])
+        if self._count or len(self._full) > 1:
+            self._put_by(self._buffer[: self._count])
+            self._full = [np.concatenate(self._full)]
+        return self._full[0]
 
     def __len__(self) -> int:
         return self._before + self._count

@@ -460,14 +460,12 @@ def potential_of(
 
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
-    limits, count = law.limits(contacts), len(contacts.gap)
-    endless = np.empty(count)
-    endless.fill(np.inf)
+    limits = law.limits(contacts)
     normal = Clipped(
         at_zero=contacts.rest_force + contacts.multiplier,
         stiffness=limits.normal_stiffness,
         low=-limits.tension,
-        high=endless,
+        high=limits.tension + np.inf,
     )
     shear = Clipped(
         at_zero=contacts.shear_force,

@@ -144,27 +144,28 @@ def balance(
         holding=holding,
     )
     numerical, unaccounted = ledger.numerical, ledger.unaccounted
-    changes: list[Ledger] = []
-    states = []
-    for action, mine, share in zip(
-        context.actions, context.action_states, context.shares, strict=True
-    ):
-        done = done_by(action, context.at, mine, share, of_actions)
-        states.append(done.state)
+    results = [
+        done_by(action, context.at, mine, share, of_actions)
+        for action, mine, share in zip(
+            context.actions, context.action_states, context.shares, strict=True
+        )
+    ]
+    changes = [done.ledger for done in results if done is not NOTHING]
+    for done in results:
         if done is NOTHING:
             continue
         change = done.ledger
         removed = change.brought - done.work - change.stored - change.lost
         numerical = numerical + change.numerical + removed
         unaccounted = unaccounted + change.unaccounted - done.work
-        changes.append(change)
     if context.held is not None:
         carried = math.prod([one.carried for one in context.shares])
         undamped = (1.0 - carried**2) * _energy_of_driven(context, context.held)
         changes.append(Ledger(damping=-undamped))
         numerical += undamped
     ledger = ledger.plus(*changes)
-    return changed(ledger, numerical=numerical, unaccounted=unaccounted), tuple(states)
+    states = tuple([one.state for one in results])
+    return changed(ledger, numerical=numerical, unaccounted=unaccounted), states
 
 
 def _energy_of_driven(context: StepContext, held: DrivenBlocks) -> float:

@@ -50,18 +50,22 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     stages("ledger")
     held = holding(context, solution, end)
     ledger, actions = balance(context, solution, end, motion.points, held.whole)
+    rotation, reactions = state.rotation + motion.turn, reactions_of(context, solution, held)
+    # arrays that nobody else has: to seal them the state need not take views
+    for one in (motion.vertices, motion.velocity, motion.stress, motion.points, rotation, reactions):
+        one.flags.writeable = False
     return StepResult(
         state=State(
             time=context.at.end,
             vertices=motion.vertices,
             velocity=motion.velocity,
             stress=motion.stress,
-            rotation=state.rotation + motion.turn,
+            rotation=rotation,
             points=motion.points,
             memory=memory,
             ledger=ledger,
             actions=actions,
-            reactions=reactions_of(context, solution, held),
+            reactions=reactions,
         ),
         contacts=solution.contacts,
         response=solution.response,

@@ -152,11 +152,8 @@ def _lengths(low, high, contacts, outlines, critdis, result, bearing):
         bearing[c] = max(result[c] if is_flush else tip, LEAST * critdis)
 
 
-def contact_lengths(
-    contacts: tuple[Ints, Ints, Ints, Ints, Ints],
-    outlines: tuple[Floats, Ints, Floats, Floats],
-    critdis: float,
-) -> tuple[Floats, Floats]:
+@kernel()
+def contact_lengths(contacts, outlines, critdis):
     """Return the length of joint that each contact stands for, and that of its springs, m, (m,).
 
     Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
@@ -168,8 +165,9 @@ def contact_lengths(
     ``contacts`` are vertex, edge, their blocks and pair (m,) each; ``outlines`` the vertices, first
     vertex of each block, direction and length of edges; corners within ``critdis``, m, coincide.
     """
-    result, bearing = np.empty(len(contacts[0])), np.empty(len(contacts[0]))
-    _lengths(len(result), contacts, outlines, critdis, result, bearing)
+    count = len(contacts[0])
+    result, bearing = np.empty(count), np.empty(count)
+    _lengths(count, contacts, outlines, critdis, result, bearing)
     return result, bearing
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.compute.reductions import is_any
 from clast.contact.contacts import LOCK, OPEN, SLIDE, ContactResponse, Contacts
@@ -74,10 +75,9 @@ def wear_of(
 
     ``rate`` is 1/h, 1/s, of a step in which blocks have velocities, 0 in statics.
     """
-    way, slid = np.empty((2, len(slip)))
     forces = response.mode, response.shear_force, response.dissipation
     made = (contacts.slip != 0.0) | (contacts.mode != OPEN) | contacts.bonded
-    _slides(len(slip), slip, forces, (contacts.mobilises, made), way, slid)
+    way, slid = _slides(slip, forces, (contacts.mobilises, made))
     dilation = contacts.dilation
     if table.opens:
         dilation = dilation + opening(table, contacts, response.normal_force, slid)
@@ -96,9 +96,17 @@ def _speeds(contacts: Contacts, way: Floats, slip: Floats, rate: float) -> Float
     return rate * np.where(goes_on, np.maximum(way, np.abs(slip)), way)
 
 
+@kernel()
+def _slides(slip, forces, known):
+    """Return ways and slides of contacts (m,), m: slip that no spring keeps."""
+    way, slid = np.empty(len(slip)), np.empty(len(slip))
+    _slide(len(slip), slip, forces, known, way, slid)
+    return way, slid
+
+
 @shared(CONTACTS)
-def _slides(first, last, slip, forces, known, way, slid):
-    """Write ways and slides of contacts ``first`` to ``last`` - 1, m: slip that no spring keeps.
+def _slide(first, last, slip, forces, known, way, slid):
+    """Write ways and slides of contacts ``first`` to ``last`` - 1, m.
 
     An open contact does not wear, but it has other places in front of it when it closes.
     """

@@ -154,7 +154,7 @@ class StaticPath:
 
     def at(self, now: OnPath, clock: float) -> tuple[Model, Method]:
         """Return the model and the method of a step in which time goes on by ``clock``, s."""
-        model = with_bonds_held(self.model) if now.held else self.model
+        model = self._with_bonds_held if now.held else self.model
         method = replace(self.method, clock=clock)
         if forces_at(method.integrator) < 1.0:
             # an equilibrium has the forces at the end of the step
@@ -349,6 +349,11 @@ class StaticPath:
     def _distances(self, now: OnPath) -> Floats:
         """Return how far each block has moved since the last balance, m, shape (n,)."""
         return np.where(self.model.fixed, 0.0, np.hypot(*now.moved.T))
+
+    @cached_property
+    def _with_bonds_held(self) -> Model:
+        """The model with bonds that nothing breaks."""
+        return with_bonds_held(self.model)
 
     @cached_property
     def _scales(self) -> failing.Scales:
