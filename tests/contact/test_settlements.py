@@ -1,4 +1,4 @@
-"""Surfaces are flush but for how far blocks have been pressed down: the bound of that, and where it ends.
+"""Surfaces are flush but for how far blocks were pressed down: the bound of that, and its end.
 
 To add it up from block to block takes long where a fixed body has many contacts, so it is left out
 where it cannot matter: at blocks that cannot move, and for surfaces farther away than any block has

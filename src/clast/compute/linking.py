@@ -12,9 +12,8 @@ from typing import Any
 
 from llvmlite import ir
 from llvmlite.binding import Linkage
-from numba.core import boxing, cgutils, pythonapi
+from numba.core import boxing, cgutils, pythonapi, types
 from numba.core import config as numba_config
-from numba.core import types
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.np.numpy_support import as_dtype

@@ -58,7 +58,7 @@ class GrowingTable:
 
     @property
     def rows(self) -> NDArray[Any]:
-        """All rows so far, shape (t,); they are one buffer from then on, for none to be kept twice."""
+        """All rows so far, shape (t,): one buffer from then on, for none to be kept twice."""
         if not self._full:
             return self._buffer[: self._count]
         if self._count or len(self._full) > 1:
