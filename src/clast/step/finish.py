@@ -52,14 +52,8 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     ledger, actions = balance(context, solution, end, motion.points, held.whole)
     rotation, reactions = state.rotation + motion.turn, reactions_of(context, solution, held)
     # arrays that nobody else has: to seal them the state need not take views
-    for one in (
-        motion.vertices,
-        motion.velocity,
-        motion.stress,
-        motion.points,
-        rotation,
-        reactions,
-    ):
+    made = motion.vertices, motion.velocity, motion.stress, motion.points, rotation, reactions
+    for one in made:
         one.flags.writeable = False
     return StepResult(
         state=State(
