@@ -38,8 +38,9 @@ def test_what_is_listed_is_there_and_takes_as_many_arguments():
 
 
 def test_what_the_first_case_calls_is_listed():
+    before = set(called())  # by other tests of this process
     Case.from_toml(INCLINE, ["time.end=0.003"]).run()
-    lacking = {f"{one.module}.{one.name}" for one in set(called()) - set(ROOTS)}
+    lacking = {f"{one.module}.{one.name}" for one in set(called()) - set(ROOTS) - before}
     assert len(lacking) <= 3, f"python tools/compile_cost.py --write: {lacking}"
 
 

@@ -34,7 +34,7 @@ def things(tmp_path_factory) -> dict[str, object]:
         "ContactMemory": run.state.memory,
         "Contacts": contacts_of(model),
         "Accelerogram": clast.Accelerogram(np.arange(9.0), np.ones((9, 2))),
-        "Comparison": studies.compare(case, ["convex"], ["penalty"]),
+        "ComparedMethods": studies.compare(case, ["convex"], ["penalty"]),
     }
 
 
@@ -43,7 +43,7 @@ def test_all_are_short_and_say_what_they_are(things):
         text = repr(thing)
         assert text.startswith(name), name
         assert len(text.splitlines()) <= 4, text
-        assert max(map(len, text.splitlines())) <= 400 if name != "Comparison" else True, text
+        assert max(map(len, text.splitlines())) <= 400 if name != "ComparedMethods" else True, text
         assert "array(" not in text, text
 
 
