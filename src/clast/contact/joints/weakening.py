@@ -87,7 +87,7 @@ def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -
     0 at the peak, 1 at the residual strength; ``slid`` (k,) is how far they have slid, m.  Bonds
     that are broken are lost; of a rough joint beyond its peak it is the roughness that is gone.
     """
-    joint = np.asarray(joint, np.int64)  # no rows come as numbers of any kind
+    joint, bonded = np.asarray(joint, np.int64), np.asarray(bonded, bool)  # also without rows
     loses = ~np.isnan(table.residual_friction)
     loses |= ~np.isnan(table.residual_cohesion) & (table.slip_weakening > 0.0)
     share = np.minimum(1.0, slid / table.worn_after.take(joint))
