@@ -187,7 +187,7 @@ def test_steps_damp_nothing_that_is_brought_to_rest_anyway():
     for damping, told in ((Undamped(), True), (Rayleigh(mass=1.0), True), (Adaptive(), False)):
         how = replace(method(model, scheme=ConstantAcceleration()), damping=damping)
         found = method_warnings(model, how, schedule)
-        assert any("table 'push' has frequencies" in text for text in found) is told
+        assert any("amplitude 'push' has frequencies" in text for text in found) is told
 
 
 def test_check_warns_where_steps_damp_a_record():

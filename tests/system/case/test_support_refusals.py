@@ -80,7 +80,7 @@ MOTIONS: list[tuple[dict[str, Any], str]] = [
     ({"block": "box", "force": [0, -1e3], "stress": [0, -1e6], "limit_speed": 1}, "has both force"),
     ({"block": "box", "force": [0, -1e3]}, "limit_speed is missing"),
     ({"block": "box", "x": 1.0, "limit_speed": 1.0}, "limit_speed is that of a servo"),
-    ({"block": "box", "x": 1.0, "factor": "way"}, "factor is that of a servo"),
+    ({"block": "box", "x": 1.0, "factor": "way"}, "amplitude is that of a servo"),
     ({**SERVO, "stress": [0, 0]}, "presses with nothing"),
     ({**SERVO, "y": 0.0}, "y is moved and pressed at once"),
     ({**SERVO, "block": "floor"}, "block 'floor' is fixed, and gives way to"),
