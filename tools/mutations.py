@@ -105,7 +105,9 @@ MUTATIONS = (
     ),
     # actions: bolts, pressures, dashpots, stress, supports
     Mutation(
-        "actions/bolts/bolts.py", "(length - rest - state.plastic)", "(length - rest + state.plastic)"
+        "actions/bolts/bolts.py",
+        "(length - rest - state.plastic)",
+        "(length - rest + state.plastic)",
     ),
     Mutation("actions/pressure.py", "x * up - y * across", "x * up + y * across"),
     Mutation("actions/viscous_edges.py", "wave = 2.0 * below", "wave = below"),

@@ -26,7 +26,7 @@ def blocks(count: int):
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     for k in range(count):
-        builder.block(vertices=[*square, 1.5 * k, 0.0], velocity=(1.0, 0.3, 0.0))
+        builder.block(vertices=np.add(square, (1.5 * k, 0.0)), velocity=(1.0, 0.3, 0.0))
     return builder.build()
 
 
