@@ -306,10 +306,10 @@ ENTRIES = {
     | {"fixed": False, "velocity": (0, 0, 0), "initial_stress": None},
     "fixed_point": {"at": (0, 0), "block": None},
     "add_amplitude": {"name": "t", "time": [0, 1], "value": [0, 1]},
-    "point_load": {"at": (0, 0), "force": (1, 1), "block": None, "factor": "t"},
+    "point_load": {"at": (0, 0), "force": (1, 1), "block": None, "amplitude": "t"},
     "line_load": {"start": (0, 0), "end": (1, 0), "traction": (1, 1), "block": None}
-    | {"factor": None},
-    "pressure": {"start": (0, 0), "end": (1, 0), "value": (1, 1), "block": None, "factor": "t"},
+    | {"amplitude": None},
+    "pressure": {"start": (0, 0), "end": (1, 0), "value": (1, 1), "block": None, "amplitude": "t"},
     "measured_point": {"name": "A", "at": (0, 0), "block": "1"},
 }
 

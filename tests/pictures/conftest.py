@@ -73,8 +73,9 @@ def bearing(model: Model, state: State) -> tuple[Contacts, ContactResponse]:
     above = model.vertices[:, 1].max() - model.vertices[vertex, 1]
 
     def filled(kind: type, **given: object) -> dict[str, object]:
+        kinds = {"joint": np.int64, "bonded": np.bool_}
         names = (field.name for field in dataclasses.fields(kind))
-        return {name: given.get(name, np.zeros(count)) for name in names}
+        return {name: given.get(name, np.zeros(count, kinds.get(name))) for name in names}
 
     contacts = filled(Contacts, vertex=vertex, edge=vertex, normal=np.tile([0.0, 1.0], (count, 1)))
     response = filled(

@@ -465,7 +465,7 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
         at_zero=contacts.rest_force + contacts.multiplier,
         stiffness=limits.normal_stiffness,
         low=-limits.tension,
-        high=limits.tension + np.inf,
+        high=limits.tension + np.inf,  # an array of infinities by one call
     )
     shear = Clipped(
         at_zero=contacts.shear_force,

@@ -150,11 +150,9 @@ def balance(
             context.actions, context.action_states, context.shares, strict=True
         )
     ]
-    changes = [done.ledger for done in results if done is not NOTHING]
-    for done in results:
-        if done is NOTHING:
-            continue
-        change = done.ledger
+    with_work = [done for done in results if done is not NOTHING]
+    changes = [done.ledger for done in with_work]
+    for done, change in zip(with_work, changes, strict=True):
         removed = change.brought - done.work - change.stored - change.lost
         numerical = numerical + change.numerical + removed
         unaccounted = unaccounted + change.unaccounted - done.work

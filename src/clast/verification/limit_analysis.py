@@ -107,35 +107,6 @@ def largest_factor(blocks: RigidBlocks, dead: Floats, live: Floats) -> float:
     return -_least(_last_unknown(blocks), friction, blocks, dead, bounds, live)
 
 
-LEAST_SLOPE, SHARE_OF_NEW, AGREES, MOST_SOLVES = 1e-3, 0.6, 1e-4, 80
-"""Slope of the yield lines through the forces in ``factor_without_dilation``, the weight of the
-last solution in these, the change of the factor at which it ends, and solutions at most."""
-
-
-def factor_without_dilation(blocks: RigidBlocks, dead: Floats, live: Floats) -> float:
-    """Return a factor of ``live`` with which blocks fail that slip without opening joints.
-
-    Loads are (3 n,).  Each joint has the strength tan(phi) (N1 + N2) of the solution before, and so
-    slips along itself, until the factor stays (Gilbert, Casapulla and Ahmed 2006).  Equilibria with
-    such friction are not unique: it is one of the factors between which blocks may fail.
-    """
-    friction = np.hstack([blocks.friction(), np.zeros((2 * len(blocks.joints), 1))])
-    level, bounds = friction.copy(), [*_signs(blocks), (None, None)]
-    count, normal = 3 * len(blocks.joints), np.arange(3 * len(blocks.joints)) % 3 != 2
-    level[:, :count][:, normal] *= LEAST_SLOPE
-    strength = np.zeros(len(friction))
-    forces, factor, above = np.zeros(count + 1), np.inf, friction
-    for solve in range(MOST_SOLVES):
-        found = _solution(_last_unknown(blocks), above, strength, blocks, dead, bounds, live)
-        before, factor = factor, float(found[-1])
-        if abs(factor - before) <= AGREES * abs(factor):
-            break
-        forces = found if solve == 0 else SHARE_OF_NEW * found + (1.0 - SHARE_OF_NEW) * forces
-        across = np.where(np.append(normal, False), forces, 0.0)
-        above, strength = level, (level - friction) @ across
-    return factor
-
-
 def least(blocks: RigidBlocks, dead: Floats, cost: Floats) -> float:
     """Return the least sum of ``cost`` times the unknowns (3 k,) in equilibrium with ``dead``."""
     return _least(cost, blocks.friction(), blocks, dead, _signs(blocks))
@@ -174,27 +145,14 @@ def _least(
 
     The unknowns are the joint forces (3 k,) and, with ``live``, the factor of these loads (3 n,).
     """
-    at_most = np.zeros(len(above))
-    return float(cost @ _solution(cost, above, at_most, blocks, dead, bounds, live))
-
-
-def _solution(
-    cost: Floats,
-    above: Floats,
-    at_most: Floats,
-    blocks: RigidBlocks,
-    dead: Floats,
-    bounds: list[Bounds],
-    live: Floats | None,
-) -> Floats:
-    """Return the unknowns of the least cost.x with above.x <= at_most and blocks in equilibrium."""
     equilibrium = blocks.equilibrium()
     if live is not None:
         equilibrium = np.hstack([equilibrium, live[:, None]])
-    found = linprog(cost, A_ub=above, b_ub=at_most, A_eq=equilibrium, b_eq=-dead, bounds=bounds)
+    none = np.zeros(len(above))
+    found = linprog(cost, A_ub=above, b_ub=none, A_eq=equilibrium, b_eq=-dead, bounds=bounds)
     if found.x is None:
         raise NoEquilibriumError(found.message)
-    return np.asarray(found.x)
+    return float(found.fun)
 
 
 def _signs(blocks: RigidBlocks) -> list[Bounds]:

@@ -103,7 +103,7 @@ def bonds_of(
     slips = residual.take(joint)
     gradual = (table.slip_weakening > 0.0).take(joint) & ~np.isnan(slips)
     if gradual.any():
-        lost = np.where(gradual, share_lost(table, places, slid), 0.0)
+        lost = np.where(gradual, share_lost(table, places.joint, slid), 0.0)
         whole, tension = whole + lost * (ended - whole), (1.0 - lost) * tension
         slips = np.where(gradual & (lost < 1.0), np.nan, slips)
     return {

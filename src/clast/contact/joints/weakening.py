@@ -73,12 +73,13 @@ def _weakened(table: JointTable, places: Places, slid: Floats) -> Floats:
     if not table.weakens:
         return peak
     left = table.residual_friction.take(places.joint)
-    return np.where(np.isnan(left), peak, peak + share_lost(table, places, slid) * (left - peak))
+    lost = share_lost(table, places.joint, slid)
+    return np.where(np.isnan(left), peak, peak + lost * (left - peak))
 
 
-def share_lost(table: JointTable, places: Places, slid: Floats) -> Floats:
+def share_lost(table: JointTable, joint: Ints, slid: Floats) -> Floats:
     """Return which share of the way from peak to residual strength contacts have gone, (m,)."""
-    return np.asarray(np.minimum(1.0, slid / table.worn_after.take(places.joint)))
+    return np.asarray(np.minimum(1.0, slid / table.worn_after.take(joint)))
 
 
 def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -> Floats:
@@ -87,11 +88,9 @@ def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -
     0 at the peak, 1 at the residual strength; ``slid`` (k,) is how far they have slid, m.  Bonds
     that are broken are lost; of a rough joint beyond its peak it is the roughness that is gone.
     """
-    joint, bonded = np.asarray(joint, np.int64), np.asarray(bonded, bool)  # also without rows
     loses = ~np.isnan(table.residual_friction)
     loses |= ~np.isnan(table.residual_cohesion) & (table.slip_weakening > 0.0)
-    share = np.minimum(1.0, slid / table.worn_after.take(joint))
-    lost = np.where(loses.take(joint), share, 0.0)
+    lost = np.where(loses.take(joint), share_lost(table, joint, slid), 0.0)
     rough = rough_contacts(table, joint)
     if rough is not None:
         x = slid[rough.rows] / rough.peak_slip
