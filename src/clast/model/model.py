@@ -96,6 +96,8 @@ class Rock:
     """Density, kg/m3."""
     initial_stress: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
+    is_ground: bool = True
+    """False for linings, from which the stiffness of other contacts does not follow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -439,8 +441,14 @@ class Model:
 
     @kept_property
     def stiffest(self) -> float:
-        """Largest Young's modulus of the rocks, Pa."""
-        return max(rock.young for rock in self.rocks)
+        """Largest Young's modulus of the blocks, Pa, without linings where there are others.
+
+        Contact stiffness follows from it: a lining, which may come in a later stage, and a rock
+        that no block has do not change how the ground moves.
+        """
+        used = [self.rocks[k] for k in np.unique(self.block_rock)]
+        ground = [rock.young for rock in used if rock.is_ground]
+        return max(ground or [rock.young for rock in used])
 
     @kept_property
     def longest_edge(self) -> float:

@@ -277,3 +277,27 @@ def test_a_lining_to_be_bonded_where_there_is_no_rock_is_warned_of(away: float):
         assert "no rock beside 20 of its 20 segments ('plate/1', 'plate/2'" in said[0]
     else:
         assert said == []
+
+
+@pytest.mark.parametrize("process", ["convex", "modified", "open-close"])
+def test_a_lining_of_a_later_stage_changes_nothing_before(process: str):
+    """Contacts are as stiff as the ground makes them, not as the stiffer lining would."""
+    sunk = []
+    for young in (None, 2e9, 2e11):
+        builder = ModelBuilder(title="pad")
+        builder.add_rock("soil", young=1e9, poisson=0.0, density=2500.0)
+        builder.add_joint("default", friction_angle=35.0)
+        builder.block(name="base", vertices=[(0, -1), (2, -1), (2, 0), (0, 0)], fixed=True)
+        builder.block(name="pad", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+        builder.measured_point("top", (1.0, 1.0), "pad")
+        if young is not None:
+            line = [(2.0, 1.0), (0.0, 1.0)]
+            given = {**CONCRETE, "young": young, "segment": 0.4, "stage": "sprayed"}
+            builder.lining("plate", polyline=line, side="right", **given)
+        stages = [clast.Stage(name=name, dynamic_ratio=0.0) for name in ("settled", "sprayed")]
+        given = {"step": 1e-3, "end": 0.2, "process": process, "stages": stages}
+        run = clast.simulate(builder.build(), **given)
+        rows = run.history("top")
+        sunk.append(rows.displacement[rows.time <= run.stages[0].end][-1, 1])
+    assert sunk[0] < 0.0
+    assert sunk[1:] == pytest.approx(sunk[:1] * 2, rel=1e-6)

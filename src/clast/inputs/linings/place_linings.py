@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from clast.inputs.linings.segments import CutLine, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
+from clast.model import model
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
 
 OF_JOINTS = 0.5
@@ -33,6 +34,14 @@ TOUCHES = 1e-3
 """How far from a face of a segment its rock may be, in units of the thickness."""
 ROOM = 1e-3
 """Share of a segment that may lie in rock."""
+
+
+class LiningMaterial(Rock):
+    """Material of the segments of a lining."""
+
+    def rock(self, name: str) -> model.Rock:
+        """Return it as a rock of the model that is no ground."""
+        return replace(super().rock(name), is_ground=False)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -149,12 +158,13 @@ def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
                 )
 
 
-def material(one: Lining, plane: Plane) -> Rock:
+def material(one: Lining, plane: Plane) -> LiningMaterial:
     """Return the material of the segments of a lining, which strain along it by a share.
 
     Without Poisson's ratio: pressure across the thickness does not lengthen a beam.
     """
-    return Rock(young=_modulus(one, plane) / (1.0 - OF_JOINTS), poisson=0.0, density=one.density)
+    young = _modulus(one, plane) / (1.0 - OF_JOINTS)
+    return LiningMaterial(young=young, poisson=0.0, density=one.density)
 
 
 def _modulus(one: Lining, plane: Plane) -> float:
