@@ -152,9 +152,10 @@ reference: env
 
 # --- testing and checking ------------------------------------------------------------------
 
-# Which tests belong to which tier: tests/scenes/tiers.py.  A file goes to one process, which makes
-# the fixtures of a module once.
-PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
+# Which tests belong to which tier, and which begin: tests/scenes/tiers.py.  A file goes to one
+# process, which makes the fixtures of a module once.
+IN_TURN := -n $(WORKERS) --dist loadfile --no-loadscope-reorder --longest-first
+PYTEST := $(BIN)/python -m pytest $(IN_TURN)
 
 test: env-test
 	@$(PYTEST) -m core $(PYTEST_ARGS)
@@ -166,15 +167,15 @@ test-long: env-test
 	@$(PYTEST) -m long $(PYTEST_ARGS)
 
 test-changed: env-test
-	@$(BIN)/python tools/changed_tests.py $(SINCE) -- -n $(WORKERS) --dist loadfile $(PYTEST_ARGS)
+	@$(BIN)/python tools/changed_tests.py $(SINCE) -- $(IN_TURN) $(PYTEST_ARGS)
 
 # what .ci/run does: every tier, of the long one a tenth; one closing line for all.  A machine that
 # others share must not fail by time: make test looks at the second of core tests
 test-ci: env-test
-	@$(PYTEST) --no-core-limit --no-loadscope-reorder --long-one-in 10 --durations=10 $(PYTEST_ARGS)
+	@$(PYTEST) --no-core-limit --long-one-in 10 --durations=10 $(PYTEST_ARGS)
 
 test-release: env-test
-	@$(PYTEST) --no-loadscope-reorder --undrawn --durations=20 $(PYTEST_ARGS)
+	@$(PYTEST) --undrawn --durations=20 $(PYTEST_ARGS)
 
 # written once, before a change, then compared; make clean forgets them
 digits: env

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -49,11 +50,36 @@ def pytest_addoption(parser: Any) -> None:
         action="store_true",
         help="let core tests take as long as they like",
     )
+    group.addoption(
+        "--longest-first",
+        action="store_true",
+        help="begin with the tier and the files that take longest, for several processes",
+    )
 
 
 def pytest_configure(config: Any) -> None:
     for tier, meaning in tiers.TIERS.items():
         config.addinivalue_line("markers", f"{tier}: {meaning}; given by the folder")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: Any, log: Any) -> Any:
+    """Give files to processes as ``--dist loadfile`` does, and some tests one by one."""
+    from xdist.scheduler import LoadFileScheduling
+
+    if config.option.dist != "loadfile":
+        return None
+    scheduler = LoadFileScheduling(config, log)
+    scheduler._split_scope = tiers.one_process
+    return scheduler
+
+
+def pytest_ignore_collect(collection_path: Path, config: Any) -> bool | None:
+    """Leave files alone that have no tests of the only tier that is asked for."""
+    asked = config.option.markexpr
+    if asked in tiers.TIERS and collection_path.match("test_*.py"):
+        return not tiers.can_have(collection_path, asked) or None
+    return None
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -66,7 +92,10 @@ def pytest_collection_modifyitems(config: Any, items: list[Any]) -> None:
         item.stash[TIER] = tier
         item.add_marker(tier)
     order = list(tiers.TIERS)
-    items.sort(key=lambda item: order.index(item.stash[TIER]))
+    if config.option.longest_first:
+        items.sort(key=lambda item: tiers.longest_first(item.path, item.stash[TIER]))
+    else:
+        items.sort(key=lambda item: order.index(item.stash[TIER]))
     out = [item for item in items if not _is_drawn(config, item)]
     config.hook.pytest_deselected(items=out)
     left = set(out)
@@ -146,12 +175,18 @@ def _fail(reports: list[Any], said: str) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Say of each tier how many tests there were and how much processor time their calls took."""
+    """Say of each tier how many tests there were and how much processor time their calls took.
+
+    And which files are so long that they had better begin before others.
+    """
     count: Counter[str] = Counter()
     seconds: Counter[str] = Counter()
+    files: Counter[str] = Counter()
     for reports in terminalreporter.stats.values():
         for report in reports:
             known = dict(getattr(report, "user_properties", ()))
+            if hasattr(report, "duration"):
+                files[report.nodeid.split("::")[0].removeprefix("tests/")] += report.duration
             if "tier" in known and report.when == "call":
                 count[known["tier"]] += 1
                 seconds[known["tier"]] += known["processor_seconds"]
@@ -160,3 +195,6 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
             terminalreporter.write_line(
                 f"{tier}: {count[tier]} tests, {seconds[tier]:.0f} s of processor time"
             )
+    for name, taken in files.items():
+        if taken > tiers.LONG_FILE and name not in tiers.LONGEST:
+            terminalreporter.write_line(f"{name} took {taken:.0f} s: see LONGEST in tiers.py")

@@ -32,6 +32,41 @@ def test_slow_tests_belong_to_the_tier_after_that_of_their_folder():
     assert [tiers.lifted(tier) for tier in tiers.TIERS] == ["system", "long", "long"]
 
 
+@pytest.mark.parametrize(
+    ("file", "may_have"),
+    [
+        ("contact/test_laws.py", ["core", "system"]),
+        ("run/test_stages.py", ["system", "long"]),
+        ("long/compute/test_forks.py", ["long"]),
+    ],
+)
+def test_files_are_read_for_the_tiers_that_they_can_have(file: str, may_have: list[str]):
+    assert [one for one in tiers.TIERS if tiers.can_have(tiers.TESTS / file, one)] == may_have
+
+
+def test_files_that_begin_are_there():
+    assert [one for one in tiers.LONGEST if not (tiers.TESTS / one).is_file()] == []
+    assert set(tiers.EACH_BY_ITSELF) <= set(tiers.LONGEST)
+
+
+def test_what_takes_longest_comes_first():
+    given = ["contact/test_laws.py", "contact/test_faces.py", "long/run/test_threads.py"]
+    given += ["run/test_stages.py", "long/compute/test_forks.py", "docs/test_snippets.py"]
+    paths = [tiers.TESTS / one for one in given]
+    order = sorted(paths, key=lambda one: tiers.longest_first(one, tiers.tier_of(one)))
+    assert [given.index(tiers.name_of(one)) for one in order] == [2, 4, 5, 3, 1, 0]
+
+
+def test_only_tests_that_share_nothing_go_to_processes_one_by_one():
+    assert (
+        tiers.one_process("tests/contact/test_laws.py::test_a[1]") == "tests/contact/test_laws.py"
+    )
+    alone = "tests/docs/test_snippets.py::test_every_snippet_of_a_page_runs[arch::a]"
+    assert tiers.one_process(alone) == alone
+    for file in tiers.EACH_BY_ITSELF:
+        assert "fixture" not in (tiers.TESTS / file).read_text("utf-8")
+
+
 def test_every_commit_draws_its_share_and_all_commits_draw_all():
     names = [f"tests/long/test_{k}.py" for k in range(400)]
     chosen = [{name for name in names if tiers.drawn(name, 4, str(by))} for by in range(40)]

@@ -36,6 +36,29 @@ WHOLE_CHAPTERS = {
 }
 """Chapters of what a whole run does or leaves, and folders that mirror no chapter of src/."""
 
+EACH_BY_ITSELF = (
+    "long/verification/test_all_problems.py",
+    "docs/test_snippets.py",
+    "verification/test_problems.py",
+)
+"""Files of long tests that share nothing, of which each may go to another process."""
+LONGEST = (
+    "long/run/test_threads.py",
+    *EACH_BY_ITSELF,
+    "run/test_forged_checkpoints.py",
+    "system/study/test_fit.py",
+    "system/actions/test_motions.py",
+    "system/contact/test_seams.py",
+    "contact/test_joint_stiffness.py",
+    "contact/test_faces.py",
+    "actions/test_bolts.py",
+    "pictures/test_live.py",
+    "results/test_torn_file.py",
+)
+"""Files that begin before the others of their tier, so that no process ends by itself with one."""
+LONG_FILE = 60.0
+"""Time of a file that deserves a line in LONGEST, s."""
+
 LIMIT = 1.0
 """Processor time of a core test, s, on a machine as quick as that of REFERENCE."""
 NEIGHBOURS = 1.5
@@ -54,6 +77,37 @@ def lifted(tier: str) -> str:
     """Return the tier after this one: that of a test that is marked slow."""
     names = list(TIERS)
     return names[min(names.index(tier) + 1, len(names) - 1)]
+
+
+def can_have(path: Path, tier: str) -> bool:
+    """Return whether a file may have tests of a tier, its slow ones included."""
+    own = tier_of(path)
+    return tier in (own, lifted(own))
+
+
+# Order -------------------------------------------------------------------------------------------
+
+
+def name_of(path: Path) -> str:
+    """Return how a file is named here: below tests/."""
+    return path.resolve().relative_to(TESTS).as_posix()
+
+
+def longest_first(path: Path, tier: str) -> tuple[int, int]:
+    """Return the place of a test where several processes share all: what takes longest is first.
+
+    Tiers from long to core, and in each LONGEST before the rest; so what is left for the end is
+    small, and all processes end together.
+    """
+    name = name_of(path)
+    rank = LONGEST.index(name) if name in LONGEST else len(LONGEST)
+    return -list(TIERS).index(tier), rank
+
+
+def one_process(nodeid: str) -> str:
+    """Return what is given to one process at a time: the file of a test, or this test alone."""
+    file = nodeid.split("::", 1)[0]
+    return nodeid if file.removeprefix("tests/") in EACH_BY_ITSELF else file
 
 
 # Drawing -----------------------------------------------------------------------------------------
