@@ -74,12 +74,12 @@ $(VENV)/.stamp-env: pyproject.toml constraints.txt | $(BIN)/pip
 
 $(VENV)/.stamp-env-test: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing clast with its tests and checks into $(VENV)"
-	@$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	@$(PIP) install --quiet --no-compile -c constraints.txt -e '.[dev]'
 	@touch $@ $(VENV)/.stamp-env
 
 $(VENV)/.stamp-env-docs: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing clast with what builds its documentation into $(VENV)"
-	@$(PIP) install --quiet -c constraints.txt -e '.[plot,docs]'
+	@$(PIP) install --quiet --no-compile -c constraints.txt -e '.[plot,docs]'
 	@touch $@ $(VENV)/.stamp-env
 
 # Compiled once by as many processes as there are cores; a stamp is as old as the kernels' files.
@@ -153,9 +153,10 @@ reference: env
 # --- testing and checking ------------------------------------------------------------------
 
 # Which tests belong to which tier, and which begin: tests/scenes/tiers.py.  A file goes to one
-# process, which makes the fixtures of a module once.
+# process, which makes the fixtures of a module once.  Bytecode is kept, since installation leaves
+# it to those that import: all of it would take as long as half of the installation.
 IN_TURN := -n $(WORKERS) --dist loadfile --no-loadscope-reorder --longest-first
-PYTEST := $(BIN)/python -m pytest $(IN_TURN)
+PYTEST := env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest $(IN_TURN)
 
 test: env-test
 	@$(PYTEST) -m core $(PYTEST_ARGS)

@@ -18,6 +18,7 @@ from clast.case.resume import resume
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
+from clast.run.interrupts import Interrupted
 from clast.run.schedule import Progress
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
@@ -88,7 +89,7 @@ def both(ratio: float, variant: Variant) -> tuple[Run, Run]:
 def _interrupt(at: Progress) -> None:
     """Interrupt a run in the middle."""
     if at.steps == MIDDLE:
-        signal.raise_signal(signal.SIGINT)
+        raise Interrupted(signal.SIGINT)  # a signal is not heard where nohup has it ignored
 
 
 def _unsaid(text: str) -> None:
