@@ -420,6 +420,10 @@ SETTINGS: dict[str, list[str]] = {
     "jack of nothing": ["bolt_kind.bar.pretension=0"],
     "pattern of no opening": ["bolt_pattern=[{opening='x', kind='bar', length=1, spacing=1}]"],
     "pattern of blocks": ["bolt_pattern=[{opening='void', kind='bar', length=1, spacing=1}]"],
+    "pattern round a bay": [
+        "bolt_pattern=[{opening=[[0,0],[6,0],[6,6],[5,6],[5,1],[1,1],[1,6],[0,6]], kind='bar', "
+        "length=1, spacing=1, from=80, to=100}]"
+    ],
     "dashpots at no edge": ["viscous_boundary.2.where={edges=[[[9, 9], [8, 9]]]}"],
     "dashpots within": ["viscous_boundary.2.where={edges=[[[0, 0], [1, 0]]]}"],
     "dashpots nowhere": ["viscous_boundary.2.where={}"],

@@ -101,7 +101,7 @@ def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, F
     middle = shapely.get_coordinates(shapely.centroid(shapely.Polygon(corners)))[0]
     ring = shapely.LinearRing(corners)
     whole = last - first == 360.0
-    begin, end = (_along(ring, middle, angle) for angle in (first, last))
+    begin, end = (_along(ring, middle, angle, label) for angle in (first, last))
     room = ring.length if whole else (end - begin) % ring.length
     count = int(room / spacing * (1.0 + 1e-9)) + (0 if whole else 1)
     if count > MOST:
@@ -116,11 +116,18 @@ def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, F
     return heads, away / np.hypot(*away.T)[:, None]
 
 
-def _along(ring: Any, middle: Floats, angle: float) -> float:
+def _along(ring: Any, middle: Floats, angle: float, label: str) -> float:
     """Return where a ray from the middle leaves an outline, m along it."""
     turn = np.radians(angle)
     far = middle + 2.0 * ring.length * np.array([np.cos(turn), np.sin(turn)])
     hits = shapely.get_coordinates(shapely.intersection(ring, shapely.linestrings([middle, far])))
+    if not len(hits):  # the centroid of an outline with a bay may lie outside
+        raise ModelError(
+            f"its outline is not met at {angle:g} degrees from its centroid "
+            f"({middle[0]:.4g}, {middle[1]:.4g})",
+            where=f"{label}, opening",
+            remedy="give other angles from and to, a simpler outline, or single bolts: [[bolt]]",
+        )
     outermost = hits[np.argmax(np.hypot(*(hits - middle).T))]
     return float(shapely.line_locate_point(ring, shapely.points(outermost)))
 
