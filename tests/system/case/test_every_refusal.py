@@ -365,6 +365,7 @@ SETTINGS: dict[str, list[str]] = {
     "lining of nothing": lined(""),
     "lining of two lines": lined("polyline=[[2, 0], [3.5, 0]], opening='void'"),
     "lining of no opening": lined("opening='viod', stage='later'"),
+    "lining far away": lined("polyline=[[2, 0], [3e6, 0]]"),
     "lining of a point": lined("polyline=[[2, 0]]"),
     "lining of a point twice": lined("polyline=[[2, 0], [2, 0], [3, 0]]"),
     "lining closed along an open line": lined("polyline=[[2, 0], [3.5, 0]], closed=true"),

@@ -21,6 +21,8 @@ SHARP = np.radians(20.0)
 """Turn of a line, rad, that is an end of segments."""
 APART = 0.1
 """Distance between points of the line, in units of a segment, below which they are one."""
+MOST = 10_000
+"""Segments of a lining: more are a wrong unit or corner."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +75,12 @@ def cut_line(
     marks = _marks(points)
     # the length is that along the line as it is given
     length *= marks[-1] / _marks(given)[-1]
+    if marks[-1] > MOST * length:
+        raise ModelError(
+            f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m",
+            where=f"{where}, segment",
+            remedy="give longer segments, m, or look for a wrong corner",
+        )
     ends = _ends(points, marks, comes_back, length)
     if comes_back and len(ends) < 4:
         raise ModelError(
