@@ -18,6 +18,7 @@ EARLIER = [
     ("clast.rockmass", "Mender", "BlockRepair"),
     ("clast.rockmass", "Report", "CutReport"),
     ("clast.inputs.builder", "ModelBuilder", "InputBuilder"),
+    ("clast.results.frames", "gone_in_frame", "absent_in_frame"),
     ("clast.actions.action", "Share", "Contribution"),
     ("clast.actions.action", "Done", "ActionResult"),
     ("clast.actions.action", "Telling", "ReportsEvents"),

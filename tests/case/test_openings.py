@@ -82,7 +82,7 @@ def test_openings_of_a_cut_know_their_blocks_and_welds():
     assert inside.any() and (~inside).any()
     # a void has no blocks; one without a construction joint has no welds
     assert all(one.name == "drift" and not len(one.welded) for one in others)
-    assert not model.gone.any()
+    assert not model.absent.any()
 
 
 def test_an_opening_of_blocks_needs_no_domain():

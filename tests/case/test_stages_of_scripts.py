@@ -83,6 +83,6 @@ def test_what_are_no_blocks(blocks: Any):
     with pytest.raises(ModelError, match=r"blocks: (.* are no numbers of|there is no block)"):
         excavated(model, method, run.state, blocks)
     left, _ = excavated(model, method, run.state, [1, 2])
-    np.testing.assert_array_equal(np.flatnonzero(left.gone), [1, 2])
+    np.testing.assert_array_equal(np.flatnonzero(left.absent), [1, 2])
     named, _ = excavated(model, method, run.state, model.blocks_called(["0-0"]))
-    assert int(named.gone.sum()) == 1
+    assert int(named.absent.sum()) == 1

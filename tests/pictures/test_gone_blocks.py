@@ -13,7 +13,7 @@ from clast.exports import write_dxf, write_vtu
 from clast.pictures import canvas
 from clast.pictures.plot import plot_results
 from clast.results import Results, RunRecorder, read_results
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 from scenes.first_version import crafted, of_the_first_version
 from scenes.recorded_run import moved, report, three_blocks
 
@@ -36,8 +36,8 @@ def dug(tmp_path) -> Results:
 
 
 def test_frames_say_which_blocks_are_gone(dug: Results):
-    assert not gone_in_frame(dug, 0).any()
-    assert np.array_equal(gone_in_frame(dug, 1), GONE)
+    assert not absent_in_frame(dug, 0).any()
+    assert np.array_equal(absent_in_frame(dug, 1), GONE)
     assert np.array_equal(dug.field("gone"), [[0, 0, 0], [0, 1, 0], [0, 1, 0]])
 
 
@@ -97,5 +97,5 @@ def test_files_of_before_have_no_gone_blocks(dug: Results, tmp_path):
     crafted(dug.path, tmp_path / "old.vtkhdf", of_the_first_version)
     old = read_results(tmp_path / "old.vtkhdf")
     assert "gone" not in old.field_names
-    assert not gone_in_frame(old, -1).any()
+    assert not absent_in_frame(old, -1).any()
     plot_results(old, tmp_path / "old.png", contacts=False)

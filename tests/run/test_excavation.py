@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.relaxation import SupportForces, gone_in
+from clast.actions.relaxation import SupportForces, absent_in
 from clast.errors import ModelError
 from clast.model.model import Model
 from clast.model.state import Ledger, State
@@ -286,14 +286,14 @@ def test_forces_of_excavations_one_after_another_add_up():
     once, whole = digging(model, method, kept[-1], ["props"], 0.0, 1.0)
     half, now = digging(model, method, kept[-1], ["left"], 0.0, 1.0)
     both, now = digging(half, method, now, ["right"], 0.0, 1.0)
-    assert np.array_equal(both.gone, once.gone)
+    assert np.array_equal(both.absent, once.absent)
     total = gone_state(now).force.sum(axis=0)
     assert total == pytest.approx(gone_state(whole).force.sum(axis=0), rel=1e-12)
     assert total[1] == pytest.approx(2500.0 * G * 1.0, rel=1e-3)
     # what is gone is not borne any more: the forces go with the block that they acted on
     roofless, now = digging(both, method, now, ["roof"])
     assert len(gone_state(now).block) == 0
-    assert roofless.gone.sum() == 3
+    assert roofless.absent.sum() == 3
 
 
 def test_a_model_without_openings_can_be_dug_too():
@@ -304,11 +304,11 @@ def test_a_model_without_openings_can_be_dug_too():
     model = builder.build()
     method = method_of(model)
     _, kept = run(model, method, 20)
-    assert gone_in(kept[-1].state) is None and as_in(model, kept[-1].state) is model
+    assert absent_in(kept[-1].state) is None and as_in(model, kept[-1].state) is model
     left, now = digging(model, method, kept[-1], ["1"], 0.0, 0.02)
     end = run(left, method, 60, now)[1][-1].state
     assert end.vertices[-1, 1] < 1.995
-    assert np.array_equal(as_in(model, end).gone, [False, True, False])
+    assert np.array_equal(as_in(model, end).absent, [False, True, False])
     # blocks that are gone cannot be dug again
     same, again = excavated(left, method, end, np.array([1]))
     assert same is left and again is end
@@ -398,10 +398,10 @@ def test_frames_mark_gone_blocks(tmp_path):
     schedule = Schedule(step=STEP, end=0.02, every=5e-3)
     simulate(left, method, schedule, begin=now, recorder=recorder)
     results = clast.read(tmp_path / "out.vtkhdf")
-    assert np.array_equal(results.field("gone", -1) != 0.0, left.gone)
-    assert left.gone.sum() == 2
+    assert np.array_equal(results.field("gone", -1) != 0.0, left.absent)
+    assert left.absent.sum() == 2
     kept_frames, _ = run(left, method, 10, now)
-    assert np.array_equal(kept_frames.field("gone")[-1] != 0.0, left.gone)
+    assert np.array_equal(kept_frames.field("gone")[-1] != 0.0, left.absent)
     whole, _ = run(model, method, 10)
     assert not whole.field("gone").any()
 

@@ -243,7 +243,7 @@ def test_excavated_blocks_are_outlines_only(tmp_path, monkeypatch):
 
     monkeypatch.setattr(canvas, "save", kept)
     compared = studies.compare(Case.from_toml(DUG), ["convex", "open-close"], ["penalty"])
-    assert [row.gone.tolist() for row in compared.rows] == [[False, False, True]] * 2
+    assert [row.absent.tolist() for row in compared.rows] == [[False, False, True]] * 2
     studies.write_comparison(compared, tmp_path)
     for axes in figures[0].axes[:2]:
         polygons = [c for c in axes.collections if type(c).__name__ == "PolyCollection"]

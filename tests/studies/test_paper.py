@@ -98,7 +98,7 @@ def invented(job: PaperRun) -> JobResult:
         displacement={"A": (1.56, -1.56)},
         deviations=(),
         vertices=model.vertices + model.origin,
-        gone=model.gone,
+        absent=model.absent,
         penetration=1e-4 if job.combination.law == "penalty" else 0.25e-4,
         normal_force=rest.WEIGHT,
         stiffness=job.value,

@@ -178,13 +178,13 @@ class Solution:
         """Return N and T (m,), N/m, that the equations held in springs at the end of the step."""
         gap, slip = stretches(springs, self.displacement)
         if self.linearised_at is None:
-            bear = springs.at(gap, slip)
-            return bear.normal_force, bear.shear_force
+            of_springs = springs.at(gap, slip)
+            return of_springs.normal_force, of_springs.shear_force
         before = stretches(springs, self.linearised_at)
-        bear = springs.at(*before)
+        of_springs = springs.at(*before)
         return (
-            bear.normal_force - bear.normal_stiffness * (gap - before[0]),
-            bear.shear_force - bear.shear_stiffness * (slip - before[1]),
+            of_springs.normal_force - of_springs.normal_stiffness * (gap - before[0]),
+            of_springs.shear_force - of_springs.shear_stiffness * (slip - before[1]),
         )
 
 

@@ -48,7 +48,7 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
         found.append(Supports(fixed_point_stiffness))
     if len(model.viscous_edges):
         found.append(BoundaryDashpots(fixed_point_stiffness))
-    if model.openings or model.gone.any() or model.lined.any():
+    if model.openings or model.absent.any() or model.lined.any():
         found.append(Relaxation())
     return *found, *model.actions
 

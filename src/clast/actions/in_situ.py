@@ -53,10 +53,10 @@ class InSituBoundary:
         length, normal, sigma = along_outline(model, self.stress, edge, share)
         traction = tractions(sigma, normal)
         size = np.hypot(*traction.T)
-        bears = size > NOTHING * size.max(initial=0.0)
-        bears &= ~model.fixed[model.vertex_block[edge]]
-        edge, share, length = edge[bears], share[bears], length[bears]
-        normal, traction = normal[bears], traction[bears]
+        carries = size > NOTHING * size.max(initial=0.0)
+        carries &= ~model.fixed[model.vertex_block[edge]]
+        edge, share, length = edge[carries], share[carries], length[carries]
+        normal, traction = normal[carries], traction[carries]
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         held, slid = (self.stiffness * share for share in self.stress.held)
         hold = held * _squares(normal) + slid * _squares(along)

@@ -23,8 +23,8 @@ from clast.model.state import Ledger, State
 class SupportForces:
     """Forces on the edges of blocks that fall to nothing, k of them."""
 
-    gone: Bools
-    """Blocks that have been excavated, shape (n,)."""
+    absent: Bools
+    """Blocks that are not there, shape (n,)."""
     block: Ints
     """Block that each acts on, shape (k,)."""
     vertex: Ints
@@ -54,10 +54,10 @@ OF_FORCES = tuple(one.name for one in fields(SupportForces))[1:]
 """Names of the arrays that have one row for each force."""
 
 
-def no_forces(gone: Bools) -> SupportForces:
-    """Return no forces, with the blocks that are ``gone`` (n,)."""
+def no_forces(absent: Bools) -> SupportForces:
+    """Return no forces, with the blocks that are ``absent`` (n,)."""
     return SupportForces(
-        gone=gone,
+        absent=absent,
         block=np.zeros(0, np.int64),
         vertex=np.zeros((0, 2), np.int64),
         share=np.zeros(0),
@@ -67,11 +67,11 @@ def no_forces(gone: Bools) -> SupportForces:
     )
 
 
-def gone_in(state: State) -> Bools | None:
-    """Return which blocks are excavated in a state, shape (n,); None where none ever is."""
+def absent_in(state: State) -> Bools | None:
+    """Return which blocks are not there in a state, shape (n,); None where all always are."""
     for own in state.actions:
         if isinstance(own, SupportForces):
-            return own.gone
+            return own.absent
     return None
 
 
@@ -89,7 +89,7 @@ class Relaxation:
 
     def begin(self, model: Model) -> SupportForces:
         """Return no forces."""
-        return no_forces(model.gone)
+        return no_forces(model.absent)
 
     def share(self, start: StepStart, state: SupportForces) -> Contribution:
         """Return the remaining forces at the time at which forces are taken."""

@@ -109,7 +109,7 @@ class Supports:
         if not moved.any():
             return ActionResult(work=work, ledger=change, state=forces)
         # what held an excavated block does not stretch any more
-        still = start.model.gone[share.block] | led
+        still = start.model.absent[share.block] | led
         moved = np.where(still[:, None], 0.0, moved)
         followed = self._followed(rows, share, solution.displacement)
         at = start.forces_at

@@ -55,7 +55,7 @@ class _Active:
     stiffness: Floats
     """Of springs where forces are taken, or of dashpots by h, N/m per m, shape (k, 2, 2)."""
     released: float
-    """Energy in springs that have gone, J/m."""
+    """Energy in springs that have been removed, J/m."""
 
 
 @dataclass(frozen=True)

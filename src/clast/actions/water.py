@@ -66,10 +66,10 @@ def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pre
         np.concatenate([faces.ends, joints.ends]),
         weight * np.concatenate([faces.head, joints.head]),
     )
-    gone = model.gone
-    if not gone.any():
+    absent = model.absent
+    if not absent.any():
         return found
-    there = ~gone[found.block] & ((found.other < 0) | ~gone[found.other])
+    there = ~absent[found.block] & ((found.other < 0) | ~absent[found.other])
     return Pressed(found.block[there], found.other[there], found.ends[there], found.pressure[there])
 
 

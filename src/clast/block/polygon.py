@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from clast.compute.jit import kernel
@@ -12,6 +14,21 @@ SMALL_ANGLE = np.sin(np.radians(3.0))
 """Sine of the angle within which edges count as parallel (Shi 1988: 3 degrees)."""
 ROUND_OFF = 1e-9
 """Share of an edge's length that is treated as zero along the edge."""
+
+
+class Polygons(NamedTuple):
+    """Outlines of all blocks, as kernels take them."""
+
+    vertices: Floats
+    """Vertices, m, shape (nv, 2)."""
+    direction: Floats
+    """Unit direction of the edge that starts at each vertex, shape (nv, 2)."""
+    length: Floats
+    """Length of that edge, m, shape (nv,)."""
+    vertex_block: Ints
+    """Block of each vertex, shape (nv,)."""
+    block_start: Ints
+    """First vertex of each block, shape (n + 1,)."""
 
 
 @kernel()

@@ -38,7 +38,7 @@ density = 2400.0                       # kg/m3
 [joint.default]
 friction_angle = 40.0                  # degrees
 
-[amplitude.spread]                     # m: first the arch bears its weight
+[amplitude.spread]                     # m: first the arch carries its weight
 time = [0.0, 0.4, 2.4]
 value = [0.0, 0.0, {spread:g}]
 
@@ -176,7 +176,7 @@ vertices = [[2.4, -0.5], [6.3, -0.5], [6.3, 0], [2.4, 0]]
 rock = "concrete"
 fixed = true
 
-[amplitude.settlement]                 # m: first the wall bears its weight
+[amplitude.settlement]                 # m: first the wall carries its weight
 time = [0.0, 0.2, 2.2]
 value = [0.0, 0.0, -0.03]
 
@@ -203,7 +203,7 @@ LINED_TUNNEL = """\
 # the bench is still to be released, and an earthquake shakes what stands.
 # Try:
 #   lining.shotcrete           thickness = 0.1: an eighth of the stiffness in bending
-#   stage bench: time          0.3: all is released before the shotcrete comes, which bears less
+#   stage bench: time          0.3: all is released before the shotcrete comes, which carries less
 #   ground_motion              scale = 2.0: a stronger earthquake
 #   clast plot lined-tunnel.vtkhdf --layers moments --zoom=-6,-5,6,6
 

@@ -110,7 +110,9 @@ def resume(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Go on in another file; in the run's own if absent."),
+        typer.Option(
+            "-o", "--output", help="Continue in another file; in the run's own by default."
+        ),
     ] = None,
     stage: Annotated[
         str | None,
@@ -125,7 +127,7 @@ def resume(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a run from its checkpoint to its end."""
+    """Continue a run from its checkpoint."""
     from clast.case.resume import result_file
     from clast.case.resume import resume as go_on
 
@@ -165,7 +167,7 @@ def _compared(run: Run) -> Sequence[Deviation]:
 
 
 def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
-    """Look at a case before its first step: counts, masses, supports, stability, units."""
+    """Check a case without running it: counts, masses, supports, stability, units."""
     from clast.case.case_file import Case
 
     loaded = Case.from_toml(case, settings or ())
@@ -190,7 +192,7 @@ def new(
         ),
     ] = "incline",
 ) -> None:
-    """Write a case file to begin with."""
+    """Write a case file from a template."""
     from clast import spelling
     from clast.case.templates import TEMPLATES
 
@@ -247,7 +249,7 @@ def compare(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a case through several processes and contact laws; write a page with a picture."""
+    """Compare processes and contact laws on one case; write a page with a picture."""
     from clast import studies
     from clast.case.case_file import Case
 

@@ -32,7 +32,7 @@ def verify(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run problems with closed-form answers and compare."""
+    """Run the verification problems and compare with their closed-form answers."""
     from clast import verification
 
     choose = verification.narrowed(
@@ -92,23 +92,26 @@ def bench(
         float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
     ] = None,
     settle: Annotated[
-        int, typer.Option(metavar="K", help="Steps before these that are not counted.")
+        int, typer.Option(metavar="K", help="Steps run beforehand and not counted.")
     ] = 0,
     stiffness: Annotated[
         float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
     ] = 1.0,
     solver: Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")] = "auto",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Also write JSON to this file."),
     ] = None,
     results: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="Keep first and last state of every run there."),
+        typer.Option(
+            metavar="FOLDER", help="Keep the first and last state of every run in this folder."
+        ),
     ] = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure the cost of scenes of any size: time by stage, iterations, accuracy, memory.
+    """Benchmark scenes of any size: time by stage, iterations, accuracy, memory.
 
     Of scenes from beginning to end: time of the processor by stage, share of impacts, steps,
     iterations, overlap, energy lost unaccounted; they have a step and a stiffness of their own.
@@ -143,13 +146,13 @@ def warmup(
     threads: Threads = None,
     workers: Annotated[
         int | None,
-        typer.Option(min=1, help="Processes that compile; one for each core if absent."),
+        typer.Option(min=1, help="Number of compiling processes; one per core by default."),
     ] = None,
     first: Annotated[
         bool, typer.Option("--first", help="Compile only the kernels of the incline.")
     ] = False,
 ) -> None:
-    """Compile the kernels of cases ahead of the first run, by as many threads as they will run."""
+    """Compile the kernels ahead of the first run, for the given number of threads."""
     from time import perf_counter
 
     from clast.studies.warmup import warm_up

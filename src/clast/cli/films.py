@@ -21,19 +21,17 @@ def film(
         str,
         typer.Option(
             help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-            "mobilised, sliding: what joints do."
+            "mobilised, sliding: state of the joints."
         ),
     ] = "displacement",
-    stage: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Show this stage alone.")
-    ] = None,
-    fps: Annotated[float, typer.Option(metavar="N", help="Pictures a second.")] = 25.0,
+    stage: Annotated[str | None, typer.Option(metavar="NAME", help="Show only this stage.")] = None,
+    fps: Annotated[float, typer.Option(metavar="N", help="Frames per second.")] = 25.0,
     speed: Annotated[
         float | None,
         typer.Option(
             metavar="S",
-            help="Time of the run in a second of the film, s: 1 for as fast as it happens. If "
-            "absent every frame is one picture.",
+            help="Simulated time per second of film, s: 1 is real time. If "
+            "absent, every frame is one picture.",
         ),
     ] = None,
     limits: Limits = "",

@@ -38,7 +38,7 @@ def import_(
         str, typer.Option(metavar="UNIT", help="Unit of a DXF: m, cm, mm, km, in, ft, or metres.")
     ] = "",
     mass_unit: Annotated[
-        float, typer.Option(metavar="KG", help="Kilograms in the unit of mass: 1000 for t and kN.")
+        float, typer.Option(metavar="KG", help="Unit of mass, kg: 1000 for t and kN.")
     ] = 1.0,
     blocks: Annotated[
         Path | None,
@@ -66,7 +66,7 @@ def import_(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Make a case file of a drawing, of finished blocks, or of a file of another program."""
+    """Make a case file from a drawing, from finished blocks, or from another program's file."""
     from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks
     from clast.rockmass.drawings.dxf import DxfReading
     from clast.rockmass.read_drawing import Reading

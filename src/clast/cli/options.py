@@ -33,17 +33,17 @@ StageName = Annotated[
 Limits = Annotated[
     str, typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa.")
 ]
-Zoom = Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show this part alone, m.")]
+Zoom = Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show only this part, m.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 
 Live = Annotated[
-    bool, typer.Option("--live", help="Show the run in a browser on this machine, and lead it.")
+    bool, typer.Option("--live", help="Show the run in a browser on this machine, and steer it.")
 ]
 LiveAt = Annotated[
     str,
     typer.Option(
-        "--live-at", metavar="HOST:PORT", help="Do so at this address, e.g. 127.0.0.1:8080."
+        "--live-at", metavar="HOST:PORT", help="The same at this address, e.g. 127.0.0.1:8080."
     ),
 ]
 
@@ -62,8 +62,8 @@ Threads = Annotated[
         min=1,
         max=os.cpu_count(),
         callback=_share,
-        help="Threads that share the work, 1 if absent; the results are the same. More than one "
-        "pay from some thousand blocks on, where the machine has nothing else to do.",
+        help="Number of threads, 1 by default; the results do not depend on it. More than one pays "
+        "off from some thousand blocks on, on an idle machine.",
     ),
 ]
 

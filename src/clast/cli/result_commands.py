@@ -114,7 +114,7 @@ def plot(
         str,
         typer.Option(
             help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-            "mobilised, sliding, worn: what joints do."
+            "mobilised, sliding, worn: state of the joints."
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
@@ -161,7 +161,7 @@ def plot(
         ),
     ] = "",
 ) -> None:
-    """Draw a frame of a result file, or over time the motion of a point or the force of a bolt."""
+    """Draw a frame of a result file, or the history of a point or a bolt."""
     from clast.pictures.histories import plot_histories
     from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
     from clast.pictures.side_by_side.compared_frames import plot_two_frames
@@ -234,12 +234,10 @@ def page(
     ] = None,
     budget: Annotated[
         str,
-        typer.Option(
-            metavar="SIZE", help="Room for contacts and joints before they are compressed."
-        ),
+        typer.Option(metavar="SIZE", help="Memory for contacts and joints before compression."),
     ] = "12MB",
 ) -> None:
-    """Write a page that plays a run in a browser, complete in one file, without a network."""
+    """Write a page that plays a run in a browser: one file, no network needed."""
     from clast.pictures.page.document import write_page
     from clast.results import read_results
 

@@ -29,7 +29,7 @@ def cut(
         ),
     ] = None,
     by: Annotated[
-        Literal["set", "rock"], typer.Option(help="Meaning of the colours of a picture.")
+        Literal["set", "rock"], typer.Option(help="Colour the blocks of a picture by this.")
     ] = "set",
     settings: Settings = None,
     as_json: AsJson = False,

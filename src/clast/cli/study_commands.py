@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from clast.study.study_api import HowMade
 
 app = typer.Typer(
-    help="Many runs whose sum is an answer: factors of safety, sweeps, probability of failure.",
+    help="Studies of many runs: factors of safety, sweeps, probability of failure.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -36,7 +36,7 @@ Joints = Annotated[
     str, typer.Option(metavar="NAME,...", help="Joints whose strength is reduced; all if absent.")
 ]
 Tolerance = Annotated[
-    float, typer.Option(metavar="SHARE", help="Width of the bracket, as a share of its upper end.")
+    float, typer.Option(metavar="SHARE", help="Relative width of the final bracket.")
 ]
 Vary = Annotated[
     list[str] | None,
@@ -51,20 +51,23 @@ Measure = Annotated[
     typer.Option("--measure", metavar="NAME=EXPRESSION", help='E.g. "crest=displacement(A)".'),
 ]
 Fail = Annotated[
-    str, typer.Option(metavar="EXPRESSION", help='When a run fails, e.g. "crest > 0.05".')
+    str, typer.Option(metavar="EXPRESSION", help='Criterion of failure, e.g. "crest > 0.05".')
 ]
 Keep = Annotated[str, typer.Option(help='Result files to keep: none, failed, "worst N" or all.')]
 Workers = Annotated[
     int | None,
-    typer.Option(min=1, max=10_000, metavar="N", help="Runs at a time; one a processor if absent."),
+    typer.Option(
+        min=1, max=10_000, metavar="N", help="Simultaneous runs; one per processor by default."
+    ),
 ]
 Scheduler = Annotated[
-    str, typer.Option(metavar="ADDRESS", help="Dask scheduler that is there, tcp://host:port.")
+    str,
+    typer.Option(metavar="ADDRESS", help="Address of a running Dask scheduler, tcp://host:port."),
 ]
 Array = Annotated[
-    str, typer.Option(metavar="I/N", help="Make every N-th run from the I-th on, here alone.")
+    str, typer.Option(metavar="I/N", help="Make only every N-th run, from the I-th on, here.")
 ]
-Retry = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that have no result.")]
+Retry = Annotated[bool, typer.Option("--retry-failed", help="Repeat runs that have no result.")]
 
 
 @app.command()
@@ -80,7 +83,8 @@ def fos(
     ] = None,
     growth: Annotated[float | None, typer.Option(help="Growth of factors until one fails.")] = None,
     refine: Annotated[
-        int, typer.Option(min=0, max=500, help="More trials near the bracket, for the curve.")
+        int,
+        typer.Option(min=0, max=500, help="Further trials near the bracket, to refine the curve."),
     ] = 0,
     settings: Settings = None,
     output: Out = None,
@@ -136,7 +140,7 @@ def sweep(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run all values of lists, or all combinations of them."""
+    """Run a case over lists of values, or all combinations of them."""
     study = _study(case, settings, vary, measure, ())
     described = study(
         fail=fail, keep=keep, together=together, factor=_factor(by, joints, tolerance)
@@ -186,7 +190,7 @@ def montecarlo(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the probability of failure, and the spread of measures, by runs drawn by chance."""
+    """Estimate the probability of failure and the scatter of measures by random sampling."""
     study = _study(case, settings, vary, measure, correlate)
     described = study(fail=fail, keep=keep, factor=_factor(by, joints, tolerance))
     given = {"seed": seed, "replicates": replicates}
@@ -215,7 +219,7 @@ def fit(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the parameters with which a case moves as it was measured (back-analysis)."""
+    """Find the parameters that reproduce measured movements (back-analysis)."""
     from clast.case.case_file import Case
     from clast.study.fit import described
     from clast.study.fitting.fit_settings import FitSettings
@@ -241,7 +245,7 @@ def resume(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a study: make the runs that are not done."""
+    """Continue a study: make the runs that are still missing."""
     from clast.study.collapsing import collapse
     from clast.study.description import COLLAPSE, FIT
     from clast.study.folder import StudyFolder

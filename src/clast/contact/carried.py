@@ -34,10 +34,10 @@ def carried_by(
     friction_base.fill(np.nan)
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
     carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest
-    gone = memory.slip, memory.slide_length, memory.slide, memory.slide_speed, memory.dilation
+    so_far = memory.slip, memory.slide_length, memory.slide, memory.slide_speed, memory.dilation
     before = memory.bonded, memory.cohesive, memory.mode, *forces
     _carry(count, row, gap, bond_reach, before, carried)
-    _carry_ways(count, row, gone, tuple(ways))
+    _carry_ways(count, row, so_far, tuple(ways))
     _turn_rest_forces(count, row, memory.edge, turns, (shear, normal, rest))
     return {
         "known": known,
@@ -76,9 +76,9 @@ def _carry(first, last, row, gap, bond_reach, memory, carried):
 
 
 @shared(CONTACTS)
-def _carry_ways(first, last, row, gone, carried):
+def _carry_ways(first, last, row, so_far, carried):
     """Write how far contacts ``first`` to ``last`` - 1 have slipped, slid and opened so far."""
-    slip, length, slide, speed, dilation = gone
+    slip, length, slide, speed, dilation = so_far
     slips, lengths, slides, speeds, dilations = carried
     for c in range(first, last):
         r = row[c]

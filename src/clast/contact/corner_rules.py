@@ -10,15 +10,22 @@ re-entrant corner the vertex is inside where either edge is passed, and each is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import (
+    ROUND_OFF,
+    SMALL_ANGLE,
+    Polygons,
+    turn_at,
+    vertex_after,
+    vertex_before,
+)
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.candidates import Candidates
-from clast.model.model import Bools, Floats
+from clast.model.model import Bools, Floats, Ints
 
 
 class CornerRule(Protocol):
@@ -66,6 +73,25 @@ class EntranceLines:
         return keep
 
 
+class GroupedCandidates(NamedTuple):
+    """Candidate edges, grouped by vertex and block of the edge, as kernels take them."""
+
+    group_start: Ints
+    """First candidate of each group, shape (k + 1,)."""
+    vertex: Ints
+    """Vertex of each candidate, shape (m,)."""
+    edge: Ints
+    """Its edge, shape (m,)."""
+    pair: Ints
+    """Its pair of blocks, shape (m,)."""
+    gap: Floats
+    """Distance of the vertex from the edge's line, m, shape (m,)."""
+    along: Floats
+    """Distance of its foot from the start of the edge, m, shape (m,)."""
+    remembered: Ints
+    """Entrance edge of each group in the last step, or -1, shape (k,)."""
+
+
 def _taken(candidates: Candidates, vertices: Floats) -> tuple[Any, Any]:
     """Return candidates and outlines as the kernels take them."""
     found = (
@@ -106,18 +132,17 @@ def _kept(found, outlines, critdis):
 def _shortest_exits(first, last, found, outlines, critdis, known, keep):
     """Judge the candidates of the pairs of blocks that begin with groups ``first`` to ``last`` - 1.
 
-    ``found``: group starts, vertex, edge, pair, gap, distance along the edge, and the remembered
-    edge of each group or -1.  ``outlines``: vertices, direction and length of the edges that start
-    there, block of each vertex, first vertex of each block.  ``critdis`` is the length, m, by which
-    edges are extended.
+    ``found`` are ``GroupedCandidates``, ``outlines`` ``Polygons``; ``critdis`` is the length, m, by
+    which edges are extended.
     """
-    group_start, _, _, pair, _, _, remembered = found
+    candidates, polygons = GroupedCandidates(*found), Polygons(*outlines)
+    group_start, pair = candidates.group_start, candidates.pair
     first, last = _next_pair(first, group_start, pair), _next_pair(last, group_start, pair)
     low, high = group_start[first], group_start[last]
-    _bisect(first, last, found, outlines, critdis, keep)
-    _drop_not_entered(low, high, found, outlines, keep)
-    _are_known(first, last, group_start, remembered, known)
-    _drop_deeper_corners(low, high, found, outlines, known, keep)
+    _bisect(first, last, candidates, polygons, critdis, keep)
+    _drop_not_entered(low, high, candidates, polygons, keep)
+    _are_known(first, last, group_start, candidates.remembered, known)
+    _drop_deeper_corners(low, high, candidates, polygons, known, keep)
 
 
 @kernel()
@@ -127,7 +152,7 @@ def _relation(a, b, found, direction, first, last):
     0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
     (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
     """
-    e, f, gap_e, gap_f = found[2][a], found[2][b], found[4][a], found[4][b]
+    e, f, gap_e, gap_f = found.edge[a], found.edge[b], found.gap[a], found.gap[b]
     adjacent = vertex_after(e, first, last) == f
     if adjacent or vertex_after(f, first, last) == e:
         turn = direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
@@ -162,8 +187,10 @@ def _bisect(low, high, found, outlines, critdis, keep):
     alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
     is the length by which edges are extended.
     """
-    group_start, _, edge, _, gap, along, remembered = found
-    _, direction, length, vertex_block, block_start = outlines
+    group_start, edge, gap = found.group_start, found.edge, found.gap
+    along, remembered = found.along, found.remembered
+    direction, length = outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     for g in range(low, high):
         start, stop = group_start[g], group_start[g + 1]
         if stop - start == 1:
@@ -207,8 +234,9 @@ def _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
     the next one (the vertex has come through the tread of a stair, not along its riser), or is
     none of the candidates, the first edge is not touched either.
     """
-    _, _, edge, _, _, along, _ = found
-    _, direction, length, vertex_block, block_start = outlines
+    edge, along = found.edge, found.along
+    direction, length = outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     e = edge[a]
     first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
     at_end = along[a] > 0.0
@@ -261,7 +289,8 @@ def _is_entrance_passed(p, e, along, outlines):
     lies in front of it, else that of P's own edge on that side, which Q has to pass.  A vertex that
     lies along e with an edge of its own (face to face) is not judged.
     """
-    vertices, direction, length, vertex_block, block_start = outlines
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     i, j = vertex_block[p], vertex_block[e]
     first, last = block_start[j], block_start[j + 1]
     at_end = along > 0.5 * length[e]
@@ -289,7 +318,8 @@ def _drop_not_entered(low, high, found, outlines, keep):
     Beside a sharp corner a vertex can lie behind an edge, its foot on it, and yet outside the
     block, on the other side of the wedge.  Of candidates ``low`` to ``high`` - 1.
     """
-    _, vertex, edge, _, gap, along, _ = found
+    vertex, edge = found.vertex, found.edge
+    gap, along = found.gap, found.along
     for c in range(low, high):
         if keep[c] and gap[c] < 0.0:
             keep[c] = _is_entrance_passed(vertex[c], edge[c], along[c], outlines)
@@ -303,7 +333,11 @@ def _meets(p, e, q, a, outlines):
     lines of corners P and Q; 2: e and a run along each other from P and Q, which coincide at one
     end of a joint; 3: the same, P and Q are its two ends.
     """
-    _, direction, _, vertex_block, block_start = outlines
+    direction, vertex_block, block_start = (
+        outlines.direction,
+        outlines.vertex_block,
+        outlines.block_start,
+    )
     i, j = vertex_block[a], vertex_block[e]
     if (
         i == j
@@ -338,8 +372,8 @@ def _drop_deeper_corners(low, high, found, outlines, known, keep):
     counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
     lower vertex.  Of candidates ``low`` to ``high`` - 1, all of some pairs of blocks.
     """
-    _, vertex, edge, pair, gap, _, _ = found
-    length = outlines[2]
+    vertex, edge, pair = found.vertex, found.edge, found.pair
+    gap, length = found.gap, outlines.length
     start = low
     while start < high:
         stop = start + 1
@@ -378,10 +412,12 @@ def _one_vertex_per_joint_end(found, outlines, critdis, keep):
     Corners P and Q coincide where they are within critdis.  The vertex that was in contact
     before stays; else the one whose foot lies on the other block's edge, else the lower one.
     """
-    group_start, vertex, edge, pair, _, along, remembered = found
-    vertices, _, length, _, _ = outlines
+    candidates, polygons = GroupedCandidates(*found), Polygons(*outlines)
+    vertex, edge, pair = candidates.vertex, candidates.edge, candidates.pair
+    along, remembered = candidates.along, candidates.remembered
+    vertices, length = polygons.vertices, polygons.length
     known = np.zeros(len(edge), np.bool_)
-    _are_known(0, len(remembered), group_start, remembered, known)
+    _are_known(0, len(remembered), candidates.group_start, remembered, known)
     start = 0
     while start < len(edge):
         stop = start + 1
@@ -394,7 +430,7 @@ def _one_vertex_per_joint_end(found, outlines, critdis, keep):
                     not (keep[c] and keep[d])
                     or np.hypot(vertices[p, 0] - vertices[q, 0], vertices[p, 1] - vertices[q, 1])
                     > critdis
-                    or _meets(p, e, q, a, outlines) != 2
+                    or _meets(p, e, q, a, polygons) != 2
                 ):
                     continue
                 beyond_c = max(-along[c], along[c] - length[e]) > ROUND_OFF * length[e]

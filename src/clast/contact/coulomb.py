@@ -13,14 +13,94 @@ force.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.contacts import LOCK, OPEN, SLIDE, Contacts
-from clast.model.model import Floats
+from clast.model.model import Bools, Floats, Ints
+
+
+class Strengths(NamedTuple):
+    """Strengths of contacts, (m,) each, or the numbers of one of them."""
+
+    friction: Floats
+    """tan(phi)."""
+    cohesion: Floats
+    """c that is left, Pa."""
+    tensile_strength: Floats
+    """sigma_t that is left, Pa."""
+    length: Floats
+    """Length of joint L that a contact stands for, m."""
+    residual_cohesion: Floats
+    """c after slip, Pa; NaN where slip leaves the bond whole."""
+
+
+class ContactForces(NamedTuple):
+    """Forces that contacts remember from the last step, (m,) each."""
+
+    bonded: Bools
+    """True where a bond is left."""
+    shear_force: Floats
+    """T_old, N/m."""
+    multiplier: Floats
+    """Multiplier of the normal force, N/m."""
+    rest_force: Floats
+    """Normal force at a gap of zero, N/m."""
+    friction_base: Floats
+    """N that bounds friction, N/m; NaN: the normal force of the moment."""
+
+
+class ShearMemory(NamedTuple):
+    """What one contact remembers of its shear spring."""
+
+    bonded: Any
+    """Whether a bond is left."""
+    shear_force: float
+    """T_old, N/m."""
+    friction_base: float
+    """N that bounds friction, N/m; NaN: the normal force of the moment."""
+
+
+class Stiffnesses(NamedTuple):
+    """Stiffnesses of the springs of contacts."""
+
+    normal_of_law: float
+    """p of the contact law, N/m per m."""
+    shear_of_law: float
+    """k of the contact law, N/m per m."""
+    normal_of_joint: Floats
+    """p of the joint of each contact, N/m per m, NaN where it has none, shape (m,)."""
+    shear_of_joint: Floats
+    """k of the joint of each contact, likewise, shape (m,)."""
+    share: Floats
+    """Share of the law's stiffness that each contact has, shape (m,)."""
+
+
+class Answers(NamedTuple):
+    """Answers of contacts to gaps and slips, (m,) each: the fields of a ContactResponse."""
+
+    normal_force: Floats
+    """N, N/m."""
+    shear_force: Floats
+    """T, N/m."""
+    normal_stiffness: Floats
+    """-dN/dgap, N/m per m."""
+    shear_stiffness: Floats
+    """-dT/dslip, N/m per m."""
+    coupling: Floats
+    """dT/dN."""
+    mode: Ints
+    """OPEN, SLIDE or LOCK."""
+    bonded: Bools
+    """True where a bond is left."""
+    energy: Floats
+    """Energy in the springs, J/m."""
+    loss: Floats
+    """Energy lost in sliding, J/m."""
+
 
 Found = tuple[Floats, Floats, Floats, Floats, Floats, Any, Any, Floats, Floats]
 """Output of kernels for each contact (m,):  N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy,
@@ -69,22 +149,20 @@ def tension_of(tensile_strength, length):
 
 
 @kernel(forceinline=True)
-def resist(slip, k, strengths, memory, normal, bears, counts):
+def resist(slip, k, strengths, memory, normal, carries, counts):
     """Return T, its stiffness and coupling to N, mode, bond, energy and loss of one contact.
 
-    ``strengths`` are tan(phi), c, sigma_t, length and residual c, ``memory`` the bond, T_old and
-    the N that bounds friction, numbers of one contact (``strengths_of``, ``memory_of``).
-    ``normal`` is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may
-    carry shear.  The part of a slip that the spring does not take up is lost.  Without any strength
+    ``strengths`` and ``memory`` (ShearMemory) are the numbers of this contact, ``normal`` is its N,
+    N/m; ``carries``: whether it is pressed together; ``counts``: whether it may carry shear.  The
+    part of a slip that the spring does not take up is lost.  Without any strength
     there is nothing to stick to, even at rest.
     """
-    friction, cohesion, tensile_strength, length, residual = strengths
-    bonded, shear_force, friction_base = memory
-    given = not np.isnan(friction_base)
-    base = friction_base if given else normal
-    tension = tension_of(tensile_strength, length)
+    friction, cohesion, length = strengths.friction, strengths.cohesion, strengths.length
+    given = not np.isnan(memory.friction_base)
+    base = memory.friction_base if given else normal
+    tension = tension_of(strengths.tensile_strength, length)
     bound = shear_strength(base, friction, cohesion, length, tension) if counts else 0.0
-    trial = shear_force - k * slip if counts else 0.0
+    trial = memory.shear_force - k * slip if counts else 0.0
     sign = 1.0 if trial > 0.0 else -1.0
     size = sign * trial
     slips = size > bound
@@ -96,14 +174,14 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     mode = OPEN if away else LOCK if sticks else SLIDE
     has_strength = (cohesion * length != 0.0) | (tension != 0.0)
     joined = (base > 0.0) | (tension != 0.0)
-    slipped = slips & joined & has_strength & (not np.isnan(residual))
-    unbroken = (bears | (tension == 0.0)) & (not slipped)
+    slipped = slips & joined & has_strength & (not np.isnan(strengths.residual_cohesion))
+    unbroken = (carries | (tension == 0.0)) & (not slipped)
     return (
         t if bound > 0.0 else 0.0,
         k if sticks else 0.0,
         coupling,
         mode,
-        bonded & unbroken,
+        memory.bonded & unbroken,
         0.5 * t * t / k,
         loss,
     )
@@ -124,20 +202,24 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
     the first that contacts have (m,).
     """
     k_of_law, k_of_joint, share = k
-    friction, cohesion, tensile_strength, length, residual = strengths
-    bonded, shear_force, _, _, friction_base = memory
-    normal, shear, _, ks, coupling, mode, intact, energy, loss = found
+    of, known, answer = Strengths(*strengths), ContactForces(*memory), Answers(*found)
+    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
+    length, residual = of.length, of.residual_cohesion
+    bonded, shear_force, friction_base = known.bonded, known.shear_force, known.friction_base
+    normal, shear, ks = answer.normal_force, answer.shear_force, answer.shear_stiffness
+    coupling, mode, intact = answer.coupling, answer.mode, answer.bonded
+    energy, loss = answer.energy, answer.loss
     for c in range(first, last):
-        bears = normal[c] != 0.0
+        carries = normal[c] != 0.0
         given = not np.isnan(friction_base[c])
-        counts = bears | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
+        counts = carries | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
         shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
             slip[c],
             of_joint_or_law(k_of_joint[c], share[c] * k_of_law),
-            (friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
-            (bonded[c], shear_force[c], friction_base[c]),
+            Strengths(friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
+            ShearMemory(bonded[c], shear_force[c], friction_base[c]),
             normal[c],
-            bears,
+            carries,
             counts,
         )
 
@@ -157,8 +239,11 @@ def limits_of_contacts(stiffnesses, strengths, base):
 @shared(CONTACTS)
 def _limits(first, last, stiffnesses, strengths, base, found):
     """Write the springs of contacts ``first`` to ``last`` - 1, and their strength."""
-    p_of_law, k_of_law, p_of_joint, k_of_joint, share = stiffnesses
-    friction, cohesion, tensile_strength, length, _ = strengths
+    of, springs = Strengths(*strengths), Stiffnesses(*stiffnesses)
+    p_of_law, p_of_joint = springs.normal_of_law, springs.normal_of_joint
+    k_of_law, k_of_joint = springs.shear_of_law, springs.shear_of_joint
+    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
+    length, share = of.length, springs.share
     p, k, tension, strength = found
     for c in range(first, last):
         p[c] = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)

@@ -62,7 +62,7 @@ def detect(
         reach = changed(reach, travel=travel)
     near = near or VerletList()
     pairs = near_pairs(
-        near, sought.vertices, sought.start, sought.fixed, around, travel, sought.gone
+        near, sought.vertices, sought.start, sought.fixed, around, travel, sought.absent
     )
     pairs = model.meeting(pairs, sought.block)
     owners = sought.owners
@@ -136,7 +136,7 @@ class _Sought:
     """The model's vertex that each vertex is, shape (k,)."""
     fixed: Bools
     """Those that cannot move, shape (o,)."""
-    gone: Bools
+    absent: Bools
     """Those of excavated blocks, shape (o,)."""
     memory: ContactMemory
     """Memory of contacts, by these numbers."""
@@ -159,7 +159,7 @@ def _sought(model: Model, state: State) -> _Sought:
             block=slice(None),
             vertex=slice(None),
             fixed=model.fixed,
-            gone=model.gone,
+            absent=model.absent,
             memory=memory,
             row=_NO_ROWS,
             owners=model.vertex_block,
@@ -176,7 +176,7 @@ def _sought(model: Model, state: State) -> _Sought:
         block=one.block,
         vertex=one.vertex,
         fixed=one.fixed,
-        gone=one.gone,
+        absent=one.absent,
         memory=replace(
             memory, **{**kept, "vertex": vertex[row], "block": outline[row], "edge": edge[row]}
         ),
@@ -367,7 +367,7 @@ def find_tunnelled(
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
     deeper into a block than the contacts of the two have.
     """
-    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, gone=model.gone)
+    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, absent=model.absent)
     pairs = model.meeting(pairs)
     box = polygon.boxes(vertices, model.block_start)
     known = pair_penetration(model.vertex_block, pairs, memory)

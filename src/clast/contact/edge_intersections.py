@@ -14,6 +14,8 @@ whichever is nearer: that distance is the depth of the crossing.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from clast.block.crossing_edges import behind, cross, crossing_point, sideways
@@ -43,6 +45,89 @@ APART = 0.1
 """Sine of the angle between two contacts' normals from which they say two different things."""
 
 
+class EdgeLines(NamedTuple):
+    """Outlines of all blocks, by their edges."""
+
+    vertices: Floats
+    """Vertices, m, shape (nv, 2)."""
+    direction: Floats
+    """Unit direction of the edge that starts at each vertex, shape (nv, 2)."""
+    block_start: Ints
+    """First vertex of each block, shape (n + 1,)."""
+
+
+class VertexRanges(NamedTuple):
+    """Vertices of two blocks i and j: the first, and the last + 1."""
+
+    first_i: int
+    last_i: int
+    first_j: int
+    last_j: int
+
+
+class EdgeContacts(NamedTuple):
+    """Contacts of vertices with edges, in the order of their pairs."""
+
+    vertex: Ints
+    """Vertex of each contact, shape (m,)."""
+    edge: Ints
+    """Its edge, shape (m,)."""
+    gap: Floats
+    """Its gap, m, shape (m,)."""
+    vertex_block: Ints
+    """Block of each vertex, shape (nv,)."""
+
+
+class RememberedContacts(NamedTuple):
+    """Contacts that were closed at the end of the last step."""
+
+    vertex: Ints
+    """Vertex of each contact, shape (m,)."""
+    edge: Ints
+    """Its edge, shape (m,)."""
+    pair: Ints
+    """Its pair of blocks, shape (m,)."""
+    vertex_block: Ints
+    """Block of each vertex, shape (nv,)."""
+
+
+class Crossing(NamedTuple):
+    """Two edges of two blocks that cross."""
+
+    edge: int
+    """Edge of the first block of the pair."""
+    other: int
+    """Edge of the second block."""
+    bounds: VertexRanges
+    """Vertices of the two blocks."""
+    lower: int
+    """The first block."""
+
+
+class CrossingLimits(NamedTuple):
+    """Limits of the crossings that count."""
+
+    share: float
+    """Share of a contact's penetration that must undo a crossing which it accounts for."""
+    floor: float
+    """Depth from which a crossing counts in any pair, m."""
+    least: float
+    """Depth from which one counts in this pair, m."""
+
+
+class Crossings(NamedTuple):
+    """Room for the crossings that no contact accounts for."""
+
+    crossing: Ints
+    """The two edges, shape (k, 2)."""
+    exits: Ints
+    """Vertex and edge of the shorter way out, shape (k, 2)."""
+    depths: Floats
+    """Its length, m, shape (k,)."""
+    pair: Ints
+    """Pair of the blocks, shape (k,)."""
+
+
 Chosen = tuple[Ints, Ints, Ints, Floats]
 """Vertex, edge, pair and gap, m, of contacts in the order of the pairs of blocks, (m,) each."""
 
@@ -70,9 +155,9 @@ def with_crossings(
     vertex_block, rows = of_vertices
     contacts = (vertex, edge, gap, vertex_block)
     lost = lost_contacts(memory, rows, vertex, vertex_block.take(edge))
-    bore = _have(memory, lost, pairs, vertex_block)
+    carried = _have(memory, lost, pairs, vertex_block)
     floor = SHALLOW * critdis
-    found = unseen(outlines, box, pairs, contacts, pair, (TAKEN_BACK, floor), bore)
+    found = unseen(outlines, box, pairs, contacts, pair, (TAKEN_BACK, floor), carried)
     if not len(found[0]):
         return chosen
     which, of_pair = np.unique(found[3], return_inverse=True)
@@ -152,7 +237,8 @@ def _cross_around(a, e, bounds, vertices, dx, dy):
 
     By (dx, dy), m.  A crossing can pass to the next edge: then the blocks still overlap there.
     """
-    first_i, last_i, first_j, last_j = bounds
+    first_i, last_i = bounds.first_i, bounds.last_i
+    first_j, last_j = bounds.first_j, bounds.last_j
     own = vertex_before(a, first_i, last_i)
     for _ in range(3):
         own_end = vertex_after(own, first_i, last_i)
@@ -167,6 +253,15 @@ def _cross_around(a, e, bounds, vertices, dx, dy):
 
 
 @kernel()
+def _edge_ends(a, e, bounds):
+    """Return the vertices at which edge a of the first block and edge e of the second end."""
+    return (
+        vertex_after(a, bounds.first_i, bounds.last_i),
+        vertex_after(e, bounds.first_j, bounds.last_j),
+    )
+
+
+@kernel()
 def _is_at_a_corner(a, e, bounds, floor, vertices, direction):
     """Return whether edges cross for no more than ``floor``, m, that one stands out at a corner.
 
@@ -174,7 +269,7 @@ def _is_at_a_corner(a, e, bounds, floor, vertices, direction):
     of one may lie far behind the other, by as much as they bend, but moved back along an edge by
     the projection there the blocks do not overlap any more.
     """
-    b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+    b, f = _edge_ends(a, e, bounds)
     out, x, y = sideways(a, b, e, f, vertices, direction)
     if out > floor:
         return False
@@ -189,7 +284,8 @@ def _taken_back(c, contacts, lower, share, direction):
 
     The unit direction, and ``share`` of the penetration, m.
     """
-    vertex, edge, gap, vertex_block = contacts
+    vertex, edge = contacts.vertex, contacts.edge
+    gap, vertex_block = contacts.gap, contacts.vertex_block
     sign = 1.0 if vertex_block[vertex[c]] == lower else -1.0
     return sign * direction[edge[c], 1], -sign * direction[edge[c], 0], -share * gap[c]
 
@@ -215,19 +311,20 @@ def _is_accounted_for(crossing, way_out, span, contacts, share, outlines):
     One of them, or two of different directions together: a vertex in a re-entrant corner.  Only
     those near the crossing count: a contact at one end of two faces does not hold the other.
     """
-    a, e, bounds, lower = crossing
-    vertices, direction, _ = outlines
-    gap, (low, high) = contacts[2], span
-    b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+    a, e = crossing.edge, crossing.other
+    bounds, lower = crossing.bounds, crossing.lower
+    vertices, direction = outlines.vertices, outlines.direction
+    gap, (low, high) = contacts.gap, span
+    b, f = _edge_ends(a, e, bounds)
     at = crossing_point(a, b, e, f, vertices)
     for c in range(low, high):
-        if gap[c] >= 0.0 or not _is_near(contacts[0][c], gap[c], at, way_out, vertices):
+        if gap[c] >= 0.0 or not _is_near(contacts.vertex[c], gap[c], at, way_out, vertices):
             continue
         x, y, way = _taken_back(c, contacts, lower, share, direction)
         if not _cross_around(a, e, bounds, vertices, way * x, way * y):
             return True
         for d in range(low, c):
-            if gap[d] >= 0.0 or not _is_near(contacts[0][d], gap[d], at, way_out, vertices):
+            if gap[d] >= 0.0 or not _is_near(contacts.vertex[d], gap[d], at, way_out, vertices):
                 continue
             u, v, other = _taken_back(d, contacts, lower, share, direction)
             sine = x * v - y * u
@@ -256,7 +353,8 @@ def _couples(own, of_own, others, of_others, vertices, bounds):
 
     A sweep from left to right: only those whose extents in x meet.
     """
-    first_i, last_i, first_j, last_j = bounds
+    first_i, last_i = bounds.first_i, bounds.last_i
+    first_j, last_j = bounds.first_j, bounds.last_j
     left_a, edge_a, _ = left_to_right(own[:of_own], vertices, first_i, last_i)
     left_e, edge_e, widest = left_to_right(others[:of_others], vertices, first_j, last_j)
     count, start, room = 0, 0, np.empty((4 * (of_own + of_others), 2), np.int64)
@@ -302,8 +400,8 @@ def _couples_within(window, listed, bounds, vertices):
     ``listed`` is room for the edges of either.
     """
     own, others = listed
-    of_own = edges_within(window, 0.0, vertices, bounds[0], bounds[1], own)
-    of_others = edges_within(window, 0.0, vertices, bounds[2], bounds[3], others)
+    of_own = edges_within(window, 0.0, vertices, bounds.first_i, bounds.last_i, own)
+    of_others = edges_within(window, 0.0, vertices, bounds.first_j, bounds.last_j, others)
     if of_own * of_others <= PAIRWISE:
         return _each_with_each(own, of_own, others, of_others)
     return _couples(own, of_own, others, of_others, vertices, bounds)
@@ -313,8 +411,8 @@ def _couples_within(window, listed, bounds, vertices):
 def _is_a_contact(vertex, edge, depth, span, contacts):
     """Return whether a contact of a ``span`` is this vertex over this edge as deep."""
     for c in range(span[0], span[1]):
-        if contacts[0][c] == vertex and contacts[1][c] == edge:
-            return -contacts[2][c] >= depth
+        if contacts.vertex[c] == vertex and contacts.edge[c] == edge:
+            return -contacts.gap[c] >= depth
     return False
 
 
@@ -322,18 +420,16 @@ def _is_a_contact(vertex, edge, depth, span, contacts):
 def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
     """Append the crossings of couples that contacts do not account for; return how many.
 
-    ``crossed`` are the first and last + 1 vertex of the pair's blocks and the lower block.
-    ``limits`` are the share, the depth from which a crossing counts in any pair, and that from
-    which it counts in this one.  ``found`` are there already; those that exceed the ``room`` are
-    counted only.
+    ``crossed`` are the vertices of the pair's blocks and the lower block.  ``found`` are there
+    already; those that exceed the ``room`` are counted only.
     """
-    vertices, direction, _ = outlines
+    vertices, direction = outlines.vertices, outlines.direction
     bounds, lower = crossed
-    share, floor, least = limits
-    crossing, exits, depths, _ = room
+    share, floor, least = limits.share, limits.floor, limits.least
+    crossing, exits, depths = room.crossing, room.exits, room.depths
     for k in range(len(couples)):
         a, e = couples[k, 0], couples[k, 1]
-        b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+        b, f = _edge_ends(a, e, bounds)
         if not cross(a, b, e, f, vertices, 0.0, 0.0):
             continue
         vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
@@ -341,7 +437,7 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
             continue
         if _is_at_a_corner(a, e, bounds, floor, vertices, direction):
             continue
-        one, way_out = (a, e, bounds, lower), (vertex, depth)
+        one, way_out = Crossing(a, e, bounds, lower), (vertex, depth)
         if _is_accounted_for(one, way_out, span, contacts, share, outlines):
             continue
         if found < len(depths):
@@ -361,9 +457,9 @@ def _most_vertices(block_start):
 
 
 @kernel(inline="always")
-def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, bore, room):
+def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, carried, room):
     """Write the crossings that no contact accounts for into ``room``; return their number."""
-    vertices, _, block_start = outlines
+    vertices, block_start = outlines.vertices, outlines.block_start
     most = _most_vertices(block_start)
     share, floor = limits
     listed = np.empty(most, np.int64), np.empty(most, np.int64)
@@ -376,21 +472,23 @@ def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, bore, room):
             high += 1
         i, j = pairs[q, 0], pairs[q, 1]
         window = _window(box, i, j)
-        least = 0.0 if bore[q] else floor
+        least = 0.0 if carried[q] else floor
         # what the two share is no thicker than what their boxes share
         if min(window[2] - window[0], window[3] - window[1]) <= least:
             continue
         before = found
-        bounds = block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
+        bounds = VertexRanges(
+            block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
+        )
         couples = _couples_within(window, listed, bounds, vertices)
-        crossed, span, deep = (bounds, i), (low, high), (share, floor, least)
+        crossed, span, deep = (bounds, i), (low, high), CrossingLimits(share, floor, least)
         found = _of_pair(couples, crossed, span, contacts, deep, outlines, room, found)
-        room[3][before : min(found, len(room[3]))] = q
+        room.pair[before : min(found, len(room.pair))] = q
     return found
 
 
 @kernel()
-def unseen(outlines, box, pairs, contacts, pair, limits, bore):
+def unseen(outlines, box, pairs, contacts, pair, limits, carried):
     """Return the crossings of edges that no contact accounts for.
 
     Of ``pairs`` (q, 2) of blocks: the two edges, that of the pair's lower block first, (k, 2);
@@ -399,20 +497,25 @@ def unseen(outlines, box, pairs, contacts, pair, limits, bore):
     block, ``box`` (n, 4) their boxes; ``contacts`` vertex, edge and gap (m,), m, in the order of
     their ``pair`` (m,), and the block of each vertex.  ``limits`` are the share of a contact's
     penetration that, taken back, undoes the overlap it accounts for, and the depth from which a
-    crossing counts, m; where the pair ``bore`` (q,) by a contact that is no more, any depth does.
+    crossing counts, m; where the pair ``carried`` (q,) a force by a contact that has ended,
+    any depth does.
     """
-    size = 64
+    size, lines, known = 64, EdgeLines(*outlines), EdgeContacts(*contacts)
     while True:
-        room = (
+        room = Crossings(
             np.empty((size, 2), np.int64),
             np.empty((size, 2), np.int64),
             np.empty(size),
             np.empty(size, np.int64),
         )
-        found = _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, bore, room)
+        found = _unseen_of_pairs(lines, box, pairs, known, pair, limits, carried, room)
         if found <= size:
-            crossing, exits, depth, of_pair = room
-            return crossing[:found], exits[:found], depth[:found], of_pair[:found]
+            return (
+                room.crossing[:found],
+                room.exits[:found],
+                room.depths[:found],
+                room.pair[:found],
+            )
         size = found
 
 
@@ -422,9 +525,11 @@ def _best_remembered(crossing, pair, remembered, share, outlines):
 
     Of those whose vertex is still behind its edge.
     """
-    a, e, bounds, lower = crossing
-    vertices, direction, _ = outlines
-    vertex, edge, of_pair, vertex_block = remembered
+    a, e = crossing.edge, crossing.other
+    bounds, lower = crossing.bounds, crossing.lower
+    vertices, direction = outlines.vertices, outlines.direction
+    vertex, edge = remembered.vertex, remembered.edge
+    of_pair, vertex_block = remembered.pair, remembered.vertex_block
     best, least = -1, np.inf
     for c in range(len(vertex)):
         if of_pair[c] != pair:
@@ -448,24 +553,27 @@ def _ways_out(crossings, pairs, remembered, limit, share, outlines):
     one of these that ends the crossing goes on; where none does it is the shorter way out, for
     crossings that are deeper than the first and less deep than the second ``limit`` (k, 2), m.
     """
-    crossing, exits, depths, of_pair = crossings
-    vertices, direction, block_start = outlines
-    at, on, _, vertex_block = remembered
+    of, lines, known = Crossings(*crossings), EdgeLines(*outlines), RememberedContacts(*remembered)
+    crossing, exits, depths, of_pair = of.crossing, of.exits, of.depths, of.pair
+    vertices, direction, block_start = lines.vertices, lines.direction, lines.block_start
+    at, on, vertex_block = known.vertex, known.edge, known.vertex_block
     found, count = np.empty((len(depths), 3), np.int64), 0
     gap = np.empty(len(depths))
     for k in np.argsort(depths):
         a, e, q = crossing[k, 0], crossing[k, 1], of_pair[k]
         i, j = pairs[q, 0], pairs[q, 1]
-        bounds = block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
-        one, is_accounted_for = (a, e, bounds, i), False
-        added = (found[:count, 0], found[:count, 1], gap[:count], vertex_block)
+        bounds = VertexRanges(
+            block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
+        )
+        one, is_accounted_for = Crossing(a, e, bounds, i), False
+        added = EdgeContacts(found[:count, 0], found[:count, 1], gap[:count], vertex_block)
         for c in range(count):
             is_accounted_for |= found[c, 2] == q and _is_accounted_for(
-                one, (exits[k, 0], depths[k]), (c, c + 1), added, share, outlines
+                one, (exits[k, 0], depths[k]), (c, c + 1), added, share, lines
             )
         if is_accounted_for:
             continue
-        best = _best_remembered(one, q, remembered, share, outlines)
+        best = _best_remembered(one, q, known, share, lines)
         if best >= 0:
             found[count, 0], found[count, 1] = at[best], on[best]
         elif limit[k, 0] < depths[k] < limit[k, 1]:

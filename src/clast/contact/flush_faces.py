@@ -28,10 +28,20 @@ Towards a third block such a corner is one of that outline:
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import (
+    ROUND_OFF,
+    SMALL_ANGLE,
+    Polygons,
+    turn_at,
+    vertex_after,
+    vertex_before,
+)
 from clast.compute.jit import kernel
+from clast.model.model import Floats, Ints
 
 FACES_LIKE, BEND = np.cos(np.radians(45.0)), np.sin(np.radians(45.0))
 """Cosine and sine of the largest bend of a surface at a seam."""
@@ -39,6 +49,29 @@ BLOCKS_BELOW = 64
 """Blocks below one another whose settlement is added up, at most."""
 WAY_ROUND = 64
 """Edges of an outline between the two sides of a step or a notch, at most."""
+
+
+class BearingContacts(NamedTuple):
+    """Contacts of the last step, by the blocks that stand on them (r of them)."""
+
+    start: Ints
+    """First of the ``rows`` of each block, shape (n + 1,)."""
+    rows: Ints
+    """Contacts of each block, block by block (``rows_by_block``), shape (k,)."""
+    vertex: Ints
+    """Vertex of each contact, shape (r,)."""
+    block: Ints
+    """Block of its edge, shape (r,)."""
+    edge: Ints
+    """Its edge, shape (r,)."""
+    gap: Floats
+    """Its gap, m, shape (r,)."""
+    strain: Floats
+    """Strain of each block, shape (n, 3)."""
+    beyond: Ints
+    """Edges by which outlines go on beyond a joint (``goes_on``), shape (nv, 2)."""
+    largest_settlement: Floats
+    """Bound on how far each block has been pressed down (``largest_settlements``), m, (n,)."""
 
 
 @kernel()
@@ -92,7 +125,8 @@ def _surface(row, block, bearing, vertices, direction, vertex_block):
 
     A point of it, its normal (towards the block), the other block, and the penetration, m.
     """
-    _, _, vertex, of_edge, edge, gap, _, _, _ = bearing
+    vertex, of_edge = bearing.vertex, bearing.block
+    edge, gap = bearing.edge, bearing.gap
     v, e = vertex[row], edge[row]
     nx, ny = direction[e, 1], -direction[e, 0]
     depth = max(0.0, -gap[row])
@@ -104,7 +138,7 @@ def _surface(row, block, bearing, vertices, direction, vertex_block):
 @kernel()
 def _shortening(block, nx, ny, outlines, strain):
     """Return by how much a block has become shorter along a direction, m, >= 0."""
-    vertices, _, _, _, block_start = outlines
+    vertices, block_start = outlines.vertices, outlines.block_start
     exx, eyy, gxy = strain[block]
     along = exx * nx * nx + eyy * ny * ny + gxy * nx * ny
     if along >= 0.0:
@@ -123,8 +157,9 @@ def _settlement(block, nx, ny, outlines, bearing):
     From block to block, each by the contact in which it is pressed in most, down to one that cannot
     move.
     """
-    vertices, direction, _, vertex_block, _ = outlines
-    start, rows, _, _, _, _, strain, _, most = bearing
+    vertices, direction, vertex_block = outlines.vertices, outlines.direction, outlines.vertex_block
+    start, rows = bearing.start, bearing.rows
+    strain, most = bearing.strain, bearing.largest_settlement
     down = 0.0
     for _ in range(BLOCKS_BELOW):
         if most[block] == 0.0:
@@ -150,7 +185,8 @@ def _goes_on(g, p, top, outlines):
     From the edge at p that faces as ``top`` does, on over the other one there, it comes to g and
     has turned back as far as it had turned.  Round a convex corner it has not.
     """
-    _, direction, _, vertex_block, block_start = outlines
+    direction = outlines.direction
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     first, last = block_start[vertex_block[p]], block_start[vertex_block[p] + 1]
     k, before = p, vertex_before(p, first, last)
     more = (direction[p, 1] - direction[before, 1]) * top[0]
@@ -178,8 +214,8 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
     does not hang below it, but for the settlement.  An edge that faces as the surface does, with
     normal ``side``, is part of it and no side face.
     """
-    vertices, direction, _, vertex_block, _ = outlines
-    start, rows = bearing[0], bearing[1]
+    vertices, direction, vertex_block = outlines.vertices, outlines.direction, outlines.vertex_block
+    start, rows = bearing.start, bearing.rows
     for at in range(start[block], start[block + 1]):
         x, y, mx, my, below, depth = _surface(
             rows[at], block, bearing, vertices, direction, vertex_block
@@ -189,12 +225,14 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
         out = (vertices[other, 0] - x) * mx + (vertices[other, 1] - y) * my
         high = (vertices[own, 0] - x) * mx + (vertices[own, 1] - y) * my
         gives = depth + ROUND_OFF * scale
-        if max(out, -high - depth) > gives + bearing[8][below]:
+        if max(out, -high - depth) > gives + bearing.largest_settlement[below]:
             continue
         if out > gives or high < -gives - depth:  # it may be flush yet if what is below gives way
             gives += _settlement(below, mx, my, outlines, bearing)
         if out <= gives and high >= -gives - depth:
-            if below != vertex_block[other] or _goes_on(bearing[4][rows[at]], other, top, outlines):
+            if below != vertex_block[other] or _goes_on(
+                bearing.edge[rows[at]], other, top, outlines
+            ):
                 return True
     return False
 
@@ -203,13 +241,11 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
 def is_covered(v, e, at_end, own, outlines, bearing):
     """Return True if edge e is no entrance for vertex v of another block at one of its ends.
 
-    ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.  ``outlines`` are
-    the vertices, direction and length of the edges that start there, block of each vertex, first
-    vertex of each block; ``bearing`` are the first row of the memory of each block and these rows
-    (``rows_by_block``), the memory's vertex, block, edge and gap (k,), the strain (n, 3) of the
-    blocks, where outlines go on (``goes_on``), and the ``largest_settlements`` (n,).
+    ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it; ``outlines`` are
+    ``Polygons``, ``bearing`` the ``BearingContacts``.
     """
-    _, direction, length, vertex_block, block_start = outlines
+    direction, length = outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     i, j = vertex_block[v], vertex_block[e]
     first, last = block_start[j], block_start[j + 1]
     if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
@@ -238,7 +274,7 @@ def _join(p, q, i, k, critdis, outlines, beyond):
 
     The edge that begins at p and the one that ends at q lie in the joint, if any two do.
     """
-    vertices, direction, _, _, block_start = outlines
+    vertices, direction, block_start = outlines.vertices, outlines.direction, outlines.block_start
     if np.hypot(vertices[p, 0] - vertices[q, 0], vertices[p, 1] - vertices[q, 1]) > critdis:
         return
     into_q = vertex_before(q, block_start[k], block_start[k + 1])
@@ -260,7 +296,8 @@ def goes_on(pairs, box, outlines, critdis):
     where the edge that begins there does.  Of ``pairs`` (q, 2) of blocks whose corners are within
     ``critdis``, m; ``box`` (n, 4) are the boxes of the blocks.
     """
-    vertices, _, _, _, block_start = outlines
+    polygons = Polygons(*outlines)
+    vertices, block_start = polygons.vertices, polygons.block_start
     beyond = np.full((len(vertices), 2), -1)
     for at in range(len(pairs)):
         i, k = pairs[at, 0], pairs[at, 1]
@@ -274,8 +311,8 @@ def goes_on(pairs, box, outlines, critdis):
                 continue
             for p in range(block_start[i], block_start[i + 1]):
                 if abs(vertices[p, 0] - x) <= critdis and abs(vertices[p, 1] - y) <= critdis:
-                    _join(p, q, i, k, critdis, outlines, beyond)
-                    _join(q, p, k, i, critdis, outlines, beyond)
+                    _join(p, q, i, k, critdis, polygons, beyond)
+                    _join(q, p, k, i, critdis, polygons, beyond)
     return beyond
 
 
@@ -292,7 +329,8 @@ def _is_level(v, e, side, outlines, bearing):
 
     But for the settlement of the blocks of both.  ``side`` is 0 where e comes before v.
     """
-    vertices, direction, length, vertex_block, block_start = outlines
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     i, k = vertex_block[v], vertex_block[e]
     corner = e if side == 1 else _end_of(e, vertex_block, block_start)
     own = vertex_before(v, block_start[i], block_start[i + 1]) if side == 1 else v
@@ -314,8 +352,8 @@ def is_no_corner(v, j, nx, ny, own, outlines, bearing):
     Over an edge with the normal (nx, ny); ``own`` (ax, ay, bx, by) are the vertex's two edges,
     pointing away from it.
     """
-    _, direction, _, vertex_block, _ = outlines
-    beyond = bearing[7]
+    direction, vertex_block = outlines.direction, outlines.vertex_block
+    beyond = bearing.beyond
     ax, ay, bx, by = own
     flush = False
     e = beyond[v, 0]
@@ -337,17 +375,17 @@ def is_no_corner(v, j, nx, ny, own, outlines, bearing):
 @kernel()
 def is_in_joint(e, at_end, i, outlines, bearing):
     """Return True if edge e lies in a joint at one of its ends, with a block other than i."""
-    _, _, _, vertex_block, block_start = outlines
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     v = _end_of(e, vertex_block, block_start) if at_end else e
     side = 0 if at_end else 1
-    other = bearing[7][v, side]
+    other = bearing.beyond[v, side]
     return other >= 0 and vertex_block[other] != i and _is_level(v, other, side, outlines, bearing)
 
 
 @kernel()
 def _pressed_in(p, block, bearing):
     """Return how deep vertex p was in a block at the end of the last step, m."""
-    _, _, vertex, of_edge, _, gap, _, _, _ = bearing
+    vertex, of_edge, gap = bearing.vertex, bearing.block, bearing.gap
     at = np.searchsorted(vertex, p)
     depth = 0.0
     while at < len(vertex) and vertex[at] == p:
@@ -373,7 +411,7 @@ def _has_given_way(p, block, v, f, outlines, bearing):
 
     And that one to vertex v of the block of f; with it the blocks below the block of f.
     """
-    _, direction, _, vertex_block, _ = outlines
+    direction, vertex_block = outlines.direction, outlines.vertex_block
     below = vertex_block[f]
     pressed_in = max(_pressed_in(p, below, bearing), _pressed_in(v, block, bearing))
     return pressed_in + _settlement(below, direction[f, 1], -direction[f, 0], outlines, bearing)
@@ -387,10 +425,11 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
     edge beyond the joint at p.  They overlap by ``inside``, m; it is no more than the settlement of
     that edge and below it.
     """
-    _, direction, length, vertex_block, block_start = outlines
+    direction, length = outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     i, j = vertex_block[p], vertex_block[e]
     first, last = block_start[j], block_start[j + 1]
-    beyond, slack = bearing[7], ROUND_OFF * length[e]
+    beyond, slack = bearing.beyond, ROUND_OFF * length[e]
     v, inwards = (vertex_after(e, first, last), -1.0) if at_end else (e, 1.0)
     side = 1 if at_end else 0
     f = beyond[v, side]

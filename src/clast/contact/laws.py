@@ -10,7 +10,12 @@ import numpy as np
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
 from clast.contact.coulomb import (
+    Answers,
+    ContactForces,
     Found,
+    ShearMemory,
+    Stiffnesses,
+    Strengths,
     answer_with_friction,
     limits_of_contacts,
     memory_of,
@@ -34,31 +39,38 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
     In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
     at the kink either is a derivative, and it is about to close.
     """
-    p_of_law, k_of_law, p_of_joint, k_of_joint, share = stiffnesses
-    friction, cohesion, tensile_strength, length, residual = strengths
-    bonded, shear_force, multiplier, rest_force, friction_base = memory
-    normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
+    of, springs = Strengths(*strengths), Stiffnesses(*stiffnesses)
+    known, answer = ContactForces(*memory), Answers(*found)
+    p_of_law, p_of_joint = springs.normal_of_law, springs.normal_of_joint
+    k_of_law, k_of_joint, share = springs.shear_of_law, springs.shear_of_joint, springs.share
+    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
+    length, residual = of.length, of.residual_cohesion
+    bonded, shear_force, friction_base = known.bonded, known.shear_force, known.friction_base
+    multiplier, rest_force = known.multiplier, known.rest_force
+    normal, shear, mode = answer.normal_force, answer.shear_force, answer.mode
+    kn, ks, coupling = answer.normal_stiffness, answer.shear_stiffness, answer.coupling
+    intact, energy, loss = answer.bonded, answer.energy, answer.loss
     for c in range(first, last):
         given = not np.isnan(friction_base[c])
         p = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
         k = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
         trial = rest_force[c] + multiplier[c] - p * gap[c]
         tension = tension_of(tensile_strength[c], length[c])
-        bears = (trial > -tension) | (given & (trial == -tension))
-        counts = bears | given | (tension != 0.0)
+        carries = (trial > -tension) | (given & (trial == -tension))
+        counts = carries | given | (tension != 0.0)
         # -tension is the cut-off; the bond is lost when the step is over
-        n = trial if bears else -tension
+        n = trial if carries else -tension
         n = n if counts else 0.0
         normal[c] = n
-        kn[c] = p if bears else 0.0
+        kn[c] = p if carries else 0.0
         pressed = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counts else 0.0
         shear[c], ks[c], coupling[c], mode[c], intact[c], sheared, loss[c] = resist(
             slip[c],
             k,
-            (friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
-            (bonded[c], shear_force[c], friction_base[c]),
+            Strengths(friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
+            ShearMemory(bonded[c], shear_force[c], friction_base[c]),
             n,
-            bears,
+            carries,
             counts,
         )
         energy[c] = pressed + sheared

@@ -3,27 +3,92 @@
 The signed gap of a vertex to an edge's line is (P - A) . n with n the outward normal; with
 counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
 
-In all kernels ``outlines`` are the vertices (nv, 2), m, direction (nv, 2) and length (nv,), m, of
-the edge that starts at each, the block of each (nv,) and the first vertex of each block (n + 1,);
-``own`` are the two edges of a vertex, pointing away from it, (ax, ay, bx, by); ``shift`` (nv, 2) is
-how far the velocities would carry each vertex in the step, m; ``distances`` are how far to look, m,
-in front of an edge, behind it, beyond an end where corners coincide (critdis), and for a tip;
-``bearing`` has the ground of each block, and where outlines go on over joints
-(contact/flush_faces.py).  The last three together are ``looks``.
+In all kernels ``outlines`` are ``Polygons``, and ``own`` the two edges of a vertex, pointing away
+from it, (ax, ay, bx, by).
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from clast.block.edge_lists import FEW, edges_around, edges_near
-from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import (
+    ROUND_OFF,
+    SMALL_ANGLE,
+    Polygons,
+    turn_at,
+    vertex_after,
+    vertex_before,
+)
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, EACH, shared
-from clast.contact.flush_faces import is_covered, is_in_joint, is_no_corner, stands_beyond
+from clast.contact.flush_faces import (
+    BearingContacts,
+    is_covered,
+    is_in_joint,
+    is_no_corner,
+    stands_beyond,
+)
+from clast.model.model import Floats, Ints
 
 PART = CONTACTS.part
 """Pairs of blocks that a thread takes at a time."""
+
+
+class SearchLengths(NamedTuple):
+    """How far from an edge vertices are candidates for a contact, m."""
+
+    front: float
+    """In front of it."""
+    depth: float
+    """Behind it."""
+    critdis: float
+    """Beyond an end, where corners coincide."""
+    tip: float
+    """Beyond an end, for a vertex that touches with its tip alone."""
+
+
+class EntranceSearch(NamedTuple):
+    """What the entrance test of a vertex and an edge looks at, beside their geometry."""
+
+    shift: Floats
+    """How far the velocities would carry each vertex in the step, m, shape (nv, 2)."""
+    distances: SearchLengths
+    """How far to look."""
+    bearing: BearingContacts
+    """Contacts on which blocks stand, and where outlines go on over joints."""
+
+
+class NearPairs(NamedTuple):
+    """Pairs of blocks that are near each other."""
+
+    pairs: Ints
+    """The pairs, shape (q, 2)."""
+    box: Floats
+    """Bounding box of each block, m, shape (n, 4)."""
+    depth: Floats
+    """Penetration of each pair at the end of the last step, m, shape (q,)."""
+    travel: Floats
+    """How far a vertex of each block may move, m, shape (n,)."""
+
+
+class CandidateArrays(NamedTuple):
+    """Room for candidate edges, grouped by vertex and block of the edge."""
+
+    group_start: Ints
+    """First candidate of each group."""
+    vertex: Ints
+    """Vertex of each candidate."""
+    edge: Ints
+    """Its edge."""
+    pair: Ints
+    """Its pair of blocks."""
+    gap: Floats
+    """Distance of the vertex from the edge's line, m."""
+    along: Floats
+    """Distance of its foot from the start of the edge, m."""
 
 
 @kernel()
@@ -39,8 +104,8 @@ def _foot_allowance(e, own, beyond_end, distances, direction):
     back = -1.0 if beyond_end else 1.0
     for ux, uy in ((ax, ay), (bx, by)):
         if back * (ux * tx + uy * ty) > 0.0 and abs(ux * ty - uy * tx) <= SMALL_ANGLE:
-            return distances[2]
-    return distances[3]
+            return distances.critdis
+    return distances.tip
 
 
 @kernel()
@@ -57,7 +122,8 @@ def _is_behind_next(p, gap, e, at_end, outlines):
     It is inside the corner then, so that e counts although the foot lies beyond its end: at an
     obtuse corner, and at a re-entrant one, where both feet can lie beyond their ends.
     """
-    vertices, direction, _, vertex_block, block_start = outlines
+    vertices, direction = outlines.vertices, outlines.direction
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
     if gap >= 0.0 and turn_at(e, at_end, direction, first, last) >= 0.0:
         return False
@@ -73,7 +139,8 @@ def _is_hidden(p, e, along, critdis, outlines):
     Such a point is in front of that edge, or nearer to it: between the prongs of a fork, beside
     the tip of a wedge.  Near a corner of e the choice is left to the corner rule.
     """
-    vertices, direction, length, vertex_block, block_start = outlines
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
     px, py = vertices[p, 0], vertices[p, 1]
     share = min(max(along, 0.0), length[e])
@@ -119,7 +186,8 @@ def _passes_by(p, e, gap, at_end, own, shift, outlines):
     moving towards e it would slide along the next edge and not come to rest on this one, unless the
     step's motion takes it in.
     """
-    vertices, direction, length, vertex_block, block_start = outlines
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
     if gap < -ROUND_OFF * length[e] or turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
         return False
@@ -140,8 +208,8 @@ def _meeting_point(p, e, e_end, gap, along, shift, outlines):
 
     Infinity where it does not come there.
     """
-    tx, ty = outlines[1][e, 0], outlines[1][e, 1]
-    mx, my = _motion_past(p, e, e_end, along / outlines[2][e], shift)
+    tx, ty = outlines.direction[e, 0], outlines.direction[e, 1]
+    mx, my = _motion_past(p, e, e_end, along / outlines.length[e], shift)
     closing = -(mx * ty - my * tx)
     if closing <= gap:
         return np.inf
@@ -151,8 +219,8 @@ def _meeting_point(p, e, e_end, gap, along, shift, outlines):
 @kernel()
 def _comes_in(p, e, gap, along, own, outlines, looks):
     """Return True if vertex p, whose foot lies beyond an end of e, comes upon e in the step."""
-    shift, distances, bearing = looks
-    _, _, length, vertex_block, block_start = outlines
+    shift, distances, bearing = looks.shift, looks.distances, looks.bearing
+    length, vertex_block, block_start = outlines.length, outlines.vertex_block, outlines.block_start
     first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
     e_end, at_end = vertex_after(e, first, last), along > 0.5 * length[e]
     meets = _meeting_point(p, e, e_end, gap, along, shift, outlines)
@@ -161,7 +229,7 @@ def _comes_in(p, e, gap, along, own, outlines, looks):
     # one that is pressed in a little meets the line before the seam where it bends
     over = length[e] if at_end else 0.0
     behind = e_end if at_end else vertex_before(e, first, last)
-    return abs(meets - over) <= distances[1] and is_covered(
+    return abs(meets - over) <= distances.depth and is_covered(
         p, behind, not at_end, own, outlines, bearing
     )
 
@@ -188,9 +256,10 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     ``gap`` and ``along`` are its distance from the line of e and the way to its foot from the start
     of e, m.
     """
-    shift, distances, bearing = looks
-    front, depth, critdis, tip = distances
-    _, direction, length, _, _ = outlines
+    shift, distances, bearing = looks.shift, looks.distances, looks.bearing
+    front, depth = distances.front, distances.depth
+    critdis, tip = distances.critdis, distances.tip
+    direction, length = outlines.direction, outlines.length
     beyond = max(-along, along - length[e])
     if beyond > max(critdis, depth, front):
         return False
@@ -225,7 +294,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
         return False
     if has_face:
         return True
-    i, j = outlines[3][p], outlines[3][e]
+    i, j = outlines.vertex_block[p], outlines.vertex_block[e]
     if is_no_corner(p, j, nx, ny, own, outlines, bearing):
         return False
     if not at_corner:
@@ -245,9 +314,10 @@ def _of_vertex(p, edges, outlines, looks, room, found):
 
     Those that exceed the ``room`` (edge, gap, along) are counted only.
     """
-    vertices, direction, _, vertex_block, block_start = outlines
+    vertices, direction = outlines.vertices, outlines.direction
+    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     out_edge, out_gap, out_along = room
-    front, depth, _, _ = looks[1]
+    front, depth = looks.distances.front, looks.distances.depth
     i = vertex_block[p]
     before = vertex_before(p, block_start[i], block_start[i + 1])
     own = -direction[before, 0], -direction[before, 1], direction[p, 0], direction[p, 1]
@@ -282,10 +352,14 @@ def _of_pairs(low, high, outlines, near, looks, room):
 
     And the number of their groups; valid where as many fit.
     """
-    vertices, _, _, _, block_start = outlines
-    pairs, box, pair_depth, travel = near
-    shift, (front, behind, critdis, tip), bearing = looks
-    group_start, vertex, edge, pair, gap, along = room
+    vertices, block_start = outlines.vertices, outlines.block_start
+    pairs, box = near.pairs, near.box
+    pair_depth, travel = near.depth, near.travel
+    shift, distances, bearing = looks.shift, looks.distances, looks.bearing
+    front, behind = distances.front, distances.depth
+    critdis, tip = distances.critdis, distances.tip
+    group_start, vertex, edge = room.group_start, room.vertex, room.edge
+    pair, gap, along = room.pair, room.gap, room.along
     group_start[0] = 0
     groups, found = 0, 0
     around_it = np.empty(0), np.empty(0, np.int64), 0.0
@@ -296,7 +370,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
         around = before + max(critdis, tip)  # in front of an edge and beyond its end
         # an edge behind or beyond whose end a vertex lies further counts for nothing
         far = 1.5 * max(before, depth, critdis, tip)
-        of_pair = shift, (before, depth, critdis, tip), bearing
+        of_pair = EntranceSearch(shift, SearchLengths(before, depth, critdis, tip), bearing)
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             first, last = block_start[j], block_start[j + 1]
@@ -327,29 +401,30 @@ def _of_pairs(low, high, outlines, near, looks, room):
 def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
     """Write the candidates of parts ``first`` to ``last`` - 1 of the pairs into their own rooms.
 
-    ``near`` are the pairs (q, 2), the boxes of the blocks (n, 4), the penetration that each pair
-    had at the end of the last step (q,), m, and how far the blocks may move (n,), m.  ``room``, for
-    ``most`` candidates a part, has the first candidate of each group, and of each candidate its
-    vertex, edge, pair, gap and distance along the edge.  ``found`` (parts, 2) are the numbers of
-    candidates and of their groups, which are valid where as many fit.  ``looks`` come one by one,
-    the distances as an array (4,): threads take no tuples within tuples.
+    ``near`` are ``NearPairs``; ``room`` is that of ``CandidateArrays``, for ``most`` candidates a
+    part.  ``found`` (parts, 2) are the numbers of candidates and of their groups, which are valid
+    where as many fit.  ``looks`` are those of ``EntranceSearch`` one by one, the distances as an
+    array (4,): threads take no tuples within tuples.
     """
-    group_start, vertex, edge, pair, gap, along = room
+    polygons, near_pairs, whole = Polygons(*outlines), NearPairs(*near), CandidateArrays(*room)
     front, depth, critdis, tip = looks[1]
-    together = looks[0], (front, depth, critdis, tip), looks[2:]
+    bearing = looks[2:]
+    search = EntranceSearch(
+        looks[0], SearchLengths(front, depth, critdis, tip), BearingContacts(*bearing)
+    )
     for part in range(first, last):
         low, high = part * PART, min((part + 1) * PART, len(near[0]))
         begin = part * (most + 1)
         end = begin + most
-        own = (
-            group_start[begin : end + 1],
-            vertex[begin:end],
-            edge[begin:end],
-            pair[begin:end],
-            gap[begin:end],
-            along[begin:end],
+        own = CandidateArrays(
+            whole.group_start[begin : end + 1],
+            whole.vertex[begin:end],
+            whole.edge[begin:end],
+            whole.pair[begin:end],
+            whole.gap[begin:end],
+            whole.along[begin:end],
         )
-        found[part, 0], found[part, 1] = _of_pairs(low, high, outlines, near, together, own)
+        found[part, 0], found[part, 1] = _of_pairs(low, high, polygons, near_pairs, search, own)
 
 
 @shared(EACH)

@@ -31,7 +31,7 @@ class Neighbourhood:
     """First vertex of each block, shape (n + 1,)."""
     fixed: Bools
     """Blocks that cannot move, pairs of which do not count, shape (n,)."""
-    gone: Bools | None
+    absent: Bools | None
     """Blocks that are near none, shape (n,)."""
     box: Floats
     """The wide boxes, (xmin, ymin, xmax, ymax), m, shape (n, 4)."""
@@ -40,19 +40,19 @@ class Neighbourhood:
 
 
 def neighbourhood_of(
-    block_start: Ints, fixed: Bools, box: Floats, half: Floats, gone: Bools | None = None
+    block_start: Ints, fixed: Bools, box: Floats, half: Floats, absent: Bools | None = None
 ) -> Neighbourhood:
     """Return the neighbourhood of boxes (n, 4) that have been widened by ``half`` (n,), m.
 
-    Blocks that are ``gone`` (n,) are near none.
+    Blocks that are ``absent`` (n,) are near none.
     """
     sides = 0.5 * (box[:, 2] - box[:, 0] + box[:, 3] - box[:, 1]) - 2.0 * half
     spare = np.minimum(SPARE * half, WIDEST * sides)
     wide = box + spare[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
     pairs = broad_phase.overlapping_pairs(wide, fixed)
-    if gone is not None and gone.any():
-        pairs = np.ascontiguousarray(pairs[~gone[pairs].any(axis=1)])
-    return Neighbourhood(block_start=block_start, fixed=fixed, gone=gone, box=wide, pairs=pairs)
+    if absent is not None and absent.any():
+        pairs = np.ascontiguousarray(pairs[~absent[pairs].any(axis=1)])
+    return Neighbourhood(block_start=block_start, fixed=fixed, absent=absent, box=wide, pairs=pairs)
 
 
 class VerletList:
@@ -72,14 +72,14 @@ class VerletList:
         block_start: Ints,
         half: Floats,
         fixed: Bools,
-        gone: Bools | None = None,
+        absent: Bools | None = None,
     ) -> Ints:
         """Return the pairs (q, 2) of blocks whose boxes, widened by ``half`` (n,), m, overlap."""
         box = polygon.boxes(vertices, block_start)
         broad_phase.widen(box, half)
         last = self._last
-        if last is None or last.gone is not gone or not serves(last, block_start, fixed, box):
-            last = neighbourhood_of(block_start, fixed, box, half, gone)
+        if last is None or last.absent is not absent or not serves(last, block_start, fixed, box):
+            last = neighbourhood_of(block_start, fixed, box, half, absent)
             self._last = last
             self.searches += 1
         return broad_phase.overlapping_of(last.pairs, box)
@@ -99,13 +99,13 @@ def near_pairs(
     fixed: Bools,
     distance: float,
     travel: Floats | float = 0.0,
-    gone: Bools | None = None,
+    absent: Bools | None = None,
 ) -> Ints:
     """Return pairs (lower, higher) of blocks that are near each other by their boxes, (q, 2).
 
     Nearer than ``distance``, m, plus the ``travel`` (n,) of each of the two, m.  Blocks that are
-    ``gone`` (n,) are near none.
+    ``absent`` (n,) are near none.
     """
     half = np.empty(len(block_start) - 1)
     half[:] = 0.5 * distance + travel
-    return near.near_pairs(vertices, block_start, half, fixed, gone)
+    return near.near_pairs(vertices, block_start, half, fixed, absent)

@@ -13,7 +13,7 @@ from clast.exports.targets import check_ending, check_free, numbered
 from clast.model.model import Floats
 from clast.pictures.fields import round_below
 from clast.results import FrameContacts, Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 from clast.rockmass.drawings.dxf_out import Extras, write_blocks_dxf
 
 LONGEST = 0.05
@@ -45,7 +45,7 @@ def write_dxf(
     length = _length_of_forces(results, chosen)
     for frame, file in zip(chosen, paths, strict=True):
         lines = _force_lines(results.contacts(frame), length)
-        left = ~gone_in_frame(results, frame)
+        left = ~absent_in_frame(results, frame)
         counts = np.diff(results.block_start)
         edge = np.repeat(left, counts)
         about = f"contact forces, 1 m for {1.0 / length:g} N/m; t = {results.times[frame]:.6g} s"

@@ -361,7 +361,7 @@ class InputBuilder(Inputs):
             actions=actions,
             reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
-            gone=waits,
+            absent=waits,
             overlaps=overlaps_beside(overlaps, actions),
             repairs=repaired.repairs,
             notes=(

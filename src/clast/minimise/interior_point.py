@@ -72,7 +72,7 @@ class Direction:
     of_springs: Any
     """Those of f, w- and w+, shape (3, m) each, single precision."""
     limit: float
-    """How far it may be gone before something that is positive becomes zero."""
+    """Largest step that keeps all slacks positive."""
     growth: tuple[float, float]
     """At a share s the sum of all products has grown by s times the first, s^2 the second, J/m."""
 

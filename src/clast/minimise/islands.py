@@ -7,14 +7,14 @@ islands one by one.
 
 A problem is (system, links): B, B^-1 (n, 6, 6), the load (n, 6) and which blocks stand still (n,);
 the pairs of blocks (q, 2), their graph (linear/assembly.py), vertex_block, edge_block (m,) and
-arms of the springs, and these (Springs.arrays).  A point is d (n, 6), gap, slip, N, T and the
-stiffnesses against them (m,), r (n, 6) and r.B^-1 r (n,).
+arms of the springs, and these (Springs.arrays).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,30 @@ from clast.linear.block_matrix import dot, row_pointers
 from clast.linear.pattern import with_fill
 from clast.linear.residual import unbalanced
 from clast.minimise.line_search import island_sums, lengths_along, links_along
-from clast.model.model import Bools, Ints
+from clast.model.model import Bools, Floats, Ints
+
+
+class IslandPoint(NamedTuple):
+    """A point of the minimisation: displacements, and the springs and forces there."""
+
+    displacement: Floats
+    """d, shape (n, 6)."""
+    gap: Floats
+    """Gaps of the springs, m, shape (m,)."""
+    slip: Floats
+    """Their slips, m, shape (m,)."""
+    normal: Floats
+    """Their normal forces N, N/m, shape (m,)."""
+    shear: Floats
+    """Their shear forces T, N/m, shape (m,)."""
+    kn: Floats
+    """Stiffnesses against gaps, N/m per m, shape (m,)."""
+    ks: Floats
+    """Stiffnesses against slips, N/m per m, shape (m,)."""
+    residual: Floats
+    """Residual r of each block, shape (n, 6)."""
+    distance: Floats
+    """r.B^-1 r of each block, J/m, shape (n,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -282,11 +305,13 @@ def _springs_of(springs, source):
 @kernel()
 def _point_of(blocks, source, point):
     """Return the point of some blocks."""
-    d, gap, slip, normal, shear, kn, ks, residual, distance = point
+    d, gap, slip = point.displacement, point.gap, point.slip
+    normal, shear, kn = point.normal, point.shear, point.kn
+    ks, residual, distance = point.ks, point.residual, point.distance
     own_distance = np.zeros(len(blocks) + 1)
     for k in range(len(blocks)):
         own_distance[k] = distance[blocks[k]]
-    return (
+    return IslandPoint(
         _rows_of(d, blocks),
         _taken(gap, source),
         _taken(slip, source),
@@ -321,14 +346,24 @@ def taken_out(blocks, place, still, problem, point):
     )
     own_springs = _springs_of(springs, source)
     links = own_pairs, (first, *row_pointers(count + 1, own_pairs)), own_ends, own_springs
-    return (system, links), _point_of(blocks, source, point), source
+    return (system, links), _point_of(blocks, source, IslandPoint(*point)), source
 
 
 @kernel()
 def put_back(blocks, source, found, point):
+    """Write the point ``found`` of some blocks into that of all, both as plain tuples."""
+    _write_point(blocks, source, IslandPoint(*found), IslandPoint(*point))
+
+
+@kernel()
+def _write_point(blocks, source, found, point):
     """Write the point of some blocks where it belongs."""
-    d, gap, slip, normal, shear, kn, ks, residual, distance = point
-    own_d, own_gap, own_slip, own_normal, own_shear, own_kn, own_ks, own_residual, left = found
+    d, gap, slip = point.displacement, point.gap, point.slip
+    normal, shear, kn = point.normal, point.shear, point.kn
+    ks, residual, distance = point.ks, point.residual, point.distance
+    own_d, own_gap, own_slip = found.displacement, found.gap, found.slip
+    own_normal, own_shear, own_kn = found.normal, found.shear, found.kn
+    own_ks, own_residual, left = found.ks, found.residual, found.distance
     for k in range(len(blocks)):
         put_row(d, blocks[k], row(own_d, k))
         put_row(residual, blocks[k], row(own_residual, k))
@@ -365,7 +400,8 @@ def _factor(problem, pattern, kn, ks):
 def _searched(problem, point, direction, decrement):
     """Return the point to which an exact line search leads, and evaluations."""
     system, (_, graph, (vertex_block, edge_block, arms), springs) = problem
-    d, gap, slip, normal, shear, _, _, _, _ = point
+    d, gap, slip = point.displacement, point.gap, point.slip
+    normal, shear = point.normal, point.shear
     opening, sliding = contact_motions(vertex_block, edge_block, arms, direction)
     only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
     smooth = start + island_sums(normal * opening + shear * sliding, only, 1)
@@ -376,7 +412,8 @@ def _searched(problem, point, direction, decrement):
         put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
     gap, slip, normal, shear, kn, ks = links_along(only, length, line, springs)
     residual, distance = unbalanced(system, graph, (vertex_block, arms), d, normal, shear)
-    return (d, gap, slip, normal, shear, kn, ks, residual, distance), evaluations
+    after = IslandPoint(d, gap, slip, normal, shear, kn, ks, residual, distance)
+    return after, evaluations
 
 
 @kernel()
@@ -388,13 +425,13 @@ def _minimum(problem, point, tolerance, iterations):
     """
     pattern, evaluations = _pattern(problem), 0
     for k in range(iterations):
-        left = sum_of(point[8])
+        left = sum_of(point.distance)
         if left <= tolerance:
             return point, left, k, evaluations
-        factor, bad = _factor(problem, pattern, point[5], point[6])
+        factor, bad = _factor(problem, pattern, point.kn, point.ks)
         if bad >= 0:
             return point, left, k, evaluations
-        residual = point[7]
+        residual = point.residual
         direction = ldlt.solve(factor, residual)  # 0 for the block that stands still
         decrement = dot(residual, direction)
         if not 0.0 < decrement < np.inf:
@@ -402,8 +439,8 @@ def _minimum(problem, point, tolerance, iterations):
         point, tries = _searched(problem, point, direction, decrement)
         evaluations += tries
         if decrement <= tolerance:
-            return point, min(decrement, sum_of(point[8])), k + 1, evaluations
-    return point, sum_of(point[8]), iterations, evaluations
+            return point, min(decrement, sum_of(point.distance)), k + 1, evaluations
+    return point, sum_of(point.distance), iterations, evaluations
 
 
 @shared(EACH)
@@ -412,6 +449,7 @@ def _minimise(first, last, which, problem, springs, point, limits, found):
     wanted, start, blocks, place = which
     links = problem[4], problem[5:9], problem[9:12], springs
     left, counts = found
+    of_all = IslandPoint(*point)
     for k in range(first, last):
         r = wanted[k]
         own = blocks[start[r] : start[r + 1]]
@@ -421,7 +459,7 @@ def _minimise(first, last, which, problem, springs, point, limits, found):
         moved, left[r], counts[k, 0], counts[k, 1] = _minimum(
             own_problem, own_point, limits[0], int(limits[1])
         )
-        put_back(own, source, moved, point)
+        _write_point(own, source, moved, of_all)
 
 
 @kernel()

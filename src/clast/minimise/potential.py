@@ -79,15 +79,15 @@ class Point:
     @property
     def arrays(self) -> tuple[Floats, ...]:
         """The same as kernels take it (islands.py)."""
-        bears = self.forces
+        forces = self.forces
         return (
             self.unknowns,
             self.gap,
             self.slip,
-            bears.normal_force,
-            bears.shear_force,
-            bears.normal_stiffness,
-            bears.shear_stiffness,
+            forces.normal_force,
+            forces.shear_force,
+            forces.normal_stiffness,
+            forces.shear_stiffness,
             self.residual,
             self.distances,
         )
@@ -231,9 +231,9 @@ class Potential:
             table = springs.edge_block, springs.gap, springs.slip, springs.arrays
             left: Floats = left_at_starts(*self._balance, table, islands, starts)
             return left
-        bear = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
-        normal = np.array([one.normal_force for one in bear])
-        shear = np.array([one.shear_force for one in bear])
+        answers = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
+        normal = np.array([one.normal_force for one in answers])
+        shear = np.array([one.shear_force for one in answers])
         found = residual.left_at(*self._balance, starts, normal, shear)
         return np.array([island_sums(one, *islands) for one in found])
 

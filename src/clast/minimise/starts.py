@@ -26,8 +26,8 @@ def left_at_starts(system, graph, contacts, table, islands, starts):
     shear = np.empty_like(normal)
     for k in range(len(starts)):
         opening, sliding = contact_motions(vertex_block, edge_block, arms, starts[k])
-        bear = forces_at(gap + opening, slip + sliding, springs)
-        normal[k], shear[k] = bear[0], bear[1]
+        answer = forces_at(gap + opening, slip + sliding, springs)
+        normal[k], shear[k] = answer[0], answer[1]
     left = left_at(system, graph, contacts, starts, normal, shear)
     found = np.empty((len(starts), count))
     for k in range(len(starts)):

@@ -57,7 +57,7 @@ class Outlines:
     """Area of that body, m2, shape (n,)."""
     fixed: Bools
     """Outlines that cannot move, shape (o,)."""
-    gone: Bools
+    absent: Bools
     """Outlines of excavated blocks, shape (o,)."""
 
     @kept_property
@@ -74,14 +74,14 @@ class Outlines:
 
 
 def joined_outlines(
-    vertices: Floats, block_start: Ints, area: Floats, fixed: Bools, gone: Bools
+    vertices: Floats, block_start: Ints, area: Floats, fixed: Bools, absent: Bools
 ) -> Outlines | None:
     """Return outlines in which fixed blocks that lie flush are one; None if that changes nothing.
 
     Of blocks with ``vertices`` (nv, 2), m, first vertices (n + 1,) and areas (n,), m2, which are
-    ``fixed`` or ``gone`` (n,).
+    ``fixed`` or ``absent`` (n,).
     """
-    ground = np.flatnonzero(fixed & ~gone)
+    ground = np.flatnonzero(fixed & ~absent)
     if not len(ground):
         return None
     tolerance = EVEN * float(np.sqrt(area[ground].min()))
@@ -92,11 +92,11 @@ def joined_outlines(
     of_body = _bodies(sides, len(area))
     outlines: list[tuple[int, list[list[tuple[int, int]]]]] = []
     for block, (first, last) in enumerate(pairwise(block_start)):
-        if not fixed[block] or gone[block]:
+        if not fixed[block] or absent[block]:
             outlines.append((block, [[(k, k)] for k in range(first, last)]))
         else:
             outlines += [(block, loop) for loop in loops if sides.block_of[loop[0][0][1]] == block]
-    return _assembled(vertices, outlines, (area, fixed, gone), of_body)
+    return _assembled(vertices, outlines, (area, fixed, absent), of_body)
 
 
 # faces that blocks share ----------------------------------------------------------------------
@@ -267,7 +267,7 @@ def _assembled(
     of_body: Ints,
 ) -> Outlines:
     """Return outlines of blocks and their straight runs as one record."""
-    area, fixed, gone = of_blocks
+    area, fixed, absent = of_blocks
     runs = [run for _, loop in outlines for run in loop]
     block = np.array([one for one, _ in outlines])
     pieces = [piece for run in runs for piece in run]
@@ -293,5 +293,5 @@ def _assembled(
         body=of_body,
         area=np.asarray(np.bincount(of_body, area), np.float64)[of_body],
         fixed=fixed[block],
-        gone=gone[block],
+        absent=absent[block],
     )

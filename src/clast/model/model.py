@@ -31,6 +31,7 @@ from clast.model.supports.reactions import Reactions, numbered
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 from clast.read_only import kept_property, seal
+from clast.renamed import Renamed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -225,7 +226,7 @@ class Model:
     block_rock: Ints
     """Rock index of each block, shape (n,)."""
     fixed: Bools
-    """True where a block cannot move at all, shape (n,); those that are ``gone`` included."""
+    """True where a block cannot move at all, shape (n,); those that are ``absent`` included."""
     vertices: Floats
     """Vertices at the start, counter-clockwise by block, m, shape (nv, 2)."""
     velocity: Floats
@@ -268,8 +269,10 @@ class Model:
     """Stress in the rock before anything is dug; None where there is none."""
     openings: tuple[Opening, ...] = ()
     """Blocks that stages may excavate together."""
-    gone: Bools
-    """True where a block has been excavated: nothing meets it or acts on it, shape (n,).
+    absent: Bools
+    """True where a block is not there: excavated, or the segment of a lining to come; shape (n,).
+
+    Nothing meets it or acts on it.
 
     It keeps its place in all arrays, and is ``fixed``, too.
     """
@@ -283,6 +286,8 @@ class Model:
     def __post_init__(self) -> None:
         """Let nobody write into the arrays; actions of a script are the script's own."""
         seal(self, but=("actions",))
+
+    gone = Renamed("absent")
 
     @property
     def block_count(self) -> int:
@@ -328,9 +333,9 @@ class Model:
 
     @kept_property
     def smallest(self) -> float:
-        """Area of the smallest body that is not gone, m2: a block, or fixed ones that are one."""
+        """Area of the smallest body that is there, m2: a block, or fixed ones that are one."""
         area = self.area if self.outlines is None else self.outlines.area
-        return float(area[~self.gone].min())
+        return float(area[~self.absent].min())
 
     @kept_property
     def body(self) -> Ints:
@@ -416,7 +421,7 @@ class Model:
         if any(own) or self.in_situ is not None:
             return None
         still = self.fixed & ~self.moved
-        found = joined_outlines(self.vertices, self.block_start, self.area, still, self.gone)
+        found = joined_outlines(self.vertices, self.block_start, self.area, still, self.absent)
         return None if found is None else replace(found, fixed=self.fixed[found.block])
 
     @kept_property

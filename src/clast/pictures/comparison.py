@@ -42,7 +42,7 @@ class Panel:
     """False for a run that stopped: its remark is coloured, and it does not set the limits."""
     vertices: Floats
     """Vertices, m, shape (nv, 2)."""
-    gone: Bools | None = None
+    absent: Bools | None = None
     """True where a block has been excavated, shape (n,); None: they are all there."""
 
 
@@ -71,7 +71,7 @@ class SideBySide:
 
     def free(self, panel: Panel) -> Bools:
         """Return which blocks are there and can move, shape (n,)."""
-        return ~self.fixed if panel.gone is None else ~self.fixed & ~panel.gone
+        return ~self.fixed if panel.absent is None else ~self.fixed & ~panel.absent
 
     def farthest(self, panel: Panel) -> float:
         """Return the largest displacement of a block that is there and can move, m."""
@@ -125,8 +125,8 @@ def _panel_size(extent: Floats, columns: int, rows: int) -> tuple[float, float]:
 
 
 def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> PolyCollection:
-    draw_blocks.draw_start(axes, scene, scene.start, panel.gone)
-    free = draw_blocks.draw_blocks(axes, scene, panel.vertices, gone=panel.gone)
+    draw_blocks.draw_start(axes, scene, scene.start, panel.absent)
+    free = draw_blocks.draw_blocks(axes, scene, panel.vertices, absent=panel.absent)
     values = scene.displacement(panel)[scene.free(panel)]
     factor, _ = prefixed(largest, "m")
     colours = colours_between(0.0, 1.0)

@@ -12,7 +12,7 @@ from clast.pictures.fields import SCALARS, prefixed
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,15 +76,15 @@ def _line_width(axes: Axes, results: Divided, vertices: Floats) -> float:
     return float(np.clip(THIN * size, 0.05, 0.8))
 
 
-def draw_start(axes: Axes, results: Outlined, start: Floats, gone: Bools | None = None) -> None:
-    """Outline the blocks that are not ``gone`` (n,) where they were at the start."""
+def draw_start(axes: Axes, results: Outlined, start: Floats, absent: Bools | None = None) -> None:
+    """Outline the blocks that are not ``absent`` (n,) where they were at the start."""
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, start)
     width = _line_width(axes, results, start)
     axes.add_collection(
         PolyCollection(
-            outlines if gone is None else [outlines[b] for b in np.flatnonzero(~gone)],
+            outlines if absent is None else [outlines[b] for b in np.flatnonzero(~absent)],
             facecolors="none",
             edgecolors=FAINT,
             linewidths=0.8 * width,
@@ -98,19 +98,19 @@ def draw_blocks(
     results: Outlined,
     vertices: Floats,
     share: float = 1.0,
-    gone: Bools | None = None,
+    absent: Bools | None = None,
 ) -> PolyCollection:
     """Draw all blocks, the fixed ones hatched, and return those that are to be coloured.
 
     Outlines have a ``share`` of their width, 0 where something else draws them.  Of blocks that are
-    ``gone`` (n,) there is a thin outline only.
+    ``absent`` (n,) there is a thin outline only.
     """
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, vertices)
     whole = _line_width(axes, results, vertices)
     width = share * whole
-    there = np.ones(len(outlines), np.bool_) if gone is None else ~gone
+    there = np.ones(len(outlines), np.bool_) if absent is None else ~absent
     fixed, free = np.flatnonzero(results.fixed & there), np.flatnonzero(~results.fixed & there)
     axes.add_collection(
         PolyCollection(
@@ -151,7 +151,7 @@ def colour(
 
     The scale is that of the blocks ``shown`` (n,), unless its ``limits`` are given.
     """
-    free = ~(results.fixed | gone_in_frame(results, frame))
+    free = ~(results.fixed | absent_in_frame(results, frame))
     if not free.any():
         return
     if field not in SCALARS:
@@ -242,12 +242,12 @@ def kind_colour(kind: int) -> str:
     return KIND_COLOURS[(kind + kind // len(KIND_COLOURS)) % len(KIND_COLOURS)]
 
 
-def draw_names(axes: Axes, results: Recording, vertices: Floats, gone: Bools) -> None:
-    """Write the names of the blocks that are not ``gone`` (n,) into them, where they are few."""
+def draw_names(axes: Axes, results: Recording, vertices: Floats, absent: Bools) -> None:
+    """Write the names of the blocks that are not ``absent`` (n,) into them, where they are few."""
     outlines = outlines_of(results, vertices)
     if len(outlines) > MOST_NAMES:
         return
-    for block in np.flatnonzero(~gone):
+    for block in np.flatnonzero(~absent):
         name, outline = results.block_name[block], outlines[block]
         axes.annotate(
             literal(name),

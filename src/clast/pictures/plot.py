@@ -32,7 +32,7 @@ from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
 from clast.pictures.supports.draw_links import draw_links, handles_of_links
 from clast.pictures.supports.draw_reactions import draw_reactions, reaction_arrows
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,13 +94,13 @@ def draw_results(
     part = _part(results, here, start, look, waters)
     bars = int(field in SCALARS or field in JOINT_FIELDS)
     title = results.title or results.name
-    gone = gone_in_frame(results, number)
-    edges = _edges(results, field, here, start, part, gone)
+    absent = absent_in_frame(results, number)
+    edges = _edges(results, field, here, start, part, absent)
     water = pressures_of(results, waters, number, here)
     bolted = results.bolts(number)
     above = tuple(name for name in look.layers if name in LAYERS)
     handles = [
-        *legend_handles(results, field, gone),
+        *legend_handles(results, field, absent),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
         *draw_bolts.handles_of(bolted),
@@ -129,8 +129,8 @@ def draw_results(
     axes = figure.add_axes(sheet.share(sheet.axes))
     canvas.view(axes, *whole, size)
     canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
-    draw_blocks.draw_start(axes, results, start, gone)
-    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
+    draw_blocks.draw_start(axes, results, start, absent)
+    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, absent)
     shown = draw_blocks.within(results, here, *whole)
     if field in JOINT_FIELDS:
         free.set_facecolor(GROUND)
@@ -147,7 +147,7 @@ def draw_results(
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
-        draw_blocks.draw_names(axes, results, here, gone)
+        draw_blocks.draw_names(axes, results, here, absent)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
     if "scale" in look.layers:
@@ -194,13 +194,13 @@ def _edges(
     here: Floats,
     start: Floats,
     part: canvas.Part,
-    gone: Bools,
+    absent: Bools,
 ) -> Sequence[EdgeGroup]:
     """Return the edges that are drawn in the colours of their joints, if they are asked for."""
     if field != "joint":
         return ()
     together = TOGETHER * float((part[1] - part[0]).max())
-    return edges_by_joint(results, here, start, together, gone)
+    return edges_by_joint(results, here, start, together, absent)
 
 
 def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
@@ -275,16 +275,16 @@ def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
     return canvas.cut_to(name, left, SMALL_SIZE), "right"
 
 
-def legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
+def legend_handles(results: Recording, field: str, absent: Bools) -> list[Any]:
     """Return the legend: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
-    if gone.any():
+    if absent.any():
         dashed = Line2D([], [], color=FAINT, lw=0.6, ls=draw_blocks.EXCAVATED, label="excavated")
         handles.append(dashed)
-    if (results.fixed & ~gone).any():
+    if (results.fixed & ~absent).any():
         handles.append(
             Patch(fc=draw_blocks.FIXED, ec=FAINT, hatch=draw_blocks.HATCH, lw=0.5, label="fixed")
         )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from clast.actions.bolts.bolt_states import BoltStates
 from clast.actions.bolts.bolts import Bolting
 from clast.actions.linings.linings import linings_of
-from clast.actions.relaxation import gone_in
+from clast.actions.relaxation import absent_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
@@ -59,13 +59,13 @@ class FrameFields:
             "CellData/sigma_1": sigma_1,
             "CellData/sigma_3": sigma_3,
             "CellData/max_shear": 0.5 * (sigma_1 - sigma_3),
-            "CellData/gone": self._gone(state),
+            "CellData/gone": self._absent(state),
         }
 
-    def _gone(self, state: State) -> Floats:
-        """Return 1 for blocks that have been excavated, else 0, (n,)."""
-        gone = gone_in(state)
-        return np.asarray(self._model.gone if gone is None else gone, np.float64)
+    def _absent(self, state: State) -> Floats:
+        """Return 1 for blocks that are not there, else 0, (n,)."""
+        absent = absent_in(state)
+        return np.asarray(self._model.absent if absent is None else absent, np.float64)
 
     def contacts(self, state: State, contacts: Contacts, response: ContactResponse) -> NDArray[Any]:
         """Return a row for every contact that carries a force."""

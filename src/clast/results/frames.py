@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
+from clast.renamed import names_of
 from clast.results.result_tables import BlockHistory, FrameBolts, FrameContacts
 from clast.results.schema import COMPONENTS
 
@@ -29,8 +30,8 @@ BLOCK_ROW = np.dtype(
     ]
 )
 """One block in one frame."""
-GONE = "gone"
-"""Field that is 1 for blocks that have been excavated."""
+ABSENT = "gone"
+"""Field that is 1 for blocks that are not there: excavated, or the lining of a later stage."""
 VERTICES = "vertices"
 """Name of the vertices in ``field``, which are no field of the blocks."""
 
@@ -174,11 +175,11 @@ class Fields(Protocol):
         ...
 
 
-def gone_in_frame(results: Fields, frame: int) -> Bools:
-    """Return which blocks have been excavated in a frame, shape (n,)."""
-    if GONE not in results.field_names:  # an earlier clast wrote the file
+def absent_in_frame(results: Fields, frame: int) -> Bools:
+    """Return which blocks are not there in a frame, shape (n,)."""
+    if ABSENT not in results.field_names:  # an earlier clast wrote the file
         return np.zeros(len(results.block_start) - 1, np.bool_)
-    return np.asarray(results.field(GONE, frame) != 0.0)
+    return np.asarray(results.field(ABSENT, frame) != 0.0)
 
 
 def contacts_of(store: FrameStore, frame: int) -> FrameContacts:
@@ -229,3 +230,6 @@ def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:
     """Return the error for a name that does not exist, with the nearest one that does."""
     name = str(name)
     return CaseError(f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind))
+
+
+__getattr__ = names_of("clast.results.frames", {"gone_in_frame": "absent_in_frame"})

@@ -25,7 +25,7 @@ RUN, CONTENT = 0, 1
 PATIENCE = 5.0
 """How long others are waited for before they are taken to be stuck, s."""
 SHORTEST, LONGEST = 0.0005, 0.01
-"""Pauses between two looks whether others have gone, s."""
+"""Pauses between two looks whether others have finished, s."""
 TAKEN = {errno.EACCES, errno.EAGAIN}
 FLOCK = struct.Struct("@hhqqi")
 """Linux' struct flock: kind, from where, first byte, length, process (none)."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.results import validate
-from clast.results.frames import VERTICES, FrameStore, gone_in_frame
+from clast.results.frames import VERTICES, FrameStore, absent_in_frame
 from clast.results.open_file import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
 from clast.results.recording import EdgeJoints, Recording
@@ -264,7 +264,7 @@ def summary(results: Results) -> dict[str, Any]:
         "time": [float(results.times[0]), float(results.times[-1])],
         "blocks": len(results.block_name),
         "fixed_blocks": int(results.fixed.sum()),
-        "excavated_blocks": int(gone_in_frame(results, -1).sum()),
+        "excavated_blocks": int(absent_in_frame(results, -1).sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
         "joints": list(results.joints.name) if results.joints else [],

@@ -15,7 +15,7 @@ import numpy as np
 
 from clast.actions.active import actions_of, own_states
 from clast.actions.in_situ import LoadedEnds
-from clast.actions.relaxation import Relaxation, SupportForces, gone_in, no_forces
+from clast.actions.relaxation import Relaxation, SupportForces, absent_in, no_forces
 from clast.block import polygon
 from clast.block.inertia import block_frames
 from clast.contact import multipliers
@@ -46,17 +46,17 @@ def excavated(
     blocks = _numbers(blocks, model.block_count)
     leaving = np.zeros(model.block_count, np.bool_)
     leaving[blocks] = True
-    leaving &= ~model.gone
+    leaving &= ~model.absent
     if not leaving.any():
         return model, state
-    gone = model.gone | leaving
-    if gone.all():
+    absent = model.absent | leaving
+    if absent.all():
         raise ModelError(
             "no block would be left", where="excavate", remedy="excavate some of the blocks"
         )
     contacts = _contacts(model, method, state)
-    left = without(model, gone)
-    forces = no_forces(gone)
+    left = without(model, absent)
+    forces = no_forces(absent)
     if relax < 1.0 and relax_time > 0.0:
         forces = _on_neighbours(model, state, contacts, leaving, 1.0 - relax, relax_time)
     own = _own_states(model, left, method, state, forces)
@@ -70,24 +70,26 @@ def excavated(
     )
 
 
-def without(model: Model, gone: Bools) -> Model:
-    """Return the model without blocks that are ``gone`` (n,), and without welds along them.
+def without(model: Model, absent: Bools) -> Model:
+    """Return the model without blocks that are ``absent`` (n,), and without welds along them.
 
     A weld ends where its opening is excavated, and where the blocks that it held are.
     """
     edge_joint = model.edge_joint.copy()
     for one in model.openings:
-        ends = gone[one.block].all() | _alone(model, one.welded, gone)
+        ends = absent[one.block].all() | _alone(model, one.welded, absent)
         edge_joint[one.welded[ends]] = -1
     # segments of linings may come back
-    fixed = np.where(model.gone & ~gone, False, model.fixed)
-    return replace(model, gone=gone, fixed=fixed | gone, edge_joint=edge_joint)
+    fixed = np.where(model.absent & ~absent, False, model.fixed)
+    return replace(model, absent=absent, fixed=fixed | absent, edge_joint=edge_joint)
 
 
 def as_in(model: Model, state: State) -> Model:
     """Return the model without the excavated blocks in a state of its run."""
-    gone = gone_in(state)
-    return model if gone is None or np.array_equal(gone, model.gone) else without(model, gone)
+    absent = absent_in(state)
+    return (
+        model if absent is None or np.array_equal(absent, model.absent) else without(model, absent)
+    )
 
 
 def _numbers(blocks: Any, count: int) -> Ints:
@@ -124,13 +126,13 @@ def _check(relax: float, relax_time: float) -> None:
         )
 
 
-def _alone(model: Model, edges: Ints, gone: Bools) -> Bools:
-    """Return which edges (k,) lay on an edge of a block that is ``gone`` at the start, (k,)."""
+def _alone(model: Model, edges: Ints, absent: Bools) -> Bools:
+    """Return which edges (k,) lay on an edge of a block that is ``absent`` at the start, (k,)."""
     onwards = np.arange(1, len(model.vertices) + 1)
     onwards[model.block_start[1:] - 1] = model.block_start[:-1]
     here = model.vertices + 0.0  # so that there is one zero only
     # segments that wait have never been rock
-    out = np.flatnonzero((gone & ~model.lined)[model.vertex_block])
+    out = np.flatnonzero((absent & ~model.lined)[model.vertex_block])
     opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
     known = {ends.tobytes() for ends in opposite}
     own = np.concatenate([here[edges], here[onwards[edges]]], axis=1)
@@ -161,10 +163,10 @@ def _on_neighbours(
     normal = contacts.normal
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     force = contacts.normal_force[:, None] * normal + contacts.shear_force[:, None] * along
-    bears = (contacts.normal_force != 0.0) | (contacts.shear_force != 0.0)
+    carries = (contacts.normal_force != 0.0) | (contacts.shear_force != 0.0)
     moves = ~(leaving | model.fixed)
-    of_vertex = bears & leaving[contacts.edge_block] & moves[contacts.vertex_block]
-    of_edge = bears & leaving[contacts.vertex_block] & moves[contacts.edge_block]
+    of_vertex = carries & leaving[contacts.edge_block] & moves[contacts.vertex_block]
+    of_edge = carries & leaving[contacts.vertex_block] & moves[contacts.edge_block]
     own, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
     owner = contacts.edge_block[of_edge]
     own_end, end = model.vertex_after[own], model.vertex_after[edge]
@@ -173,7 +175,7 @@ def _on_neighbours(
     place = np.einsum("kx,kx->k", foot, way) / np.einsum("kx,kx->k", way, way)
     count = len(own) + len(edge)
     return SupportForces(
-        gone=model.gone | leaving,
+        absent=model.absent | leaving,
         block=np.concatenate([contacts.vertex_block[of_vertex], owner]),
         vertex=np.concatenate([np.stack([own, own_end], axis=1), np.stack([edge, end], axis=1)]),
         share=np.concatenate([contacts.along[of_vertex], place]),
@@ -192,9 +194,9 @@ def _own_states(
     own = list(own_states(before, model, state))
     at = next(k for k, action in enumerate(after) if isinstance(action, Relaxation))
     if len(before) < len(after):
-        own.insert(at, no_forces(model.gone))
+        own.insert(at, no_forces(model.absent))
     known = own[at]
-    own[at] = forces.plus(known.rows(~forces.gone[known.block]))
+    own[at] = forces.plus(known.rows(~forces.absent[known.block]))
     return tuple(own)
 
 

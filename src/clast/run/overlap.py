@@ -43,14 +43,14 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     deep than a fiftieth of ``critdis``, m, are not reported.
     """
     vertices, block_start = state.vertices, model.block_start
-    near = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, gone=model.gone)
+    near = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, absent=model.absent)
     pairs = model.meeting(near)  # others may overlap: their links say so
     contacts, pair = _closed(model, state.memory.corners, pairs)
     direction, _ = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     outlines = (vertices, direction, block_start)
-    limits, bore = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
-    found = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, bore)
+    limits, carried = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
+    found = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, carried)
     inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
     np.maximum.at(deepest, pair, -contacts[2])
@@ -111,7 +111,7 @@ def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
     parts = parts[shapely.area(parts) > 0.0]
     radius = ROUNDED * float(np.sqrt(min(one.area, other.area)))
     tips = [_tips(loop, radius) for loop in loops]
-    away = model.gone[model.vertex_block] | np.isin(model.vertex_block, pair)
+    away = model.absent[model.vertex_block] | np.isin(model.vertex_block, pair)
     others = vertices[~away]
     left = [not _is_at_tips(shapely.get_coordinates(part), loops, tips, others) for part in parts]
     return np.asarray(parts[np.array(left, np.bool_)])

@@ -248,7 +248,7 @@ class Watch:
         Where blocks have been excavated it has changed because it goes round the void.
         """
         model = self.model
-        if model.gone.any():
+        if model.absent.any():
             return ""
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
         if not stressed.any() or step == 0.0:

@@ -320,8 +320,8 @@ def _with_springs(base: DiagonalTerms, springs: Springs | None, fixed: Bools) ->
     """Return the terms with the forces of springs between blocks, where they are."""
     if springs is None:
         return base
-    bear, graph = springs.at(springs.gap, springs.slip), graph_of(springs, len(fixed))
-    forces = bear.normal_force, bear.shear_force
+    of_springs, graph = springs.at(springs.gap, springs.slip), graph_of(springs, len(fixed))
+    forces = of_springs.normal_force, of_springs.shear_force
     return replace(base, force=with_contact_forces(base.force, springs, graph, fixed, *forces))
 
 

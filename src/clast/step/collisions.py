@@ -108,11 +108,11 @@ def _moves(b, mobility):
 @kernel()
 def _look_ahead(listed, bodies, contacts, live, limits):
     """Write when the contacts listed (k,) strike; no impulse moves two blocks that cannot move."""
-    moment, bears, hits = live.moment, live.bears, live.hits
+    moment, carries, hits = live.moment, live.carries, live.hits
     waiting, waits, number = live.waiting, live.waits, live.number
     mobility, vertex_block, edge_block = bodies.mobility, contacts.vertex_block, contacts.edge_block
     for c in listed:
-        strikes = not bears[c] and hits[c] < NEVER
+        strikes = not carries[c] and hits[c] < NEVER
         strikes &= _moves(vertex_block[c], mobility) or _moves(edge_block[c], mobility)
         moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
         if moment[c] < np.inf and not waits[c]:
@@ -225,14 +225,14 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
     """
     velocity, before, acceleration = bodies.velocity, bodies.before, bodies.acceleration
     first, listed = around.start, around.listed
-    bears = live.bears
+    carries = live.carries
     place, linear, course = group.place, group.linear, group.course
     blocks, counts = group.blocks, group.counts
     known, at = counts[0], 0
     while at < counts[1]:
         b = blocks[at]
         for k in listed[first[b] : first[b + 1]]:
-            if place[k] < 0 and bears[k]:
+            if place[k] < 0 and carries[k]:
                 rate, _ = _rates(k, time, before, acceleration, contacts)
                 target = min(0.0, rate)
                 rate, _ = _rates(k, time, velocity, acceleration, contacts)
@@ -339,14 +339,14 @@ def _end(time, bodies, contacts, live, around, limits, group):
     """Write the result of the impact: contacts under load, the shifts, and the next strike."""
     velocity, before, shift = bodies.velocity, bodies.before, bodies.shift
     last, acceleration = bodies.last, bodies.acceleration
-    moment, bears, hits = live.moment, live.bears, live.hits
+    moment, carries, hits = live.moment, live.carries, live.hits
     members, place, blocks = group.members, group.place, group.blocks
     among, counts = group.among, group.counts
     for c in members[: counts[0]]:
         rate, _ = _rates(c, time, velocity, acceleration, contacts)
         if moment[c] < np.inf:
             hits[c] += 1
-        bears[c] = rate <= limits.threshold
+        carries[c] = rate <= limits.threshold
         place[c] = -1
     for b in blocks[: counts[1]]:
         for a in range(3):
@@ -444,7 +444,7 @@ def mobilities(mass_matrix, fixed):
 
 
 @kernel()
-def any_strikes(velocity, acceleration, closing, bears, limit):
+def any_strikes(velocity, acceleration, closing, carries, limit):
     """Return whether any contact strikes in the step, when it comes to it.
 
     ``closing`` are the contacts and ``limit`` the limits, in the order of Closing, ImpactLimits.
@@ -453,28 +453,28 @@ def any_strikes(velocity, acceleration, closing, bears, limit):
     shift, last = np.zeros_like(velocity), np.zeros(len(velocity))
     of_none = np.empty((0, 3, 3)), np.empty((0, 6, 6))
     bodies = Bodies(velocity, velocity, shift, last, acceleration, *of_none)
-    for c in range(len(bears)):
-        if not bears[c] and _moment(c, bodies, contacts, limits) < np.inf:
+    for c in range(len(carries)):
+        if not carries[c] and _moment(c, bodies, contacts, limits) < np.inf:
             return True
     return False
 
 
 @kernel()
-def strike(velocity, acceleration, mobility, mass_matrix, closing, bears, limit):
+def strike(velocity, acceleration, mobility, mass_matrix, closing, carries, limit):
     """Return velocities (n, 6) and shifts (n, 6), m, after the impacts of a step, and their loss.
 
-    The loss is the kinetic energy, J/m, at the moments of impact.  ``bears`` (m,) says which
+    The loss is the kinetic energy, J/m, at the moments of impact.  ``carries`` (m,) says which
     contacts carry already: they do not strike, but pass impulses on.  ``closing`` and ``limit``
     are those of ``any_strikes``.
     """
     contacts, limits = Closing(*closing), ImpactLimits(*limit)
-    count, blocks = len(bears), len(velocity)
+    count, blocks = len(carries), len(velocity)
     after, shift = velocity.copy(), np.zeros_like(velocity)
     last = np.zeros(blocks)
     bodies = Bodies(after, velocity.copy(), shift, last, acceleration, mobility, mass_matrix)
     live = Strikes(
         np.full(count, np.inf),
-        bears.copy(),
+        carries.copy(),
         np.zeros(count, np.int64),
         np.empty(count, np.int64),
         np.zeros(count, np.bool_),

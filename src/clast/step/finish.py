@@ -240,7 +240,7 @@ def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -
         return thrown
     start, count = model.block_start, np.diff(model.block_start)
     way = polygon.farthest(moved, start)
-    pairs = near_pairs(near, before, start, model.fixed, 0.0, way, model.gone)
+    pairs = near_pairs(near, before, start, model.fixed, 0.0, way, model.absent)
     mean = np.add.reduceat(moved, start[:-1], axis=0) / count[:, None]
     own = polygon.farthest(moved - np.repeat(mean, count, axis=0), start)
     lower, higher = pairs.T

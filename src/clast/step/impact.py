@@ -111,13 +111,13 @@ def after_impacts(
         return unchanged
     back = restitutions(model, contacts, restitution)
     even = EVEN * float(np.sqrt(model.smallest))
-    bears = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
+    carries = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
-    bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
+    carries |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
     acceleration = flying(context, contacts, graph)
     # a face that lands lands on its ends
     some = contacts.corners if is_any(contacts.point) else slice(None)
-    bears = bears[some]
+    carries = carries[some]
     struck = (
         contacts.gap[some],
         contacts.vertex_block[some],
@@ -127,13 +127,13 @@ def after_impacts(
         contacts.friction[some],
     )
     limits = step, impact, even
-    if not collisions.any_strikes(velocity, acceleration, struck, bears, limits):
+    if not collisions.any_strikes(velocity, acceleration, struck, carries, limits):
         return unchanged
     mobility, mass = mobilities(model, frames, state), frames.mass_matrix
     if held is not None:
         mobility, mass = held.heavy(mobility, mass)
     after, shift, lost = collisions.strike(
-        velocity, acceleration, mobility, mass, struck, bears, limits
+        velocity, acceleration, mobility, mass, struck, carries, limits
     )
     rate = gap_rate(contacts, after)
     found = ImpactResult(
@@ -251,13 +251,13 @@ def scheme_of(
         closes &= ~taken.bearing(contacts)
     if not is_any(closes):
         return scheme
-    bears = closes | (contacts.normal_force > 0.0)
+    carries = closes | (contacts.normal_force > 0.0)
     stopped: tuple[Ints, Floats, Floats] = inertia_projection.stopped_motions(
         context.frames.mass_matrix,
         model.fixed,
         graph,
         (contacts.vertex_block, contacts.arms),
-        (closes, bears, bears & (contacts.friction > 0.0)),
+        (closes, carries, carries & (contacts.friction > 0.0)),
     )
     if context.held is not None:
         stopped = context.held.unstopped(stopped)

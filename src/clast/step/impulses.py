@@ -59,7 +59,7 @@ class Strikes(NamedTuple):
 
     moment: Floats
     """Moment at which a contact strikes, s, infinity if it does not, shape (m,)."""
-    bears: Bools
+    carries: Bools
     """True where it carries, shape (m,)."""
     hits: Ints
     """How often it has struck, shape (m,)."""

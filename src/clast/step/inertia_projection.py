@@ -108,12 +108,12 @@ def _add(force, b, low, room, stopped):
 @kernel()
 def _stop(b, first, last, contacts, stops, room, stopped):
     """Add the motions of block b that contacts ``first`` to ``last`` - 1 stop."""
-    (vertex_block, arms), (_, bears, sticks), (low, free) = contacts, stops, room
+    (vertex_block, arms), (_, carries, sticks), (low, free) = contacts, stops, room
     count = stopped[0]
     for c in range(first, last):
         if count[b] == 6:
             return
-        if bears[c]:
+        if carries[c]:
             own = vertex_block[c] == b
             _add(force_on(arms, c, own, 1.0, 0.0), b, low, free, stopped)
             if sticks[c]:

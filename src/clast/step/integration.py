@@ -132,8 +132,8 @@ class HalfWay:
 
     def bearing(self, contacts: Contacts) -> Bools:
         """Return which contacts are taken there, shape (m,)."""
-        bears = self.followed & (contacts.normal_force > 0.0)
-        return np.asarray(self.springs_only & (bears | (contacts.tensile_strength > 0.0)))
+        carries = self.followed & (contacts.normal_force > 0.0)
+        return np.asarray(self.springs_only & (carries | (contacts.tensile_strength > 0.0)))
 
     def place(self, contacts: Contacts) -> Floats:
         """Return where the forces of each contact are taken, shape (m,)."""

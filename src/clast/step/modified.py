@@ -263,16 +263,16 @@ def coupled_system(
         return assemble(base, contacts, response, *seen, fixed), response
     table, (of_contacts, of_springs) = merged(springs_of(contacts), (springs,))
     gap, slip = stretches(springs, at)
-    bear = springs.at(gap, slip)
+    held = springs.at(gap, slip)
 
     def joined(one: Floats, other: Floats) -> Floats:
         return _joined(len(table), (of_contacts, one), (of_springs, other))
 
     bearing = JoinedForces(
-        normal_force=joined(response.normal_force, bear.normal_force),
-        shear_force=joined(response.shear_force, bear.shear_force),
-        normal_stiffness=joined(response.normal_stiffness, bear.normal_stiffness),
-        shear_stiffness=joined(response.shear_stiffness, bear.shear_stiffness),
+        normal_force=joined(response.normal_force, held.normal_force),
+        shear_force=joined(response.shear_force, held.shear_force),
+        normal_stiffness=joined(response.normal_stiffness, held.normal_stiffness),
+        shear_stiffness=joined(response.shear_stiffness, held.shear_stiffness),
         coupling=joined(response.coupling, np.zeros(len(springs))),
     )
     # a link's slip in the equations counts from the start of the step, a spring's from its own

@@ -82,19 +82,19 @@ def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarr
     """
     memory, body, width = state.memory, model.body, model.block_count
     own, other = body[model.vertex_block[memory.vertex]], body[memory.block]
-    bore, count = memory.normal_force > 0.0, len(model.vertices)
+    carried, count = memory.normal_force > 0.0, len(model.vertices)
     # a vertex takes its force along to the next edge, a point inside a face does not
     into = body[contacts.edge_block]
     known = contact_keys(contacts.vertex, into, contacts.point, count)
-    gone = bore & ~np.isin(contact_keys(memory.vertex, other, memory.point, count), known)
+    ended = carried & ~np.isin(contact_keys(memory.vertex, other, memory.point, count), known)
     taken: Floats = np.zeros(len(contacts))
-    if not gone.any():
+    if not ended.any():
         return taken
     lower, higher = np.sort(body[contacts.pairs[contacts.pair]], axis=1).T
     of_contact = lower * width + higher
     of_memory = np.minimum(own, other) * width + np.maximum(own, other)
-    for pair in np.unique(of_memory[gone]):
+    for pair in np.unique(of_memory[ended]):
         heirs = wanting & (of_contact == pair)
-        force = float(np.sum(memory.normal_force[gone & (of_memory == pair)] ** 2))
+        force = float(np.sum(memory.normal_force[ended & (of_memory == pair)] ** 2))
         taken[heirs] = np.sqrt(force / max(1, int(heirs.sum())))
     return taken

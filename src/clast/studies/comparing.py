@@ -17,7 +17,7 @@ from clast.inputs.declaring.alternatives import Chosen, GivenObject
 from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 from clast.studies.references import Deviation, Vector, deviations
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class ComparedRun:
     """Errors against the references of the case."""
     vertices: Floats = field(repr=False)
     """Vertices at the end, m, shape (nv, 2)."""
-    gone: Bools = field(repr=False)
+    absent: Bools = field(repr=False)
     """True where a block has been excavated, shape (n,)."""
     penetration: float
     """Largest penetration at the end, m."""
@@ -232,7 +232,7 @@ def _row(case: Case, combination: Combination, run: Run) -> ComparedRun:
         displacement={name: (float(u), float(v)) for name, (u, v) in ends.items()},
         deviations=deviations(case, run),
         vertices=run.final.vertices,
-        gone=gone_in_frame(run, len(run.times) - 1),
+        absent=absent_in_frame(run, len(run.times) - 1),
         penetration=max(0.0, -float(run.state.memory.gap.min(initial=0.0))),
         normal_force=float(run.state.memory.normal_force.sum()),
         stiffness=float(case.method(run.model).contact_law.normal_stiffness),

@@ -52,7 +52,7 @@ def draw(comparison: ComparedMethods, path: Path) -> Path:
             remark=f"t = {row.time:.4g} s" if row.report.finished else row.outcome,
             finished=row.report.finished,
             vertices=row.vertices,
-            gone=row.gone,
+            absent=row.absent,
         )
         for row in rows
     ]

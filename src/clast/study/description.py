@@ -77,7 +77,7 @@ class FactorSettings:
     growth: float | None = None
     """By how much the next ones grow until one fails; None: 1.25 of strengths, else 2."""
     tolerance: float = 0.01
-    """Width of the bracket, as a share of its upper end."""
+    """Relative width of the final bracket."""
     refine: int = 0
     """More trials at equal distances near the bracket, for the curve of displacements."""
 

@@ -114,7 +114,7 @@ class Processes:
     def close(self, *, now: bool) -> None:
         """End all workers, ``now`` without waiting for their runs."""
         for pool in self._pools.values():
-            # a process of the pool ends between two runs where its driver is gone
+            # a process of the pool ends between two runs where its driver has ended
             for process in list((getattr(pool, "_processes", None) or {}).values()):
                 if now:
                     process.terminate()
@@ -160,7 +160,7 @@ class Driver:
     """Portions in a row of which no run was begun."""
 
     def make(self, runs: Iterator[int], total: int) -> None:
-        """Make runs, of ``total`` at most; raises the executor's error where it is gone."""
+        """Make runs, of ``total`` at most; raises the executor's error where it has ended."""
         self._total, self._began = total, time.monotonic()
         self._before = self.folder.study.n - total
         self._handed = 0
@@ -319,7 +319,7 @@ def _workers_in(executor: Any) -> int:
 
 
 def _threads_of(client: Any) -> int:
-    """Return how many threads the workers of a Dask cluster have; none where it is gone."""
+    """Return how many threads the workers of a Dask cluster have; none where it has ended."""
     try:
         return int(sum(client.nthreads().values()))
     except (OSError, TimeoutError):

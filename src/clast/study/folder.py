@@ -9,7 +9,7 @@
 
 A run is made in a folder of its own beside its place, which takes its name when all is written: a
 run is there as a whole or not at all, and a run that is made twice does no harm.  Runs lie by ten
-thousand in a folder, which is listed as one: a study of a million is gone through without holding
+thousand in a folder, which is listed as one: a study of a million is read without holding
 more than that.
 """
 

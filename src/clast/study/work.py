@@ -35,7 +35,7 @@ LONGEST_REASON = 500
 def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
     """Make runs of the study in a folder, those that are done left out; return how many were made.
 
-    It stops between runs where the process ``driver`` that asked for them is gone.
+    It stops between runs where the process ``driver`` that asked for them has ended.
     """
     bench = Bench.at(Path(folder))
     made = 0

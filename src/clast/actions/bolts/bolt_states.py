@@ -32,7 +32,7 @@ class BoltStates:
     """True where the ledger has the energy that it was installed with, shape (m,)."""
 
     @property
-    def bears(self) -> Bools:
+    def carries(self) -> Bools:
         """Whether it can carry a force, shape (m,)."""
         return np.asarray(~np.isnan(self.rest) & np.isnan(self.broken_at) & ~self.lost)
 

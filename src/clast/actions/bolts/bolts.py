@@ -59,7 +59,7 @@ class Bolting:
         if share.springs is not None:
             work, _ = energy_of_springs(share.springs, solution)
         was = np.where(state.counted, state.energy(bolts), 0.0)
-        fresh, jacked = begun.bears & ~state.counted, begun.bears & ~begun.locked
+        fresh, jacked = begun.carries & ~state.counted, begun.carries & ~begun.locked
         installed = np.where(fresh, begun.energy(bolts), 0.0)
         by_jacks = np.where(jacked, bolts.pretension * (before - after), 0.0)
         flow = pulled.plastic != begun.plastic
@@ -95,7 +95,7 @@ def taken_up(model: Model, state: BoltStates, length: Floats) -> BoltStates:
     """
     bolts = model.bolts
     there = bolts.installed[bolts.of_spring]
-    lost = state.lost | (there & model.gone[bolts.blocks].any(axis=1))
+    lost = state.lost | (there & model.absent[bolts.blocks].any(axis=1))
     fresh = there & np.isnan(state.rest) & ~lost
     return replace(
         state,
@@ -111,10 +111,10 @@ def stretched(bolts: Bolts, state: BoltStates, length: Floats, time: float) -> B
 
     Where a jack holds it the length at rest follows, so that it goes on from there when locked.
     """
-    held = state.bears & ~state.locked
+    held = state.carries & ~state.locked
     rest = np.where(held, length, state.rest)
     straight = bolts.pretension + bolts.stiffness * (length - rest - state.plastic)
-    straight = np.where(state.bears, straight, 0.0)
+    straight = np.where(state.carries, straight, 0.0)
     low = np.where(bolts.compression, -bolts.yield_force, 0.0)
     force = np.clip(straight, low, bolts.yield_force)
     yields = (straight > bolts.yield_force) | (straight < -bolts.yield_force)
@@ -126,13 +126,13 @@ def stretched(bolts: Bolts, state: BoltStates, length: Floats, time: float) -> B
         force=force,
         plastic=state.plastic + flow,
         yielded_at=np.where(yields & np.isnan(state.yielded_at), time, state.yielded_at),
-        counted=state.counted | state.bears,
+        counted=state.counted | state.carries,
     )
 
 
 def ruptured(bolts: Bolts, state: BoltStates, time: float) -> BoltStates:
     """Return the springs with those broken that are too long for it."""
-    breaks = state.bears & (state.elongation(bolts) > bolts.rupture)
+    breaks = state.carries & (state.elongation(bolts) > bolts.rupture)
     return replace(
         state,
         force=np.where(breaks, 0.0, state.force),
@@ -147,7 +147,7 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
     positive.
     """
     model, bolts = start.model, start.model.bolts
-    acts = np.flatnonzero(state.bears & ~model.fixed[bolts.blocks].all(axis=1))
+    acts = np.flatnonzero(state.carries & ~model.fixed[bolts.blocks].all(axis=1))
     if not len(acts):
         return None
     points = start.state.points[model.point_slices.bolts][bolts.ends[acts]]

@@ -70,8 +70,8 @@ class LinkStates:
     """True where it has broken, or lost its block, shape (m,)."""
 
     @property
-    def bears(self) -> Bools:
-        """Whether it can bear a force, shape (m,)."""
+    def carries(self) -> Bools:
+        """Whether it can carry a force, shape (m,)."""
         return np.asarray(~np.isnan(self.rest) & ~self.broken)
 
 

@@ -119,7 +119,7 @@ class Links:
             moved[active.row] = self._moved(share.springs, gap, order, active)
             drag = -rows.damping * moved / start.step
         pulled = self._stretched(active, begun, active.stretch + moved)
-        breaks = pulled.bears & (np.abs(active.stretch + moved - begun.rest) > rows.rupture)
+        breaks = pulled.carries & (np.abs(active.stretch + moved - begun.rest) > rows.rupture)
         ended = replace(
             pulled,
             force=np.where(breaks, 0.0, pulled.force),
@@ -205,7 +205,7 @@ class Links:
         parts = [(now * apart).sum(axis=1), (across * apart).sum(axis=1), state.angle]
         stretch = np.stack(parts, axis=1)[rows.link, rows.component]
         state = self._installed(model, state, stretch)
-        acts = state.bears & ~model.fixed[rows.blocks].all(axis=1)
+        acts = state.carries & ~model.fixed[rows.blocks].all(axis=1)
         size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
         small = float(np.sqrt(model.smallest))
         rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
@@ -225,7 +225,7 @@ class Links:
         """Return the links with those installed that are there by now, and without lost ones."""
         rows, begun = self.rows, dict(model.begun)
         there = np.array([not stage or stage in begun for stage in rows.stage], np.bool_)[rows.link]
-        lost = there & model.gone[rows.blocks].any(axis=1)
+        lost = there & model.absent[rows.blocks].any(axis=1)
         fresh = there & np.isnan(state.rest) & ~lost
         if not fresh.any() and not (lost & ~state.broken).any():
             return state
@@ -317,7 +317,7 @@ class Links:
         rows, k = self.rows, active.stiffness
         elastic = stretch - state.rest - state.plastic
         beyond = np.sign(elastic) * np.maximum(np.abs(elastic) - rows.gap, 0.0)
-        straight = np.where(state.bears, -k * beyond, 0.0)
+        straight = np.where(state.carries, -k * beyond, 0.0)
         straight = np.nan_to_num(straight)
         force = np.clip(straight, *self.limits.bounds(rows, state))
         flow = np.where(force != straight, (force - straight) / k, 0.0)

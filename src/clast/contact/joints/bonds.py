@@ -7,7 +7,7 @@ A bond has the cohesion c and the tensile strength sigma_t of its joint.
 - Slip ends nothing where the joint is ideally plastic: |T| <= N tan(phi) + c L however far it
   slips, as limit equilibrium has it.  A joint with a residual cohesion is brittle: the first slip
   ends the bond, and leaves that cohesion until the contact opens; or it goes with the way of
-  sliding (contact/joints/weakening.py), and the bond ends when all of that is gone.
+  sliding (contact/joints/weakening.py), and the bond ends when none of that is left.
 
 Cohesion belongs to the plane, not to the corner that was there first.  A face that slides on takes
 its bonds along: a contact that comes up where faces lie on each other is bonded as they are.

@@ -78,7 +78,7 @@ def _weakened(table: JointTable, places: Places, slid: Floats) -> Floats:
 
 
 def share_lost(table: JointTable, joint: Ints, slid: Floats) -> Floats:
-    """Return which share of the way from peak to residual strength contacts have gone, (m,)."""
+    """Return by which share contacts have fallen from peak to residual strength, (m,)."""
     return np.asarray(np.minimum(1.0, slid / table.worn_after.take(joint)))
 
 
@@ -86,7 +86,7 @@ def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -
     """Return which share of what they can lose contacts along ``joint`` (k,) have lost, (k,).
 
     0 at the peak, 1 at the residual strength; ``slid`` (k,) is how far they have slid, m.  Bonds
-    that are broken are lost; of a rough joint beyond its peak it is the roughness that is gone.
+    that are broken are lost; of a rough joint beyond its peak it is the roughness that is lost.
     """
     loses = ~np.isnan(table.residual_friction)
     loses |= ~np.isnan(table.residual_cohesion) & (table.slip_weakening > 0.0)

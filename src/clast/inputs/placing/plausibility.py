@@ -103,11 +103,11 @@ def doubted_base(model: Model, stages: Sequence[Stage]) -> Iterator[str]:
     """Warn where stages take out blocks by whose fixed points the ground moves the rest."""
     if not isinstance(model.ground_motion, MovingBase):
         return
-    held, gone = model.fixed_points.block, np.zeros(0, np.int64)
+    held, excavated = model.fixed_points.block, np.zeros(0, np.int64)
     for stage in stages:
         if stage.excavate:
-            gone = np.union1d(gone, model.blocks_called(stage.excavate))
-        lost = np.flatnonzero(np.isin(held, gone))
+            excavated = np.union1d(excavated, model.blocks_called(stage.excavate))
+        lost = np.flatnonzero(np.isin(held, excavated))
         if stage.ground_motion and len(lost):
             names = dict.fromkeys(f"'{shortened(model.block_name[held[k]])}'" for k in lost)
             left = len(held) - len(lost)

@@ -17,7 +17,7 @@ from clast.rockmass.drawings.drawing_files import replaced_path
 WIDTHS = {".mp4": 1280, ".webp": 960, ".gif": 720}
 """Width of a film without a size, pixels: an animated GIF holds all its pictures in memory."""
 SLOWEST, FASTEST = 0.1, 240.0
-"""Pictures a second."""
+"""Frames per second."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,7 @@ class FilmSpeed:
     """How fast a film goes."""
 
     fps: float = 25.0
-    """Pictures a second."""
+    """Frames per second."""
     speed: float | None = None
     """Time of the run in a second of the film, s: 1 for as fast as it happens; None for each frame
     in one picture."""

@@ -27,7 +27,7 @@ from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND, draw_edges, handles_of
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,11 +132,11 @@ class FrameDrawer:
     def _draw(self, frame: int) -> None:
         """Draw a frame on the axes, as a still picture does."""
         results, axes, field = self._results, self._axes, self._look.field
-        here, gone = results.vertices(frame), gone_in_frame(results, frame)
-        draw_blocks.draw_start(axes, results, self._start, gone)
+        here, absent = results.vertices(frame), absent_in_frame(results, frame)
+        draw_blocks.draw_start(axes, results, self._start, absent)
         joints = field == "joint"
-        free = draw_blocks.draw_blocks(axes, results, here, 0.0 if joints else 1.0, gone)
-        drawn = ~(results.fixed | gone)
+        free = draw_blocks.draw_blocks(axes, results, here, 0.0 if joints else 1.0, absent)
+        drawn = ~(results.fixed | absent)
         if field in JOINT_FIELDS:
             free.set_facecolor(GROUND)
             if self._scale is not None:
@@ -152,12 +152,12 @@ class FrameDrawer:
         waters = waters_of(results, frame)
         draw_water(axes, results, waters, pressures_of(results, waters, frame, here), self._seen)
         if joints:
-            edges = edges_by_joint(results, here, self._start, self._together, gone)
+            edges = edges_by_joint(results, here, self._start, self._together, absent)
             shown = draw_blocks.within(results, here, *self._seen)
             draw_edges(axes, edges, self._seen, self._box[0], int(shown.sum()))
         draw_bolts.draw_bolts(axes, results.bolts(frame))
         if field == "block":
-            draw_blocks.draw_names(axes, results, here, gone)
+            draw_blocks.draw_names(axes, results, here, absent)
         draw_points(axes, results.point_name, self._places[frame])
 
     @property
@@ -168,13 +168,13 @@ class FrameDrawer:
     def _handles(self, frames: Sequence[int]) -> list[Any]:
         """Return the legend: everything there is at the end, and excavated blocks."""
         results, last = self._results, frames[-1]
-        gone, here = gone_in_frame(results, last), results.vertices(last)
+        absent, here = absent_in_frame(results, last), results.vertices(last)
         waters = waters_of(results, last)
         edges: Sequence[Any] = ()
         if self._look.field == "joint":
-            edges = edges_by_joint(results, here, self._start, self._together, gone)
+            edges = edges_by_joint(results, here, self._start, self._together, absent)
         return [
-            *legend_handles(results, self._look.field, gone),
+            *legend_handles(results, self._look.field, absent),
             *handles_of(edges, self._part),
             *handles_of_water(waters, pressures_of(results, waters, last, here)),
             *draw_bolts.handles_of(results.bolts(last)),
@@ -231,7 +231,7 @@ def _scale(
     values, areas = [], []
     for frame in frames:
         here = results.vertices(frame)
-        free: Bools = ~(results.fixed | gone_in_frame(results, frame))
+        free: Bools = ~(results.fixed | absent_in_frame(results, frame))
         inside = free & draw_blocks.within(results, here, *seen)
         counted = inside if inside.any() else free
         values.append(quantity.values(results, frame)[counted])

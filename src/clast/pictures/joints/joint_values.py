@@ -19,7 +19,7 @@ from clast.pictures.draw_blocks import paint
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import FrameContacts, Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,8 +66,8 @@ def faces_opened(results: Recording, frame: int) -> Faces:
     here, start = results.vertices(frame), results.vertices(0)
     after = following(results.block_start)
     other = partners(start, after)
-    gone = np.repeat(gone_in_frame(results, frame), np.diff(results.block_start))
-    own = np.flatnonzero((other > np.arange(len(other))) & ~gone & ~gone[other])
+    absent = np.repeat(absent_in_frame(results, frame), np.diff(results.block_start))
+    own = np.flatnonzero((other > np.arange(len(other))) & ~absent & ~absent[other])
     mine = np.stack([here[own], here[after[own]]], axis=1)
     theirs = np.stack([here[after[other[own]]], here[other[own]]], axis=1)
     along = mine[:, 1] - mine[:, 0]

@@ -14,7 +14,7 @@ from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed
 from clast.pictures.supports.draw_linings import DIAGRAMS, drawing_of, handles_of
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,7 +119,7 @@ def _principal(results: Recording, frame: int) -> tuple[Floats, Floats]:
     mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     radius, turn = np.hypot(half, xy), 0.5 * np.arctan2(xy, half)
     sizes = np.stack([mean + radius, mean - radius], axis=1)
-    there = ~(results.fixed | gone_in_frame(results, frame))
+    there = ~(results.fixed | absent_in_frame(results, frame))
     return sizes * there[:, None], np.stack([turn, turn + 0.5 * np.pi], axis=1)
 
 
@@ -165,7 +165,7 @@ def _vector_handles(results: Recording, frame: int) -> list[Any]:
 def _draw_vectors(axes: Axes, results: Recording, frame: int) -> None:
     """Draw the displacement of each block as an arrow that ends where the block is."""
     moved = results.field("displacement", frame)
-    there = ~gone_in_frame(results, frame)
+    there = ~absent_in_frame(results, frame)
     largest = float(np.hypot(*moved[there].T).max(initial=0.0))
     if largest == 0.0:
         return
@@ -239,10 +239,10 @@ def _triangles(results: Recording, here: Floats, frame: int) -> Any:
     """Return triangles (k, 3) of the vertices of the blocks that are there."""
     import shapely
 
-    gone = gone_in_frame(results, frame)
+    absent = absent_in_frame(results, frame)
     found = []
     for block, outline in enumerate(outlines_of(results, here)):
-        if gone[block]:
+        if absent[block]:
             continue
         first = int(results.block_start[block])
         parts = shapely.delaunay_triangles(shapely.MultiPoint(outline))

@@ -16,7 +16,7 @@ from clast.pictures.draw_water import pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import affine, packed, raw
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 CONTACT_BYTES, FACE_BYTES = 26, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
@@ -80,10 +80,10 @@ def _gone_from(results: Recording, numbers: Ints) -> Ints:
     """Return the frame from which on each block is excavated; the number of frames for never."""
     found = np.full(len(results.block_name), len(numbers))
     for k in range(len(numbers) - 1, -1, -1):
-        gone: Bools = gone_in_frame(results, int(numbers[k]))
-        if not gone.any():
+        absent: Bools = absent_in_frame(results, int(numbers[k]))
+        if not absent.any():
             break
-        found[gone] = k
+        found[absent] = k
     return found
 
 

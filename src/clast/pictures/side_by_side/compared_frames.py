@@ -20,7 +20,7 @@ from clast.pictures.plot import draw_points, legend_handles, places_of_points
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
-from clast.results.frames import gone_in_frame
+from clast.results.frames import absent_in_frame
 
 BETWEEN = 0.55
 """Space between the two, inches."""
@@ -47,7 +47,7 @@ def plot_two_frames(
     waters = waters_of(results, last)
     pressed = pressures_of(results, waters, last, results.vertices(last))
     handles = [
-        *legend_handles(results, field, gone_in_frame(results, last)),
+        *legend_handles(results, field, absent_in_frame(results, last)),
         *handles_of_water(waters, pressed),
         *draw_bolts.handles_of(results.bolts(last)),
         *layer_handles(above, results, last),
@@ -79,10 +79,10 @@ def plot_two_frames(
             f", {canvas.literal(stage)}" if stage else ""
         )
         axes.set_title(said, fontsize=TEXT_SIZE, color=INK, loc="left")
-        here, gone = results.vertices(number), gone_in_frame(results, number)
-        draw_blocks.draw_start(axes, results, results.vertices(0), gone)
-        free = draw_blocks.draw_blocks(axes, results, here, 1.0, gone)
-        drawn, coloured, unit = ~(results.fixed | gone), free, ""
+        here, absent = results.vertices(number), absent_in_frame(results, number)
+        draw_blocks.draw_start(axes, results, results.vertices(0), absent)
+        free = draw_blocks.draw_blocks(axes, results, here, 1.0, absent)
+        drawn, coloured, unit = ~(results.fixed | absent), free, ""
         if scale is None:
             draw_blocks.paint_kinds(free, results, field, number, drawn)
         elif field in JOINT_FIELDS:
@@ -148,7 +148,7 @@ def _scale(
     areas: list[Floats] = []
     for number in numbers:
         here = results.vertices(number)
-        free = ~(results.fixed | gone_in_frame(results, number))
+        free = ~(results.fixed | absent_in_frame(results, number))
         inside = free & draw_blocks.within(results, here, *seen)
         counted = inside if inside.any() else free
         values.append(SCALARS[field].values(results, number)[counted])

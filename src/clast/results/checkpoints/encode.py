@@ -35,6 +35,8 @@ MOVED = {
     "clast.results.recorder:Mark": "clast.results.recorder:RecordMark",
 }
 """Earlier names of classes, module and name, in older checkpoints -> present names."""
+MOVED_FIELDS = {"SupportForces": {"gone": "absent"}}
+"""Class -> earlier names of its fields, in older checkpoints -> present names."""
 OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")
 """Modules whose classes a run may carry; to import one does nothing else."""
 
@@ -170,6 +172,8 @@ def _made(kind: type, values: Mapping[str, Any]) -> Any:
     """
     if not dataclasses.is_dataclass(kind):
         raise TypeError("no dataclass")
+    earlier = MOVED_FIELDS.get(kind.__name__, {})
+    values = {earlier.get(name, name): value for name, value in values.items()}
     fields = {entry.name for entry in dataclasses.fields(kind)}
     if fields != set(values):
         raise UnknownClassError(f"{kind.__qualname__} has other fields than it had")

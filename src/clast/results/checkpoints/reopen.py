@@ -79,7 +79,7 @@ def cut_back(file: Any, model: Model, frames: int, last: NDArray[Any]) -> None:
 
     ``last`` is the row of the last of them in its table of frames, shape (1,).
     """
-    # In the order in which a frame is taken back: for a viewer it is gone first.
+    # In the order in which a frame is taken back: for a viewer it goes first.
     file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(frames))
     for name, length in lengths_after(model, frames, last).items():
         if name in file:

@@ -92,10 +92,10 @@ def _without_small_islands(graph: Graph, smallest2: float) -> tuple[Graph, Float
     small = np.setdiff1d(small, outlined)
     if len(small) == 0:
         return graph, np.zeros((0, 2)), 0
-    gone = np.isin(part[graph.edge[:, 0]], small)
+    loose = np.isin(part[graph.edge[:, 0]], small)
     blocks = np.isin(part[node[loops.start[:-1]]], small) & (loops.area2 > 0)
-    middles = [graph.middles[gone & (part[graph.edge[:, 0]] == one)].mean(axis=0) for one in small]
-    return graph.only(~gone), np.array(middles), int(blocks.sum())
+    middles = [graph.middles[loose & (part[graph.edge[:, 0]] == one)].mean(axis=0) for one in small]
+    return graph.only(~loose), np.array(middles), int(blocks.sum())
 
 
 def _faces_to_split(graph: Graph) -> Iterator[FaceWithHoles]:
@@ -149,8 +149,8 @@ def _simple(loop: Ints) -> list[Ints]:
         if node in place:
             cut = place[node]
             found.append(np.array(path[cut:], np.int64))
-            for gone in path[cut:]:
-                del place[gone]
+            for loose in path[cut:]:
+                del place[loose]
             del path[cut:]
         place[node] = len(path)
         path.append(node)

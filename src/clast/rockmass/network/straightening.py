@@ -13,11 +13,11 @@ def straighten(tiling: Tiling, joint: Sequence[int]) -> int:
     ``joint`` (n,) is the joint of each line, that of welds at last: an edge has one joint.
     Rounding bends lines by less than a cell: a bend goes where the straight edge meets no other.
     """
-    gone = 0
+    count = 0
     for node in sorted({node for block in tiling.changed for node in tiling.loops[block]}):
         if tiling.around[node] and tiling.held[node] != CORNER and _taken_out(tiling, node, joint):
-            gone += 1
-    return gone
+            count += 1
+    return count
 
 
 def _taken_out(tiling: Tiling, node: int, joint: Sequence[int]) -> bool:

@@ -108,20 +108,20 @@ def _collapsed(tiling: Tiling, edge: Edge) -> int | None:
     """Collapse an edge where that leaves sound blocks; return the node that it becomes, or None."""
     held = tiling.held
     a, b = sorted(edge, key=lambda node: (held[node], len(tiling.around[node]), -node))
-    for gone, kept in ((a, b), (b, a)):
+    for moved, kept in ((a, b), (b, a)):
         along = edge in tiling.outline
-        movable = held[gone] == FREE or (held[gone] == ON_OUTLINE and along)
-        if movable and _move_onto(tiling, gone, kept):
+        movable = held[moved] == FREE or (held[moved] == ON_OUTLINE and along)
+        if movable and _move_onto(tiling, moved, kept):
             tiling.collapsed.append(tiling.xy[kept])
             return kept
     return None
 
 
-def _move_onto(tiling: Tiling, gone: int, kept: int) -> bool:
+def _move_onto(tiling: Tiling, moved: int, kept: int) -> bool:
     """Replace a node by another where every block stays simple; return whether it was done."""
     changed: dict[int, list[int]] = {}
-    for block in tiling.around[gone]:
-        loop = _replaced(tiling.loops[block], gone, kept)
+    for block in tiling.around[moved]:
+        loop = _replaced(tiling.loops[block], moved, kept)
         if loop and not _sound(loop, tiling.xy, kept):
             return False
         changed[block] = loop
@@ -133,7 +133,7 @@ def _move_onto(tiling: Tiling, gone: int, kept: int) -> bool:
         if not loop:
             tiling.merged.append(tiling.xy[kept])
         _set(tiling, block, loop)
-    _rename_edges(tiling, gone, kept)
+    _rename_edges(tiling, moved, kept)
     return True
 
 
@@ -153,27 +153,27 @@ def _still_paired(tiling: Tiling, changed: dict[int, list[int]], kept: int) -> b
     return True
 
 
-def _replaced(loop: list[int], gone: int, kept: int) -> list[int]:
+def _replaced(loop: list[int], moved: int, kept: int) -> list[int]:
     """Return a loop with a node replaced; empty where fewer than three are left."""
     if kept not in loop:
-        return [kept if node == gone else node for node in loop]
+        return [kept if node == moved else node for node in loop]
     count = len(loop)
-    at = loop.index(gone)
+    at = loop.index(moved)
     if kept not in (loop[at - 1], loop[(at + 1) % count]):
-        return [kept if node == gone else node for node in loop]
-    rest = [node for node in loop if node != gone]
+        return [kept if node == moved else node for node in loop]
+    rest = [node for node in loop if node != moved]
     return rest if len(rest) > 2 else []
 
 
-def _rename_edges(tiling: Tiling, gone: int, kept: int) -> None:
-    """Give the edges of a node that is gone to the node that it became."""
+def _rename_edges(tiling: Tiling, moved: int, kept: int) -> None:
+    """Give the edges of a node that was moved to the node that it became."""
     near: set[int] = set()
     for block in tiling.around[kept]:
         loop = tiling.loops[block]
         at = loop.index(kept)
         near.update((loop[at - 1], loop[(at + 1) % len(loop)]))
     for other in near | {kept}:
-        old, new = ordered(gone, other), ordered(kept, other)
+        old, new = ordered(moved, other), ordered(kept, other)
         if old not in tiling.line:
             continue
         line, outlined = tiling.line.pop(old), old in tiling.outline
@@ -326,12 +326,12 @@ def _merged(tiling: Tiling, block: int) -> int | None:
         if joined is None:
             continue
         tiling.merged.append(tiling.xy[loop[0]])
-        gone = set(edges_of(loop)) & set(edges_of(tiling.loops[other]))
+        inner = set(edges_of(loop)) & set(edges_of(tiling.loops[other]))
         _forget(tiling, block)
         _forget(tiling, other)
         _set(tiling, block, [])
         _set(tiling, other, joined)
-        for edge in gone:
+        for edge in inner:
             del tiling.line[edge]
             tiling.outline.discard(edge)
         return other

@@ -63,11 +63,11 @@ def without_folds(loops: Cycles) -> tuple[Cycles, Ints]:
         spike = _spikes(loops)
         if len(spike) == 0:
             break
-        gone = np.zeros(len(loops.node), np.bool_)
-        gone[spike] = True
-        gone[_before(loops.start)[spike]] = True
+        removed = np.zeros(len(loops.node), np.bool_)
+        removed[spike] = True
+        removed[_before(loops.start)[spike]] = True
         closed.append(loops.node[spike])
-        loops = loops.only(~gone)
+        loops = loops.only(~removed)
     return loops, np.concatenate(closed)
 
 

@@ -176,7 +176,7 @@ class Bent:
 def through_places(loops: Cycles, at: Floats, reach: float) -> Bent:
     """Return the loops whose edges run through the places beside them; ``at`` (nn, 2), m."""
     ends = at[np.stack([loops.node, loops.after], axis=1)]
-    # Entries are numbered as drawn, but those that are gone leave gaps.
+    # Entries are numbered as drawn, but those that were removed leave gaps.
     drawn = np.zeros((int(loops.edge.max(initial=-1)) + 1, 2, 2))
     drawn[loops.edge] = ends
     put_in = [np.zeros(0, np.int64)]

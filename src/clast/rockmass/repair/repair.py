@@ -168,8 +168,8 @@ class _Refusal:
 
     def vanished(self, loops: Cycles) -> None:
         """Refuse blocks of which fewer than three corners are left."""
-        gone = np.flatnonzero(np.diff(loops.start) < 3)
-        self._refuse(gone, "would vanish", self.drawn[self.start[gone]])
+        degenerate = np.flatnonzero(np.diff(loops.start) < 3)
+        self._refuse(degenerate, "would vanish", self.drawn[self.start[degenerate]])
 
     def unsound(self, loops: Cycles, at: Floats) -> None:
         """Refuse blocks that turn over or cross themselves with places (nn, 2), and did not."""

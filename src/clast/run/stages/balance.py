@@ -84,9 +84,9 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
     borne = contacts.normal_force, contacts.shear_force
     forces = with_contact_forces(forces, contacts, graph, fixed, *borne)
     if springs is not None:
-        bear = springs.at(springs.gap, springs.slip)
+        of_springs = springs.at(springs.gap, springs.slip)
         graph = graph_of(springs, model.block_count)
-        borne = bear.normal_force, bear.shear_force
+        borne = of_springs.normal_force, of_springs.shear_force
         forces = with_contact_forces(forces, springs, graph, fixed, *borne)
     forces[fixed] = 0.0
     if context.held is not None:
@@ -116,11 +116,11 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
             sums.add(share.block, share.force[:, :2], share.force[:, 2])
     if context.springs is not None:
         springs = context.springs
-        bear = springs.at(springs.gap, springs.slip)
+        of_springs = springs.at(springs.gap, springs.slip)
         sums.add_pairs(
             (springs.vertex_block, springs.edge_block),
             springs.arms,
-            (bear.normal_force, bear.shear_force),
+            (of_springs.normal_force, of_springs.shear_force),
         )
     if context.held is not None:
         # what is out of balance there is the reaction

@@ -181,7 +181,7 @@ class EquilibriumCheck:
         go to and fro between slide and lock for ever, and nothing moves.
         """
         farthest = float(np.hypot(*way.T).max(initial=0.0))
-        slides = self._bears(memory, sums) & (memory.mode == SLIDE)
+        slides = self._carries(memory, sums) & (memory.mode == SLIDE)
         if farthest <= QUIET * self.method.max_displacement or not slides.any():
             return ""
         return f"contacts slide while blocks move by {farthest:.3g} m a step"
@@ -234,7 +234,7 @@ class EquilibriumCheck:
         angle = float(np.degrees(np.arctan2(y, x)))
         return Mover(block=self.model.block_name[block], speed=speed, direction=angle)
 
-    def _bears(self, memory: ContactMemory, sums: ForceSums) -> Bools:
+    def _carries(self, memory: ContactMemory, sums: ForceSums) -> Bools:
         """Return which contacts carry more than a negligible force, shape (k,)."""
         size = np.where(self._free, sums.size, np.inf)
         own, other = self.model.vertex_block[memory.vertex], memory.block
@@ -249,20 +249,22 @@ class EquilibriumCheck:
         """
         count = len(self.model.vertices)
         old, new = (one.keys(count) for one in (before, after))
-        old_bears, new_bears = (self._bears(one, sums) for one in (before, after))
+        old_carries, new_carries = (self._carries(one, sums) for one in (before, after))
         row, there = _rows(old, new)
         was = np.where(there, _taken(before.mode, row), OPEN)
-        bore = there & _taken(old_bears, row)
-        changed = (was != after.mode) & (bore | new_bears)
-        gone = ~np.isin(old, new, assume_unique=True) & old_bears & (before.mode != OPEN)
-        if not (changed.any() or gone.any()):
+        carried = there & _taken(old_carries, row)
+        changed = (was != after.mode) & (carried | new_carries)
+        ended = ~np.isin(old, new, assume_unique=True) & old_carries & (before.mode != OPEN)
+        if not (changed.any() or ended.any()):
             return ""
         old, new = (
             contact_keys(one.vertex, one.block, one.point, count) for one in (before, after)
         )
-        gone_on, come_from = self._moved_on((before, after), (old, new), (gone, changed & ~bore))
-        gone, changed = gone & ~gone_on, changed & ~come_from
-        for which, memory in ((changed, after), (gone, before)):
+        went_on, come_from = self._moved_on(
+            (before, after), (old, new), (ended, changed & ~carried)
+        )
+        ended, changed = ended & ~went_on, changed & ~come_from
+        for which, memory in ((changed, after), (ended, before)):
             if which.any():
                 one = int(which.argmax())
                 return self._named(memory, one, "changed" if memory is after else "opened")
@@ -276,11 +278,11 @@ class EquilibriumCheck:
     ) -> tuple[Bools, Bools]:
         """Return which contacts before and after a step are of a corner that went on to an edge.
 
-        ``keys`` are those of vertex and block, ``which`` those that have gone and have come.
+        ``keys`` are those of vertex and block, ``which`` those that have ended and have begun.
         """
-        (before, after), (old, new), (gone, come) = memories, keys, which
-        went, came = np.zeros_like(gone), np.zeros_like(come)
-        left = {int(old[row]): int(row) for row in np.flatnonzero(gone)}
+        (before, after), (old, new), (ended, come) = memories, keys, which
+        went, came = np.zeros_like(ended), np.zeros_like(come)
+        left = {int(old[row]): int(row) for row in np.flatnonzero(ended)}
         for row in np.flatnonzero(come):
             at = left.get(int(new[row]))
             if at is None or before.mode[at] != after.mode[row]:
@@ -308,7 +310,7 @@ class EquilibriumCheck:
         model, memory = self.model, result.state.memory
         start = model.block_start
         moved = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
-        slides = self._bears(memory, sums) & (memory.mode == SLIDE)
+        slides = self._carries(memory, sums) & (memory.mode == SLIDE)
         sliding = np.zeros(model.block_count, np.bool_)
         sliding[model.vertex_block[memory.vertex[slides]]] = True
         sliding[memory.block[slides]] = True

@@ -159,7 +159,7 @@ def _forces_fit(own: SupportForces, model: Model) -> bool:
     """Return whether support forces are on blocks and vertices that exist."""
     count = len(own.block)
     shapes = [
-        own.gone.shape == (model.block_count,),
+        own.absent.shape == (model.block_count,),
         own.block.shape == own.share.shape == own.since.shape == own.duration.shape == (count,),
         own.vertex.shape == own.force.shape == (count, 2),
     ]

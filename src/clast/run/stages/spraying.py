@@ -54,26 +54,28 @@ def lined(
     coming = np.zeros(model.block_count, np.bool_)
     for one in fresh:
         coming[one.segments] = True
-    left = without(model, model.gone & ~coming)
+    left = without(model, model.absent & ~coming)
     actions = actions_of(left, method.fixed_point_stiffness, method.damping)
     own = list(own_states(actions, left, state))
     number += len(actions) - len(model.actions)
     for one in fresh:
         state, own[number] = _put(left, state, one, linings, own[number])
-    own = [replace(one, gone=left.gone) if isinstance(one, SupportForces) else one for one in own]
+    own = [
+        replace(one, absent=left.absent) if isinstance(one, SupportForces) else one for one in own
+    ]
     state = replace(state, actions=tuple(own))
     contacts = _contacts(left, method, state, step)
     return left, replace(state, memory=_bonded(left, method, state, contacts, coming))
 
 
-def present_outline(shape: LiningShape, vertices: Floats, gone: Bools) -> Floats:
+def present_outline(shape: LiningShape, vertices: Floats, absent: Bools) -> Floats:
     """Return where the rock carries the points of the outer line, m, shape (p, 2).
 
-    ``vertices`` (nv, 2) are where they are, ``gone`` (nv,) those of excavated blocks.  Points
+    ``vertices`` (nv, 2) are where they are, ``absent`` (nv,) those of excavated blocks.  Points
     that nothing carries go with those on both sides.
     """
     count = len(shape.at)
-    there = ~gone[shape.vertex[:, 0]]
+    there = ~absent[shape.vertex[:, 0]]
     point, share = shape.point[there], shape.share[there, None]
     first, last = vertices[shape.vertex[there].T]
     moved = first + share * (last - first) - shape.at[point]
@@ -92,7 +94,7 @@ def _put(
 ) -> tuple[State, LiningStates]:
     """Return the state with a lining on the outline as it is, and the state of all linings."""
     shape = one.shape
-    at = present_outline(shape, state.vertices, model.gone[model.vertex_block])
+    at = present_outline(shape, state.vertices, model.absent[model.vertex_block])
     vertices, rotation = state.vertices.copy(), state.rotation.copy()
     points = state.points.copy()
     turned = np.array([_turn(shape, at, k) for k in range(len(one.segments))])

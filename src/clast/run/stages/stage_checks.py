@@ -242,9 +242,9 @@ def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str])
     ``since`` has the excavated blocks.
     """
     springs = model.bolts.blocks[model.bolts.of_spring == bolt]
-    gone = np.isin(springs, list(since))
-    if gone.any(axis=1).all():
-        block = int(springs[gone][0])
+    left_out = np.isin(springs, list(since))
+    if left_out.any(axis=1).all():
+        block = int(springs[left_out][0])
         raise ModelError(
             f"bolt '{shortened(model.bolts.name[bolt])}' would be anchored in block "
             f"'{shortened(model.block_name[block])}', which has been excavated since "

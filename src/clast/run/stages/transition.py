@@ -108,8 +108,8 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
 def at_rest(state: State) -> State:
     """Return a state without velocities: a static run has thrown them away at every step."""
     ledger = state.ledger
-    gone = replace(ledger, kinetic=0.0, removed=ledger.removed + ledger.kinetic)
-    return replace(state, velocity=np.zeros_like(state.velocity), ledger=gone)
+    stopped = replace(ledger, kinetic=0.0, removed=ledger.removed + ledger.kinetic)
+    return replace(state, velocity=np.zeros_like(state.velocity), ledger=stopped)
 
 
 def excavated_by(model: Model, stage: Stage) -> Ints:

@@ -86,7 +86,7 @@ def _claims(series: Mapping[str, list[JobResult]]) -> list[Claim]:
             },
         ),
         Claim(
-            "Open-close iteration (Shi), or repeated passes (the paper), bear stiffer contacts",
+            "Open-close iteration (Shi), or repeated passes (the paper), tolerate stiffer contacts",
             _stood_at(repeated),
             {
                 label: sum(each) > sum(single[f"modified, {label.split(', ')[1]}"])
@@ -94,7 +94,7 @@ def _claims(series: Mapping[str, list[JobResult]]) -> list[Claim]:
             },
         ),
         Claim(
-            "The convex process bears any stiffness (clast)",
+            "The convex process tolerates any stiffness (clast)",
             _stood_at(convex),
             {label: all(each) for label, each in convex.items()},
         ),

@@ -79,7 +79,7 @@ def _claims(series: Mapping[str, list[JobResult]], errors: Mapping[str, Floats])
             {label: bool(np.all(each <= CLOSE)) for label, each in at_soft.items()},
         ),
         Claim(
-            f"One solve a step bears p h²/m up to about {LIMIT:g} (clast)",
+            f"One solve a step tolerates p h²/m up to about {LIMIT:g} (clast)",
             "error of at most 1 %: "
             + listed({label: _words(*each) for label, each in sound.items()}),
             {label: low <= LIMIT <= high for label, (low, high) in sound.items()},

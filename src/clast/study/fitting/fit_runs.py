@@ -77,7 +77,7 @@ class FitRuns:
         result = self.folder.result(run)
         if result is None:
             raise CaseError(
-                f"run {run} has gone while it was needed",
+                f"run {run} was removed while it was needed",
                 where=str(self.folder.path),
                 remedy="leave the folder to one study; clast study resume makes it again",
             )

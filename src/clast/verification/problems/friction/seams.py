@@ -118,8 +118,8 @@ def way_on(
         dynamic_ratio=dynamic_ratio,
     )
     run = simulate(model, method, Schedule(step=step, end=end, every=end))
-    gone = run.history("centroid").displacement
-    return float(np.hypot(*(gone[-1] - gone[round(since / step)])))
+    displacement = run.history("centroid").displacement
+    return float(np.hypot(*(displacement[-1] - displacement[round(since / step)])))
 
 
 def sliding_way() -> float:

@@ -47,7 +47,7 @@ def exact_fall(time: Floats) -> Floats:
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare how far the block falls until the last of the support is gone."""
+    """Compare how far the block falls until the last of the support force has ended."""
     model = propped()
     numbers = {"normal_stiffness": 1e9, "max_displacement": 0.05}
     still = variant.method(model, **numbers, dynamic_ratio=0.0)
@@ -56,8 +56,8 @@ def examine(variant: Variant) -> Outcome:
     simulate(model, still, settled, keep=kept.append)
     method = variant.method(model, **numbers)
     at_rest = replace(kept[-1].state, velocity=np.zeros_like(kept[-1].state.velocity))
-    gone = model.blocks_called(["prop"])
-    left, state = excavated(model, method, at_rest, gone, RELAX, RELAX_TIME)
+    prop = model.blocks_called(["prop"])
+    left, state = excavated(model, method, at_rest, prop, RELAX, RELAX_TIME)
     end = SETTLING + RELAX_TIME
     rest = Schedule(step=STEP, end=end, every=end)
     run = simulate(left, method, rest, begin=replace(kept[-1], state=state))
