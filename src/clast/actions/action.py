@@ -122,7 +122,7 @@ class Prescribed:
     components: Bools
     """Which unknowns (u, v, r, ex, ey, gxy) are prescribed, shape (k, 6)."""
     displacement: Floats
-    """What they are in the step, d, shape (k, 6)."""
+    """Displacements in the step, d, shape (k, 6)."""
     velocity: Floats
     """Their velocities at its end, shape (k, 6)."""
 

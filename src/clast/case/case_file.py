@@ -392,7 +392,7 @@ class Case(BaseModel):
         model = model or self.model()
         method = self.method_.method(
             model,
-            # an automatic stiffness is for the longest step that it has to bear
+            # an automatic stiffness is for the longest step of the run
             step=max([self.time.step, *(one.step for one in self.stage if one.step)]),
             max_displacement=self.time.largest_movement(model),
             dynamic_ratio=self.time.dynamic_ratio,

@@ -10,7 +10,7 @@ SLOPE = """\
 #   bolt = []                  nothing holds the beds: they slide when the water comes
 #   water.line                 [[0,15],[26,6]], a lower level: no cables are needed
 #   joint.bedding              friction_angle = 30: it slides dry, less than its dip of 35 degrees
-#   bolt_kind.cable            pretension, yield_force: what the cables bear at first, and at most
+#   bolt_kind.cable            pretension, yield_force: force of the cables at first, and at most
 
 schema = 1
 title = "Slope in bedding, with water and cables"
@@ -130,7 +130,7 @@ TUNNEL = """\
 # is dug, and bolts go in when the rock has given way by some tenths of a millimetre.
 # Try:
 #   bolt_pattern = []          a block slides out of the left wall; the report names it
-#   bolt_kind.swellex          pretension = 0: the bolts bear what the block asks for, and no more
+#   bolt_kind.swellex          pretension = 0: the bolts carry what the block needs, and no more
 #   stage heading: relax       share of the support that ends at once: 1.0 is a blast
 #   opening.center             elsewhere other blocks come loose, or none
 
@@ -217,7 +217,7 @@ reset_displacement = true              # displacements count from here
 [[stage]]
 name = "heading"
 excavate = ["heading"]
-relax = 0.5                            # half of what the heading bore ends at once,
+relax = 0.5                            # half of the load of the heading ends at once,
 relax_time = 0.04                      # s: the rest in this time
 until = "time"
 time = 0.05

@@ -90,19 +90,9 @@ def find_candidates(
         of_vertices = polygon.owners(block_start), first_rows(memory.vertex, len(vertices))
     vertex_block, rows = of_vertices
     outlines = vertices, direction, length, vertex_block, block_start
-    of_memory = memory.vertex, memory.block, memory.gap
     if of_blocks is None:
         of_blocks = np.zeros((len(box), 3)), np.zeros(len(box), np.bool_)
-    bearing = (
-        *flush_faces.rows_by_block(of_memory, vertex_block, len(box), reach.critdis),
-        memory.vertex,
-        memory.block,
-        memory.edge,
-        memory.gap,
-        of_blocks[0],
-        flush_faces.goes_on(pairs, box, outlines, reach.critdis),
-        flush_faces.largest_settlements(memory.gap, *of_blocks, box),
-    )
+    bearing = _bearing_contacts(memory, outlines, (pairs, box), of_blocks, reach.critdis)
     depth = pair_penetration(vertex_block, pairs, memory)
     groups, pair, gap, along = _found(
         outlines,
@@ -128,6 +118,32 @@ def find_candidates(
         block_start=block_start,
         box=box,
         critdis=reach.critdis,
+    )
+
+
+def _bearing_contacts(
+    memory: ContactMemory,
+    outlines: Any,
+    near: tuple[Ints, Floats],
+    of_blocks: tuple[Floats, Bools],
+    critdis: float,
+) -> tuple[Any, ...]:
+    """Return the arrays of ``flush_faces.BearingContacts``.
+
+    ``near`` are the pairs of blocks (q, 2) and the boxes (n, 4), ``of_blocks`` the strains (n, 3)
+    and which cannot move, (n,).
+    """
+    pairs, box = near
+    of_memory = memory.vertex, memory.block, memory.gap
+    return (
+        *flush_faces.rows_by_block(of_memory, outlines[3], len(box), critdis),
+        memory.vertex,
+        memory.block,
+        memory.edge,
+        memory.gap,
+        of_blocks[0],
+        flush_faces.goes_on(pairs, box, outlines, critdis),
+        flush_faces.largest_settlements(memory.gap, *of_blocks, box),
     )
 
 

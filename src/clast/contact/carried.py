@@ -59,7 +59,7 @@ def carried_by(
 
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
-    """Write what contacts ``first`` to ``last`` - 1 remember."""
+    """Write the memory of contacts ``first`` to ``last`` - 1."""
     bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force = memory
     known, intact, holding, modes, shear, normal, multipliers, rests = carried
     for c in range(first, last):

@@ -36,7 +36,7 @@ class Contacts:
     """Signed distance of P to the edge's line less ``rest_gap``, m, negative where the spring is
     pressed, shape (m,)."""
     rest_gap: Floats
-    """Opening at which the normal spring bears nothing, m: 0 but for joints that open as they slide
+    """Opening at which the normal spring has no force, m: 0 but for joints that open as they slide
     and rough ones, shape (m,)."""
     normal: Floats
     """Outward unit normal of the edge, shape (m, 2)."""

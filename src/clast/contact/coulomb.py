@@ -54,7 +54,7 @@ class ContactForces(NamedTuple):
 
 
 class ShearMemory(NamedTuple):
-    """What one contact remembers of its shear spring."""
+    """Memory of the shear spring of one contact."""
 
     bonded: Any
     """Whether a bond is left."""

@@ -18,7 +18,7 @@ from clast.block.polygon import depth_inside, vertex_after
 from clast.block.positions import displacements_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.candidates import SearchDistance, find_candidates
+from clast.contact.candidates import Candidates, SearchDistance, find_candidates
 from clast.contact.carried import carried_by, taken_along
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
@@ -51,7 +51,7 @@ def detect(
     tip that would cross an edge beside which it stands now is a contact already.
     """
     if model.joint_table.opens:
-        # what has opened as it slid still bears
+        # a joint that has opened as it slid still carries
         front = reach.front + float(state.memory.dilation.max(initial=0.0))
         reach = changed(reach, front=front)
     sought = _sought(model, state)
@@ -68,8 +68,8 @@ def detect(
     owners = sought.owners
     shift = None
     if drift is not None:
-        shift = displacements_of(state.vertices, model.vertex_block, centroid, drift)
-        shift = shift[sought.vertex]
+        of_all = displacements_of(state.vertices, model.vertex_block, centroid, drift)
+        shift = of_all[sought.vertex]
     strain = strains(model.compliance, state.stress)[sought.block]
     of_vertices = owners, first_rows(sought.memory.vertex, len(owners))
     found = find_candidates(
@@ -82,17 +82,7 @@ def detect(
         (strain, sought.fixed),
         of_vertices,
     )
-    keep = corner_rule.choose(found, sought.vertices)
-    chosen = found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]
-    chosen = with_crossings(
-        chosen,
-        pairs,
-        (sought.vertices, found.direction, sought.start, found.box),
-        of_vertices,
-        sought.memory,
-        travel,
-        reach.critdis,
-    )
+    chosen = _chosen(corner_rule, found, sought, pairs, of_vertices, travel)
     of_edges = owners.take(chosen[1])
     row = recall(sought.memory, of_vertices[1], chosen[0], of_edges, chosen[1])
     edges = found.direction, found.length
@@ -101,6 +91,27 @@ def detect(
         chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, edges, chosen)
         edges, row = polygon.edges(state.vertices, model.block_start), row[order]
     return _contacts(model, state, centroid, pairs, edges, (chosen, row), reach.critdis)
+
+
+def _chosen(
+    corner_rule: CornerRule,
+    found: Candidates,
+    sought: _Sought,
+    pairs: Ints,
+    of_vertices: tuple[Ints, Ints],
+    travel: Floats,
+) -> Chosen:
+    """Return the candidates that the corner rule chooses, and contacts of edges that cross."""
+    keep = corner_rule.choose(found, sought.vertices)
+    return with_crossings(
+        (found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]),
+        pairs,
+        (sought.vertices, found.direction, sought.start, found.box),
+        of_vertices,
+        sought.memory,
+        travel,
+        found.critdis,
+    )
 
 
 def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> Contacts:
@@ -240,24 +251,7 @@ def _contacts(
         bonded = np.append(state.memory.bonded, False)[row] | (row < 0) & (gap <= bond_reach)
         corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
     places = with_faces(corners, model, state, centroid, edges)
-    carried = carried_by(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
-    bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
-    slid, speed = carried["slide_length"], carried["slide_speed"]
-    if joints.opens or joints.has_kinetic_friction:
-        carried, speed = taken_along(carried, speed, places, state.memory, direction, model)
-    strengths = bonds_of(bonds, slid, speed, places, state.memory, direction, model)
-    springs = springs_of_joints(model, places.joint, places.of_springs)
-    found = {
-        "rest_gap": carried["dilation"],
-        "normal_stiffness": springs[0],
-        "shear_stiffness": springs[1],
-        "mobilises": np.zeros(len(places.joint), np.bool_),
-        **carried,
-        **strengths,
-        "slide_speed": speed,
-    }
-    if joints.opens:
-        found = with_roughness(joints, places, strengths["slide_length"], found)
+    found = _memory_and_strength(model, state, places, bond_reach, direction)
     return Contacts(
         joint=places.joint,
         vertex=places.vertex,
@@ -271,11 +265,40 @@ def _contacts(
         foot=places.foot,
         length=places.length,
         spring_length=places.of_springs,
-        spring_share=springs[2],
         point=places.point,
         along=places.along,
         arms=places.arms,
         **found,
+    )
+
+
+def _memory_and_strength(
+    model: Model, state: State, places: Places, bond_reach: float, direction: Floats
+) -> dict[str, Any]:
+    """Return what contacts remember, their strengths and springs, by the fields of Contacts.
+
+    Joints closed within ``bond_reach``, m, have bonds; ``direction`` (nv, 2) is that of edges.
+    """
+    memory, joints = state.memory, model.joint_table
+    carried = carried_by(places.row, places.gap, bond_reach, memory, (places.edge, direction))
+    bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
+    slid, speed = carried["slide_length"], carried["slide_speed"]
+    if joints.opens or joints.has_kinetic_friction:
+        carried, speed = taken_along(carried, speed, places, memory, direction, model)
+    strengths = bonds_of(bonds, slid, speed, places, memory, direction, model)
+    normal, shear, share = springs_of_joints(model, places.joint, places.of_springs)
+    found = {
+        "rest_gap": carried["dilation"],
+        "normal_stiffness": normal,
+        "shear_stiffness": shear,
+        "spring_share": share,
+        "mobilises": np.zeros(len(places.joint), np.bool_),
+        **carried,
+        **strengths,
+        "slide_speed": speed,
+    }
+    return (
+        with_roughness(joints, places, strengths["slide_length"], found) if joints.opens else found
     )
 
 

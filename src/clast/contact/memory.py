@@ -359,8 +359,8 @@ def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
         vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
         gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
         shears[row] = shear[c] if mode[c] != OPEN else 0.0
-        # a spring that rests behind its edge, and bears nothing there, ends in front of it; one
-        # that bears tension as long as its bond
+        # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
+        # that carries tension as long as its bond
         ends = gap[c] >= 0.0 if rest[c] < 0.0 and not bonded[c] else mode[c] == OPEN
         rests[row] = 0.0 if ends else rest[c]
         intact[row] = bonded[c] and gap[c] <= critdis

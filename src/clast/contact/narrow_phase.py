@@ -51,7 +51,7 @@ class SearchLengths(NamedTuple):
 
 
 class EntranceSearch(NamedTuple):
-    """What the entrance test of a vertex and an edge looks at, beside their geometry."""
+    """Arguments of the entrance test of a vertex and an edge, beside their geometry."""
 
     shift: Floats
     """How far the velocities would carry each vertex in the step, m, shape (nv, 2)."""
@@ -286,7 +286,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
     has_face = at_corner and _has_face_on(e, at_end, own, direction)
-    # what a face bears at its end must not come and go with the surfaces around it; a face shorter
+    # a force at the end of a face must not come and go with the surfaces around; a face shorter
     # than critdis may be a step that is pressed in as deep as it is high, which what slides passes
     if has_face and length[e] > critdis:
         return True

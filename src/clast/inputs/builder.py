@@ -61,7 +61,7 @@ from clast.inputs.placing.place_blocks import (
 from clast.inputs.placing.place_joints import joint_table, joints_of_edges
 from clast.inputs.placing.place_openings import openings_of
 from clast.inputs.placing.place_reactions import Supported, reactions_in
-from clast.inputs.placing.points import located, places_of
+from clast.inputs.placing.points import line_loads_of, located, places_of, point_loads_of
 from clast.inputs.placing.pressures import pressed_edges
 from clast.inputs.placing.wetting import Bed, waters_in
 from clast.inputs.rock_mass import OpeningTable, of_blocks
@@ -80,13 +80,11 @@ from clast.model.model import (
     Bools,
     Floats,
     Ints,
-    LineLoads,
     MaterialPoints,
     MeasuredPoints,
     Model,
     Plane,
     PlaneStress,
-    PointLoads,
     StartOverlaps,
 )
 from clast.model.names import check_names
@@ -296,19 +294,12 @@ class InputBuilder(Inputs):
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)
         check_actions(self.actions)
-        area, gravity = (
-            outlines.area,
-            check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
-        )
+        gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
         density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
         bed = Bed(outlines, table, own_joints, block_rock, gravity, factors)
         water, wet = waters_in(self.all(Water), bed)
-        in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
-        if in_situ is not None and self.opening_outlines:
-            rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
-            voids = edges_on(rings, outlines.vertices, outlines.following)
-            in_situ = replace(in_situ, voids=tuple(map(int, voids)))
+        in_situ = self._stress_in_situ(outlines, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
         actions = *self.actions, *self.actions_from(ground), *linings
         supports = Supported(ground, len(viscous), actions)
@@ -330,23 +321,10 @@ class InputBuilder(Inputs):
             initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
             in_situ=in_situ,
             viscous_edges=viscous,
-            area=area,
+            area=outlines.area,
             fixed_points=ground.points,
-            point_loads=PointLoads(
-                block=points.block,
-                at=points.at,
-                force=points.load,
-                factor=points.factor,
-                name=points.name,
-            ),
-            line_loads=LineLoads(
-                block=lines.block,
-                start=lines.at,
-                end=lines.end,
-                traction=lines.load,
-                factor=lines.factor,
-                name=lines.name,
-            ),
+            point_loads=point_loads_of(points),
+            line_loads=line_loads_of(lines),
             pressures=pressures,
             bolts=bolts,
             water=water,
@@ -372,6 +350,18 @@ class InputBuilder(Inputs):
                 *ending_note(self.ground_motion),
             ),
         )
+
+    def _stress_in_situ(
+        self, outlines: BlockOutlines, density: Floats, gravity: Floats
+    ) -> InSituStress | None:
+        """Return the stress in the rock, with the edges of openings; ``density`` (n,), kg/m3."""
+        weight = density * outlines.area
+        found = stress_in_situ(self.in_situ, weight, outlines.area, gravity, outlines.top)
+        if found is None or not self.opening_outlines:
+            return found
+        rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
+        voids = edges_on(rings, outlines.vertices, outlines.following)
+        return replace(found, voids=tuple(map(int, voids)))
 
     def _with_linings(self) -> InputBuilder:
         """Return the same with the segments of linings among the blocks."""

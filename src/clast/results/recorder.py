@@ -260,7 +260,8 @@ class RunRecorder:
                 report = replace(report, finished=False, outcome=outcome)
             raise RunStopped(f"the run {report.outcome}", self._run(report)) from lost
         if self._kept is not None and self._kept.left_out_from is not None:
-            note = f"frames from t = {self._kept.left_out_from:.4g} s on found no room in memory"
+            since = self._kept.left_out_from
+            note = f"frames from t = {since:.4g} s on were dropped: memory limit reached"
             report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
         return self._run(report)
 

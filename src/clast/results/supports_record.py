@@ -28,7 +28,7 @@ def supported_by(model: Model) -> SupportsRecord:
 
 
 def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> SupportsRecord:
-    """Return those of a file, none where it is of before; raises MalformedError."""
+    """Return those of a file, none where an older version wrote it; raises MalformedError."""
     model = file["model"]
     of_block = _whole(model, "reaction_of_block", 2, (reactions, blocks))
     name = _whole(model, "link_line", 0, (len(links),))

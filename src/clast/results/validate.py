@@ -80,7 +80,7 @@ def blocks_of(file: Any) -> StoredBlocks:
 
 
 def joints_of(file: Any, blocks: StoredBlocks) -> EdgeJoints | None:
-    """Return the joints of a file, None where it is of before; raises MalformedError."""
+    """Return the joints of a file, None where an older version wrote it; raises MalformedError."""
     if not {"joint_name", "edge_joint"} & set(file["model"]) and not _contacts_have_joints(file):
         return None
     name = names(file, "model/joint_name")

@@ -266,7 +266,7 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
     normal, none = contacts.normal_force, np.zeros(len(contacts))
     held = replace(contacts, friction_base=normal, multiplier=none, rest_force=none)
     stiffness = law.limits(held).normal_stiffness
-    # what bears nothing rests where it is, by the rounding of coordinates inside
+    # what carries nothing rests where it is, by the rounding of coordinates inside
     gap = np.where(normal != 0.0, contacts.gap, np.minimum(contacts.gap, 0.0))
     held = replace(held, rest_force=normal + stiffness * gap)
     return held, law.respond(held, contacts.gap, none)

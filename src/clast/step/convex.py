@@ -121,7 +121,6 @@ class Convex:
         stages("base system")
         base = diagonal_terms(context, impacts.drift, scheme)
         potential, rows = potential_of(context, base, contacts, graph)
-        held = context.held
         factor = FactorOfStep(context.workspace.inexact(method.solver), context.workspace.patterns)
         counts = {**NO_COUNTS, **(before.counts if before else {})}
         search = Search(
@@ -137,13 +136,8 @@ class Convex:
         largest = potential.sum_of_forces()
         base_of_friction = first_friction_base(context, contacts, impacts, largest)
         contacts = changed(contacts, friction_base=base_of_friction)
-        # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        at = before.unknowns if before else np.zeros(context.velocity.shape)
-        begins = impacts.drift, at
-        if held is not None:
-            begins = held.beside(impacts.drift), held.beside(at)
+        starts = *self.warm_starts(context, impacts, before), potential.untouched()
         bonded = contacts.bonded
-        starts = *begins, potential.untouched()
         unknowns, contacts, response = search.minimum(potential, contacts, starts)
         unknowns = context.total(unknowns)
         counts["factorisations"] += factor.factorised
@@ -162,6 +156,18 @@ class Convex:
             bonded=bonded,
             counts=counts,
         )
+
+    def warm_starts(
+        self, context: StepContext, impacts: ImpactResult, before: StepSolution | None
+    ) -> tuple[Floats, Floats]:
+        """Return displacements to start from, (n, 6) each: blocks move on, or rest.
+
+        The latter where contacts were looked for again: the solution with fewer of them.
+        """
+        at = before.unknowns if before else np.zeros(context.velocity.shape)
+        if context.held is None:
+            return impacts.drift, at
+        return context.held.beside(impacts.drift), context.held.beside(at)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn of carried multipliers; the process itself holds for any stiffness and step."""

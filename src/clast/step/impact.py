@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
 from clast.read_only import changed
 from clast.step import collisions, inertia_projection
@@ -115,17 +116,7 @@ def after_impacts(
     # one that gives nothing back passes an impulse on as if it were struck right after
     carries |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
     acceleration = flying(context, contacts, graph)
-    # a face that lands lands on its ends
-    some = contacts.corners if is_any(contacts.point) else slice(None)
-    carries = carries[some]
-    struck = (
-        contacts.gap[some],
-        contacts.vertex_block[some],
-        contacts.edge_block[some],
-        contacts.arms[some],
-        back[some],
-        contacts.friction[some],
-    )
+    struck, carries = _that_may_strike(contacts, back, carries)
     limits = step, impact, even
     if not collisions.any_strikes(velocity, acceleration, struck, carries, limits):
         return unchanged
@@ -153,6 +144,25 @@ def after_impacts(
         drift=held.put(found.drift, context.drift),
         driven=held.driven(frames.mass_matrix, velocity, after),
     )
+
+
+def _that_may_strike(
+    contacts: Contacts, restitution: Floats, carries: Bools
+) -> tuple[tuple[Any, ...], Bools]:
+    """Return the arrays of ``impulses.Closing``, and which of its contacts carry.
+
+    Of vertices alone: a face that lands does so on its ends.
+    """
+    some = contacts.corners if is_any(contacts.point) else slice(None)
+    closing = (
+        contacts.gap[some],
+        contacts.vertex_block[some],
+        contacts.edge_block[some],
+        contacts.arms[some],
+        restitution[some],
+        contacts.friction[some],
+    )
+    return closing, carries[some]
 
 
 def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
@@ -265,7 +275,7 @@ def scheme_of(
 
 
 def opening_rate(context: StepContext, contacts: Contacts) -> Floats:
-    """Return how fast joints open as they slide, m/s, shape (m,), of contacts that bear.
+    """Return how fast joints open as they slide, m/s, shape (m,), of contacts that carry.
 
     By how much more their springs are pressed than when the last step ended.
     """

@@ -92,7 +92,7 @@ class ImpactLimits(NamedTuple):
 
 
 class ImpulseEquations(NamedTuple):
-    """What contacts, one after the other in a list (k,), are to impulses."""
+    """Equations of the impulses in contacts, one after the other in a list (k,)."""
 
     ends: Ints
     """Their two blocks, shape (k, 2)."""
@@ -104,7 +104,7 @@ class ImpulseEquations(NamedTuple):
     goal: Floats
     """The impulse that would do where the blocks stand still, N s/m, shape (k, 2)."""
     ease: Floats
-    """What a unit impulse changes along itself, m/s per N s/m, shape (k, 2)."""
+    """Change of velocity along a unit impulse, m/s per N s/m, shape (k, 2)."""
     coupling: Floats
     """By how much a unit impulse along the normal lowers that along the edge, shape (k,)."""
     friction: Floats
@@ -132,7 +132,7 @@ class ImpactGroup(NamedTuple):
     targets: Floats
     """Opening velocity they are to leave with at least, m/s, shape (m,)."""
     linear: ImpulseEquations
-    """What they are to impulses."""
+    """Equations of their impulses."""
     course: ImpulseCourse
     """The course of these."""
     blocks: Ints
@@ -160,7 +160,7 @@ def room_for(count):
 
 @kernel(forceinline=True)
 def _along(at, k, rows, i, j, velocity):
-    """Return what the motion of its blocks i and j is to contact ``at`` along k."""
+    """Return how the motion of its blocks i and j moves contact ``at`` along k."""
     found = 0.0
     for a in range(3):
         found += rows[at, k, a] * velocity[i, a] + rows[at, k, 3 + a] * velocity[j, a]

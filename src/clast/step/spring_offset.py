@@ -53,7 +53,7 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
         taken_over = _left_over(model, state, contacts, sunk)
         more = np.hypot(held, taken_over) - held
         rest = np.where(sunk, rest + more, rest)
-    # a spring that bears keeps its point of rest; where it is open that follows the vertex out
+    # a spring that carries keeps its point of rest; where it is open that follows the vertex out
     follows = np.where(held > 0.0, before, np.maximum(rest, before))
     return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))
 

@@ -110,14 +110,9 @@ def begin(
         # what does not swing on would step from one side of its equilibrium to the other
         at = replace(at, forces_at=1.0)
         shares = shares_of(actions, at, action_states)
-    velocity = carried * state.velocity
-    drift, held = step * velocity, held_by(shares, model)
-    if held is not None:
-        # no damping slows down what is driven; a static run knows of no momentum
-        held = held if method.dynamic_ratio > 0.0 else held.at_rest()
-        entering = state.velocity if method.dynamic_ratio > 0.0 else np.zeros_like(velocity)
-        velocity = held.put(velocity, entering)
-        drift = held.drift(step * velocity, velocity, method.integrator.theta * step)
+    velocity, drift, held = _prescribed(
+        held_by(shares, model), method, state.velocity, carried * state.velocity, step
+    )
     return StepContext(
         at=at,
         model=model,
@@ -136,6 +131,22 @@ def begin(
         stages=stages,
         held=held,
     )
+
+
+def _prescribed(
+    held: DrivenBlocks | None, method: Method, entering: Floats, velocity: Floats, step: float
+) -> tuple[Floats, Floats, DrivenBlocks | None]:
+    """Return velocity and drift h v of a step with prescribed unknowns, (n, 6) each, and these.
+
+    ``entering`` (n, 6) are the velocities at the end of the last step, ``velocity`` those damped.
+    """
+    if held is None:
+        return velocity, step * velocity, None
+    # no damping slows down what is driven; a static run knows of no momentum
+    dynamic = method.dynamic_ratio > 0.0
+    held = held if dynamic else held.at_rest()
+    velocity = held.put(velocity, entering if dynamic else np.zeros_like(velocity))
+    return velocity, held.drift(step * velocity, velocity, method.integrator.theta * step), held
 
 
 def again(context: StepContext, unknowns: Floats) -> StepContext | None:

@@ -26,7 +26,7 @@ MEANING = {
     "range (probability 0.01 to 0.99); mu*: mean of its size; sigma: standard deviation, large "
     "where it interacts or is not linear. Plus or minus: 95 %, by bootstrap.",
 }
-"""Sampling -> what its indices mean."""
+"""Sampling -> meaning of its indices."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ A joint carries N1, N2 >= 0 at its two ends and a shear force |V| <= (N1 + N2) t
 is in equilibrium, three equations each (Livesley 1978).  By the theorem of limit analysis the
 largest load in equilibrium is the collapse load where no joint slips; where joints slip it is an
 upper bound (Drucker 1954), for such friction opens a joint as it slips.  With friction that does
-not, blocks fail under less, by how much depends on how they came to bear (Gilbert, Casapulla and
+not, blocks fail under less, by how much depends on the history of loading (Gilbert, Casapulla and
 Ahmed 2006).
 """
 

@@ -161,7 +161,7 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
     stretch = np.where(held, 0.0, size - state.rest[acts] - state.plastic[acts])
     slack = np.where(bolts.compression[acts], strength, 0.0)
     across = np.where(apart, np.maximum(state.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
-    # one that is slack, and may become taut, bears what it does at the end of the step
+    # one that is slack, and may become taut, carries what it does at the end of the step
     place = np.where(state.force[acts] == 0.0, 1.0, start.forces_at)
     found, _ = table(
         vertex_block=block[:, 0],

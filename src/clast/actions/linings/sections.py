@@ -1,4 +1,4 @@
-"""Strength of the section of a lining: the normal forces and moments that it can bear.
+"""Strength of the section of a lining: the normal forces and moments that it can carry.
 
 A rectangular section of thickness t that has yielded throughout, over a part c of it in compression
 f_c and over the rest in tension f_t, bears

@@ -76,7 +76,7 @@ class LinkStates:
 
 
 class ForceLimits(Protocol):
-    """What bounds the forces of links."""
+    """Limits of the forces of links."""
 
     def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
         """Return the least and the largest force of each row, N/m, or moment, N, (m,) each."""

@@ -68,7 +68,7 @@ class Links:
 
     @property
     def lines(self) -> LinkLines:
-        """Where the links are at the start, and what they hold, for pictures."""
+        """Places of the links at the start, and their blocks, for pictures."""
         rows = self.rows
         holds = np.full((len(rows.name), len(COMPONENTS)), FREE)
         holds[rows.link, rows.component] = np.where(np.isinf(rows.stiffness), RIGID, SOFT)
@@ -98,7 +98,7 @@ class Links:
         return self._installed(model, state, np.zeros(count))
 
     def share(self, start: StepStart, state: LinkStates) -> Contribution:
-        """Return the springs of all links that bear between blocks that can move."""
+        """Return the springs of all links that carry between blocks that can move."""
         active = self._active(start, state)
         if not len(active.row):
             return Contribution()

@@ -158,7 +158,7 @@ def with_roughness(
 
 
 def begins_at(rough: RoughContacts, normal: Floats, rest: Floats, length: Floats) -> Floats:
-    """Return the opening, m, (k,), at which the tangents of closure bear no more than ``rest``.
+    """Return the opening, m, (k,), at which the tangents of closure carry no more than ``rest``.
 
     ``normal`` are the forces of the last step, ``rest`` those at zero gap, N/m, ``length``, m, that
     of the springs.

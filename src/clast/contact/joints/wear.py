@@ -54,7 +54,7 @@ def at_rest(contacts: Contacts) -> Wear:
 def borne_already(table: JointTable, contacts: Contacts, response: ContactResponse) -> Wear:
     """Return the wear of contacts that have borne their forces for long, in situ.
 
-    Rough ones have slid as far as it takes to bear their shear force.
+    Rough ones have slid as far as it takes to mobilise their shear force.
     """
     wear, rough = at_rest(contacts), rough_contacts(table, contacts.joint)
     if rough is None:
@@ -127,7 +127,7 @@ def _slide(first, last, slip, forces, known, way, slid):
 def opening(table: JointTable, contacts: Contacts, normal: Floats, slid: Floats) -> Floats:
     """Return how far contacts open as they slide, m, (m,), negative where they close again.
 
-    ``normal`` (m,) are the forces that they bear, N/m, ``slid`` (m,) is the slide of the step, m.
+    ``normal`` (m,) are their forces, N/m, ``slid`` (m,) is the slide of the step, m.
     """
     joint = contacts.joint
     tangent, until = (one.take(joint) for one in table.dilation)

@@ -54,7 +54,7 @@ class Lining(Table):
     joint: StrictStr | None = None
     """Joint to the rock, [joint.NAME]: strength and stiffness of the bond; else as without."""
     start: End = "free"
-    """How its first end is held by the ground, which is what fixed blocks are."""
+    """How its first end is held by the ground, that is, by fixed blocks."""
     end: End = "free"
     """How its last end is held by the ground."""
     stage: StrictStr | None = None

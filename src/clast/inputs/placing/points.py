@@ -16,7 +16,7 @@ from clast.inputs.loads import FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
 from clast.model.checks import BlockOutlines, Geometries, locate, point_text
 from clast.model.factors import NO_FACTOR
-from clast.model.model import Floats, Ints
+from clast.model.model import Floats, Ints, LineLoads, PointLoads
 from clast.model.names import check_text
 
 
@@ -117,3 +117,26 @@ def located(
 
     block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
     return LoadPlaces(block, at, end, load, factor, tuple(entry.name for entry in entries))
+
+
+def point_loads_of(places: LoadPlaces) -> PointLoads:
+    """Return the point loads of a model, by where they are."""
+    return PointLoads(
+        block=places.block,
+        at=places.at,
+        force=places.load,
+        factor=places.factor,
+        name=places.name,
+    )
+
+
+def line_loads_of(places: LoadPlaces) -> LineLoads:
+    """Return the line loads of a model, by where they are."""
+    return LineLoads(
+        block=places.block,
+        start=places.at,
+        end=places.end,
+        traction=places.load,
+        factor=places.factor,
+        name=places.name,
+    )

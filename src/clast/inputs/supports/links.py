@@ -46,7 +46,7 @@ class Link(Table):
     at: Point
     """Point [x, y], which both blocks carry with them, m."""
     block: StrictStr | None = None
-    """Block that is linked with the ground, which is what fixed blocks are."""
+    """Block that is linked with the ground, that is, with fixed blocks."""
     blocks: tuple[StrictStr, StrictStr] | None = None
     """Blocks that are linked, in place of block."""
     direction: tuple[Number, Number] = (1.0, 0.0)

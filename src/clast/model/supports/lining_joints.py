@@ -20,7 +20,7 @@ class LiningJoints:
     """Vertices of the segment beside it, outside and inside, shape (k, 2)."""
     section: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     """Its thickness, m, and strengths in tension and compression, Pa, infinite for none, shape
-    (k, 3); (0, 3) in results of before."""
+    (k, 3); (0, 3) in files of older versions."""
 
     @property
     def linings(self) -> tuple[str, ...]:

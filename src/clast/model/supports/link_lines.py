@@ -1,4 +1,4 @@
-"""Links as they are drawn: where they are, and what they hold."""
+"""Links as they are drawn: their places and components."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FREE, SOFT, RIGID = 0, 1, 2
-"""What a link does along, across and against rotation: nothing, a spring or dashpot, rigid."""
+"""Action of a link along, across and against rotation: nothing, a spring or dashpot, rigid."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,13 +51,13 @@ DIAGRAMS = {
 def _values(
     results: Recording, frame: int, one: LiningQuantity
 ) -> Iterator[tuple[str, Any, Floats, Bools]]:
-    """Give name, history, values (k,) and whether each joint bears (k,) of each lining there."""
+    """Give name, history, values (k,) and whether each joint carries (k,) of each lining there."""
     for name in results.lining_name:
         lining = results.lining(name)
         row = int(np.abs(lining.time - results.times[frame]).argmin())
-        bears = (lining.state[row] > 0) & (lining.state[row] < 4)
-        if bears.any():
-            yield name, lining, np.where(bears, getattr(lining, one.column)[row], 0.0), bears
+        carries = (lining.state[row] > 0) & (lining.state[row] < 4)
+        if carries.any():
+            yield name, lining, np.where(carries, getattr(lining, one.column)[row], 0.0), carries
 
 
 def handles_of(one: LiningQuantity) -> Callable[[Recording, int], list[Any]]:
@@ -66,7 +66,7 @@ def handles_of(one: LiningQuantity) -> Callable[[Recording, int], list[Any]]:
     def handles(results: Recording, frame: int) -> list[Any]:
         from matplotlib.lines import Line2D
 
-        found = [values[bears] for _, _, values, bears in _values(results, frame, one)]
+        found = [values[carries] for _, _, values, carries in _values(results, frame, one)]
         if not found:
             return []
         values = np.concatenate(found)
@@ -87,9 +87,9 @@ def drawing_of(one: LiningQuantity) -> Callable[[Axes, Recording, int], None]:
         if largest == 0.0:
             return
         room = min(float(np.ptp(axes.get_xlim())), float(np.ptp(axes.get_ylim())))
-        for name, lining, values, bears in found:
+        for name, lining, values, carries in found:
             scaled = TALLEST * room / largest * values
-            _draw(axes, results, frame, (name, lining), scaled, bears, one)
+            _draw(axes, results, frame, (name, lining), scaled, carries, one)
             _label(axes, results, frame, lining, values, scaled, one)
 
     return draw
@@ -101,7 +101,7 @@ def _draw(
     frame: int,
     of: tuple[str, LiningHistory],
     scaled: Floats,
-    bears: Bools,
+    carries: Bools,
     one: LiningQuantity,
 ) -> None:
     """Draw the ordinates (k,), m, of a lining, and the line through their ends."""
@@ -111,7 +111,7 @@ def _draw(
     order = np.arange(len(foot))
     if comes_back(results, *of):
         order = np.append(order, 0)
-    pairs = [(k, j) for k, j in itertools.pairwise(order) if bears[k] and bears[j]]
+    pairs = [(k, j) for k, j in itertools.pairwise(order) if carries[k] and carries[j]]
     areas = [np.array([foot[k], foot[j], tip[j], tip[k]]) for k, j in pairs]
     axes.add_collection(PolyCollection(areas, facecolors=one.colour, alpha=0.22, zorder=6.0))
     lines = [np.array([tip[k], tip[j]]) for k, j in pairs]

@@ -44,7 +44,7 @@ def contact_rows(model: Model) -> Callable[[StepResult, float], tuple[Any, ...]]
 def nearest(model: Model, result: StepResult, at: Floats, apart: float) -> Ints:
     """Return the contact nearest to a place (2,), m, as an array of one; none without contacts.
 
-    Of those that are no further ``apart``, m, it is the one that bears most.
+    Of those that are no further ``apart``, m, it is the one with the largest force.
     """
     contacts = result.contacts
     if not len(contacts):

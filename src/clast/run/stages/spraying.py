@@ -2,8 +2,8 @@
 
 Points of the outer face lie on the edges of the rock that they were drawn on, wherever these have
 got to; where two blocks meet there, halfway between them.  Faces between segments turn with the
-chords of the segments, so that the thickness stays.  Contacts with the rock bear nothing: what a
-gap or an overlap of faces, both filled, would make a spring bear is its rest force.
+chords of the segments, so that the thickness stays.  Contacts with the rock carry nothing: the
+force that a gap or an overlap of faces, both filled, would give is the rest force of their spring.
 """
 
 from __future__ import annotations
@@ -196,7 +196,7 @@ ZERO = (
     "slide_speed",
     "dilation",
 )
-"""What contacts without a history have none of."""
+"""Fields of the memory that contacts without a history lack."""
 
 
 def _order(vertex: Ints, block: Ints, edge: Ints, point: Ints) -> Ints:

@@ -4,7 +4,7 @@ The equations say it: on a block that cannot move, or moves as is prescribed, th
 
     R = M (v+ - v)/h + A sigma - weight - loads - contacts - springs
 
-which its support bears.  The weight and the inertia of fixed blocks are nobody's: the reaction of
+which its support carries.  The weight and the inertia of fixed blocks are nobody's: the reaction of
 such a block balances the forces of others on it.  So the sum of all reactions, loads and weights
 of free blocks is the sum of their masses times accelerations, to the last digits of the equations.
 """

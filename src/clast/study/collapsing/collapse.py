@@ -150,7 +150,7 @@ def collapse(
     """Return the factor with which the blocks of a case fail; raises CaseError as above."""
     by = factor_of(how)
     by.check(content_of(case))
-    search_of(how, by)  # numbers that are none are refused before anything is made
+    search_of(how, by)  # NaN and infinity are rejected before any run
     if not (isinstance(how.refine, int) and 0 <= how.refine <= 500):
         raise CaseError(
             f"{how.refine!r} is no number of trials", where="refine", remedy="give 0 to 500"

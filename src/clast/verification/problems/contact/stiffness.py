@@ -96,7 +96,7 @@ def examine(variant: Variant) -> Outcome:
         if stiffness >= SETTLED:
             quantity = f"penetration on the incline {at}"
             rows.append(
-                relative(quantity, "m", penetration, sunk, 2e-3, "vibration is not yet gone")
+                relative(quantity, "m", penetration, sunk, 2e-3, "vibration has not died out yet")
             )
         errors.append(100.0 * abs(way / exact - 1.0))
     for number in NUMBERS:

@@ -107,7 +107,7 @@ def examine(specimens: tuple[tuple[float, int], ...], variant: Variant) -> Outco
     """Compare s1 - s3 at the limit for planes that dip differently."""
     rows: list[Comparison] = []
     found = []
-    # one pass does not bear the springs of the thin blocks between several planes
+    # one pass does not tolerate the springs of the thin blocks between several planes
     some = [one for one in specimens if variant is not LAGGED or one[1] == 1]
     for dip, planes in some:
         exact = exact_strength(dip)
@@ -144,7 +144,7 @@ PROBLEM = Problem(
     text="A specimen of 1 m x 5 m, its lower end fixed, with a plane that dips by 40 to 70 degrees "
     "or with three, phi = 30 degrees, c = 0.4 MPa, under 1 MPa from both sides; the axial stress "
     "is bisected. p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). Three planes not with modified: "
-    "one pass does not bear the springs of thin blocks in such steps. The rock does not break.",
+    "one pass does not tolerate the springs of thin blocks in such steps. The rock does not break.",
     formula="s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b))",
     source="Jaeger (1960), as in Brady & Brown (2004), section 4.6",
     set_up=specimen,

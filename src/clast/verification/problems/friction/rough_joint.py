@@ -1,7 +1,7 @@
 """Direct shear of a rough joint: closure, peak strength and dilation after Barton and Bandis.
 
 A block is pressed on a joint and drawn along it beside a frame, an elastic bar of stiffness K, that
-takes what the joint does not: the joint bears T = F - K u, and there is an equilibrium at every
+takes what the joint does not: the joint carries T = F - K u, and there is an equilibrium at every
 slip u.  With i = JRC log10(JCS/sigma) and x = u/u_peak
 
     closure   sigma V_m/(k_ni V_m + sigma)

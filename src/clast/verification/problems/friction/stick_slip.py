@@ -1,7 +1,7 @@
 """Stick-slip of a slider that a spring draws over a floor.
 
 A spring of stiffness k draws a block with the normal force N, its far end at a speed V.  Friction
-is mu_s while the block stands and mu_k while it slides.  It stands until the spring bears mu_s N,
+is mu_s while the block stands and mu_k while it slides.  It stands until the spring carries mu_s N,
 slides as half a swing about mu_k N, and stands again: whatever V, the force of the spring falls by
 
     2 (mu_s - mu_k) N,
@@ -49,7 +49,7 @@ SWING = "forces of the end of a step take 1.6 w h = 1.4 % of the way back of a h
 
 
 def far_end(time: Sequence[float] | Floats) -> Floats:
-    """Return where the far end of the spring is, m, (t,), from where it bears nothing on."""
+    """Return where the far end of the spring is, m, (t,), from where it carries nothing on."""
     at = START * MU_S * NORMAL / SPRING
     return np.interp(time, [0.0, SOON, END], [0.0, at, at + SPEED * (END - SOON)])
 

@@ -61,13 +61,13 @@ def examine(variant: Variant) -> Outcome:
     """Compare the force on the bottom, and the way of the block that rises."""
     rests = run_of(under_water(HEAVY, 0.0), variant, 0.0)
     rises = run_of(under_water(LIGHT, ABOVE), variant, 1.0)
-    bears = float(rests.state.memory.normal_force.sum())
+    carries = float(rests.state.memory.normal_force.sum())
     history = rises.history("middle")
     rows = (
         relative(
             "force on the bottom",
             "N/m",
-            bears,
+            carries,
             (HEAVY - WATER) * GRAVITY * AREA,
             1e-4,
             "the water follows the block, which shrinks by 4e-6",

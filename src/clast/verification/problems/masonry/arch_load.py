@@ -116,7 +116,7 @@ def examine(places: tuple[int, ...], variant: Variant) -> Outcome:
 PROBLEM = Problem(
     name="arch-load",
     title="Point load on an arch",
-    text="A semicircle of twenty voussoirs, 5 m of mean radius and t/R = 0.15, bears its weight "
+    text="A semicircle of twenty voussoirs, 5 m of mean radius and t/R = 0.15, carries its weight "
     "and a load on one voussoir, which is bisected; phi = 45 degrees, E = 50 GPa, p = 10 GPa, "
     "h = 20 ms, static (dynamic_ratio = 0).",
     formula="the largest load with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in all joints",

@@ -145,7 +145,7 @@ PROBLEM = Problem(
     set_up=beam,
     examine=partial(examine, SHARES),
     variants=(CONVEX, CONVEX_MULTIPLIERS),
-    left_out="modified: one pass bears the stiffness of the joint in steps of 0.2 ms, with the "
+    left_out="modified: one pass tolerates the stiffness of the joint in steps of 0.2 ms, with the "
     "same results (tests); with four passes in steps of 2 ms the rotation at e = 0.45 b "
     "is 22 % short; open-close: for its time",
     quick=(),

@@ -32,7 +32,7 @@ PARTS = 40
 SHARES = (0.0, 0.1, 1.0 / 6.0, 0.25, 0.35, 0.42)
 """e/b."""
 STEP, STEPS = 1e-2, 200
-CORNERS = f"the bed bears at {PARTS + 1} places"
+CORNERS = f"the bed carries at {PARTS + 1} places"
 FIRST = WIDTH / PARTS
 """Distance of the places, m."""
 
@@ -89,7 +89,7 @@ def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
         found.append(computed_bed(share, variant))
         exact, at = exact_bed(share), f"e/b = {share:.3g}"
         rows += [
-            absolute(f"length that bears, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS),
+            absolute(f"length in contact, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS),
             relative(f"edge pressure, {at}", "Pa", found[-1][1], exact[1], 0.01, CORNERS),
         ]
         if share > 0.0:
@@ -112,10 +112,10 @@ def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
 PROBLEM = Problem(
     name="kern",
     title="Pier loaded off its middle",
-    text="A stiff pier 2 m wide bears 100 kN/m at 0 to 0.42 of its width from its middle, on a bed "
-    "of 1 GPa/m that bears no tension: 40 fixed blocks, whose corners carry the pier. "
+    text="A stiff pier 2 m wide carries 100 kN/m at 0 to 0.42 of its width from its middle, on a "
+    "bed of 1 GPa/m without tensile strength: 40 fixed blocks, whose corners carry the pier. "
     "h = 10 ms, static (dynamic_ratio = 0).",
-    formula="e <= b/6: edge N/b (1 + 6 e/b); beyond it bears over L = 3 (b/2 - e), edge 2 N/L, "
+    formula="e <= b/6: edge N/b (1 + 6 e/b); beyond, contact over L = 3 (b/2 - e), edge 2 N/L, "
     "turned by 2 N/(k L^2)",
     source="Navier's linear pressure without tension",
     set_up=pier,

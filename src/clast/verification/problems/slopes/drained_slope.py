@@ -157,8 +157,8 @@ def examine(waters: tuple[WaterHead, ...], bisections: int, variant: Variant) ->
     rows: list[Comparison] = []
     slope = steep_slope()
     for water in waters:
-        bears, exact = borne(water, variant), water.forces(slope)
-        for name, one, other in zip(("N'", "T"), bears, exact, strict=True):
+        carries, exact = borne(water, variant), water.forces(slope)
+        for name, one, other in zip(("N'", "T"), carries, exact, strict=True):
             rows.append(relative(f"{name}, {water.name}", "N/m", one, other, 2e-3, SETTLES))
         found = safety(water, bisections, variant)
         quantity = f"factor of safety, {water.name}"

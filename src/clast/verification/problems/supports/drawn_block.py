@@ -30,7 +30,7 @@ NORMAL = MASS * GRAVITY
 FRICTION = NORMAL * float(np.tan(np.radians(ANGLE)))
 PUSH = MASS * SPEED / EASE
 PASSED = "four passes of the modified process leave 2e-6 of friction in steps of 2.5 ms"
-ROUGH = "the block lands on its springs at first: the floor bears more than its weight, and less"
+ROUGH = "the block lands on its springs at first: the floor carries more than its weight, and less"
 EXACT = "equations solved to 1e-10"
 
 

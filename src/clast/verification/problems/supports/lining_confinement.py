@@ -1,4 +1,4 @@
-"""Convergence and confinement: what a lining bears that comes after part of the relaxation.
+"""Convergence and confinement: the load on a lining that comes after part of the relaxation.
 
 A hole in an elastic plate under the pressure p all round closes by u = p/k_g as all of its support
 is taken away.  After the share beta of it comes a lining of the stiffness k_s = E t/(R_m R_o), R_m

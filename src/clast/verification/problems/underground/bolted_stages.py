@@ -100,8 +100,8 @@ def exact_force(order: str) -> float:
     if order == "bolt at the start":
         sunk = (WEIGHT + held) / together + OF_BEAM * WEIGHT
         return sunk / (1.0 / BOLT + 1.0 / together + OF_BEAM)
-    bore = WEIGHT - LEDGES * (WEIGHT + held) / together
-    return (bore / LEDGES) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
+    load = WEIGHT - LEDGES * (WEIGHT + held) / together
+    return (load / LEDGES) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
 
 
 def _sunk_pillar() -> float:
@@ -180,7 +180,7 @@ PROBLEM = Problem(
     "bolt is installed and the pillar excavated, in different orders; the forces of the pillar end "
     "within 0.2 s.",
     formula="F = 0 where all has settled before; else the share of springs in parallel, "
-    "(N/K)/(1/s + 1/K + c), N being what the pillar bore, K = 4 p, c = h/(4 b E)",
+    "(N/K)/(1/s + 1/K + c), N being the load of the pillar, K = 4 p, c = h/(4 b E)",
     source="statics",
     set_up=roof,
     examine=examine,

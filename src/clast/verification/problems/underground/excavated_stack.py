@@ -114,7 +114,7 @@ PROBLEM = Problem(
     title="Excavated stack of blocks",
     text="Five blocks of 1 m x 2 m rest on each other and on a wider floor; E = 10 GPa, nu = 0, "
     "rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). After 1 s "
-    "the upper three are excavated: three tenths of what they bore ends at once, the rest within "
+    "the upper three are excavated: three tenths of their load ends at once, the rest within "
     "0.5 s.",
     formula="a block grows by W h/(b E), a joint of n contacts opens by W/(n p), W what was taken",
     source="statics",

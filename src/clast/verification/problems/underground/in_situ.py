@@ -38,7 +38,7 @@ WEIGHED = DENSITY * GRAVITY * HEIGHT
 SEEDS = (1, 2, 3)
 STEP, STEPS = 1e-3, 100
 IN_BALANCE = "in balance to the last bits"
-STAIR = "blocks of one stress each bear a gradient as a stair, which a static solution balances"
+STAIR = "blocks of one stress each carry a gradient in steps, which a static solution balances"
 
 
 def rock_mass(seed: int = 1, *, weighed: bool = False) -> Model:

@@ -128,7 +128,7 @@ PROBLEM = Problem(
     title="Pull-out and rupture of a grouted bolt",
     text="A grouted bolt (100 MN/m, yield at 200 kN/m, rupture at 8 mm), with and without "
     "pretension, is pulled beside a test frame of 50 MN/m; no gravity, h = 20 ms, static "
-    "(dynamic_ratio = 0). One pass of modified would bear springs this stiff on a block "
+    "(dynamic_ratio = 0). One pass of modified would tolerate springs this stiff on a block "
     "this light in steps of 1 ms.",
     formula="F = min(T_0 + s u, F_y) + K u up to u = u_r - T_0/s, then K u",
     source="springs in parallel",

@@ -88,7 +88,7 @@ PROBLEM = Problem(
     name="relaxed-support",
     title="Prop that is taken out slowly",
     text="A block of 1 m x 1 m settles on a prop, static; then the prop is excavated: three tenths "
-    "of what it bore ends at once, the rest within 0.5 s. p = 1 GPa, h = 1 ms.",
+    "of its load ends at once, the rest within 0.5 s. p = 1 GPa, h = 1 ms.",
     formula="s = g (r t^2/2 + (1 - r) t^3/(6 T))",
     source="kinematics",
     set_up=propped,

@@ -54,7 +54,7 @@ POINTS, DECREMENTS = 400, 200
 
 @dataclass(frozen=True)
 class LeaningRing:
-    """A ring whose joints lean, so that their friction may not bear what the ring bears."""
+    """A ring whose joints lean, so that their friction cannot carry the load of the ring."""
 
     lean: float
     """Angle between the inner and the outer end of a joint, seen from the middle, degrees."""
