@@ -22,7 +22,7 @@ from clast.step.method import Method
 from clast.step.modified import ImplicitFriction, Modified
 from clast.step.open_close import OpenClose
 from clast.verification.problems.blocks import floating
-from clast.verification.problems.method import resume
+from clast.verification.problems.method import resumed_run
 from clast.verification.problems.waves import layer
 from clast.verification.variants import MIDPOINT
 
@@ -270,4 +270,4 @@ def _heave(variant):
 
 @pytest.mark.parametrize("ratio", [1.0, 0.0])
 def test_it_is_resumed_to_the_same_bits(ratio):
-    assert set(resume.apart(*resume.both(ratio, MIDPOINT)).values()) == {0.0}
+    assert set(resumed_run.apart(*resumed_run.both(ratio, MIDPOINT)).values()) == {0.0}

@@ -12,11 +12,11 @@ from clast.actions.action import Action, ActionResult, Contribution, Solution, S
 from clast.actions.bolts.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
-from clast.actions.handed_back import HEAD, OWN, answer, checked_done, checked_share
 from clast.actions.in_situ import InSituBoundary
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
 from clast.actions.relaxation import Relaxation
+from clast.actions.script_action_checks import HEAD, OWN, answer, checked_done, checked_share
 from clast.actions.supports import Supports
 from clast.actions.viscous_edges import BoundaryDashpots
 from clast.actions.water import WaterPressure

@@ -242,7 +242,7 @@ def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
     Nothing has been written until here, and no kernel has seen it.
     """
     from clast.run.run_state import RunState
-    from clast.run.stages.restored import wrong_state
+    from clast.run.stages.checkpoint_checks import wrong_state
 
     run, recorded = checkpoint.run, checkpoint.recorded
     if not isinstance(run, RunState):

@@ -18,7 +18,7 @@ from clast.model.model import Floats, Model
 from clast.model.stages.stage import EQUILIBRIUM, TIME
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 from clast.step.integration import forces_at
-from clast.step.method import bears_any_step
+from clast.step.method import is_stable_for_any_step
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule
@@ -237,7 +237,7 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
 
 def _support_warnings(model: Model, method: Method) -> Iterator[str]:
     """Warn of supports that other processes than the convex one do not carry."""
-    if bears_any_step(method.process):
+    if is_stable_for_any_step(method.process):
         return
     linings, _ = linings_of(model)
     weak = [one.name for one in linings.each if one.curve is not None] if linings else []
@@ -262,7 +262,7 @@ def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iter
     Friction carries a block by theta mu g h2 a step at most.
     """
     motion, gravity = model.ground_motion, float(np.hypot(*model.gravity))
-    if bears_any_step(method.process) or not isinstance(motion, MovingBase):
+    if is_stable_for_any_step(method.process) or not isinstance(motion, MovingBase):
         return
     usual = method.dynamic_ratio
     carried = [

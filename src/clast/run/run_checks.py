@@ -13,7 +13,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from clast.actions.handed_back import OWN
+from clast.actions.script_action_checks import OWN
 from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model

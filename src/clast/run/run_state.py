@@ -10,7 +10,7 @@ from clast.model.stages.records import Event
 from clast.model.state import Ledger, State
 from clast.run.run_checks import Watched
 from clast.run.schedule import Progress
-from clast.run.stages.position import Position
+from clast.run.stages.stage_position import Position
 from clast.run.stages.static_path import OnPath
 from clast.step.method import StepResult
 

@@ -30,7 +30,7 @@ from clast.run.run_checks import Watch, reject_created_energy
 from clast.run.run_state import Halt, Keeper, Leader, RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.stages.equilibrium import EquilibriumCheck
-from clast.run.stages.position import EquilibriumStreak, Position
+from clast.run.stages.stage_position import EquilibriumStreak, Position
 from clast.run.stages.stage_sequence import StageSequence, fails, failure_warning
 from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting

@@ -132,7 +132,7 @@ class AnyStep(Protocol):
     """True: the contacts of a step that begins at rest settle whatever its length."""
 
 
-def bears_any_step(process: object) -> bool:
+def is_stable_for_any_step(process: object) -> bool:
     """Return whether the contacts of a process settle whatever the length of a step."""
     return isinstance(process, AnyStep) and process.any_step
 

@@ -54,7 +54,7 @@ from clast.verification.problems.method import (
     energy,
     invariance,
     order,
-    resume,
+    resumed_run,
     staged_views,
 )
 from clast.verification.problems.slopes import (
@@ -222,7 +222,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         convergence.PROBLEM,
         invariance.PROBLEM,
         staged_views.PROBLEM,
-        resume.PROBLEM,
+        resumed_run.PROBLEM,
     ),
 }
 """Folder -> its problems: the subject of their tests, from single blocks to the whole method."""

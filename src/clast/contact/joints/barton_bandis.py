@@ -80,7 +80,7 @@ class RoughContacts:
         found = self.residual * np.minimum(1.0, x / first) + mobilised(x) * angle
         return np.tan(found) / self.reduction
 
-    def slid_to_bear(self, ratio: Floats, angle: Floats) -> Floats:
+    def slide_to_mobilise(self, ratio: Floats, angle: Floats) -> Floats:
         """Return after which slide, up to that at the peak, tan(phi) is a ``ratio`` (k,), m, (k,).
 
         To 1 % of that at the peak, from above.

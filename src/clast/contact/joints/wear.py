@@ -64,7 +64,7 @@ def borne_already(table: JointTable, contacts: Contacts, response: ContactRespon
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(normal > 0.0, np.abs(response.shear_force[rows]) / normal, 0.0)
     stress = stress_on(normal, contacts.spring_length[rows])
-    way[rows] = rough.slid_to_bear(ratio, rough.roughness_angle(stress))
+    way[rows] = rough.slide_to_mobilise(ratio, rough.roughness_angle(stress))
     return replace(wear, way=way)
 
 

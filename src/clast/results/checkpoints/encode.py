@@ -29,7 +29,14 @@ MOVED = {
     "clast.run.simulate:RunState": "clast.run.run_state:RunState",
     "clast.run.tally:Tally": "clast.run.run_state:Tally",
     "clast.results.report:Report": "clast.results.run_report:Report",
-    "clast.run.stages.position:Held": "clast.run.stages.position:EquilibriumStreak",
+    "clast.run.stages.position:Held": "clast.run.stages.stage_position:EquilibriumStreak",
+    "clast.run.stages.position:Position": "clast.run.stages.stage_position:Position",
+    "clast.run.stages.position:EquilibriumStreak": (
+        "clast.run.stages.stage_position:EquilibriumStreak"
+    ),
+    "clast.run.stages.position:Judged": "clast.run.stages.stage_position:Judgement",
+    "clast.run.stages.failing:Scales": "clast.run.stages.failure_verdict:Scales",
+    "clast.actions.held_back:HeldBack": "clast.actions.holding_forces:HoldingForces",
     "clast.actions.damping:Motion": "clast.actions.damping:DampingState",
     "clast.model.stages.reference:Reference": "clast.model.stages.reference:ReferenceState",
     "clast.results.recorder:Mark": "clast.results.recorder:RecordMark",

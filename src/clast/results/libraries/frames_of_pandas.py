@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.results.libraries.asked_for import library
+from clast.results.libraries.optional_libraries import library
 from clast.results.schema import BLOCK_FIELDS, OVER_TIME
 
 

@@ -37,7 +37,7 @@ from clast.model.stages.stage import EQUILIBRIUM, Stage
 from clast.model.stages.stage_loads import are_constant, factors_in
 from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
-from clast.run.stages.position import EquilibriumStreak, Judged, Position
+from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.step.method import Method, StepResult
 
 STANDARD_GRAVITY = 9.8
@@ -114,7 +114,7 @@ class EquilibriumCheck:
         sums: ForceSums,
         way: Floats,
         step: float,
-    ) -> Judged:
+    ) -> Judgement:
         """Return how far from equilibrium a step ended."""
         stage, result = self.stage, states[1]
         least = self._noise / stage.force_ratio
@@ -124,7 +124,7 @@ class EquilibriumCheck:
         fastest = int(share.argmax())
         mover = self._mover(fastest, float(speed[fastest]), way)
         worst = int(ratio.argmax())
-        judged = Judged(
+        judged = Judgement(
             force_ratio=float(ratio[worst]),
             unbalanced=self.model.block_name[worst] if ratio[worst] > 0.0 else "",
             speed=float(share[fastest]) * stage.speed,
@@ -135,7 +135,7 @@ class EquilibriumCheck:
 
     def _unrest(
         self,
-        judged: Judged,
+        judged: Judgement,
         states: tuple[State, StepResult],
         sums: ForceSums,
         motion: tuple[Floats, float],

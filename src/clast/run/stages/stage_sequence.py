@@ -22,9 +22,9 @@ from clast.model.stages.reference import here
 from clast.model.stages.stage import TIME, Stage
 from clast.model.state import State
 from clast.run.stages.equilibrium import EquilibriumCheck
-from clast.run.stages.position import EquilibriumStreak, Judged, Position
 from clast.run.stages.spraying import events_of_linings
 from clast.run.stages.stage_checks import check_stages
+from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.run.stages.transition import (
     Setting,
     before_all,
@@ -82,7 +82,7 @@ class StageSequence:
             seconds=0.0,
             broken=0,
             held=EquilibriumStreak(),
-            judged=Judged(),
+            judged=Judgement(),
             over=False,
         )
         stage = self.stage(position)

@@ -19,8 +19,9 @@ A process whose contacts need not settle in long steps (the modified one, with p
 and open-close iteration, whose sliding friction is that of the solve before) has steps of the
 length of the schedule, and time that does not wait: with it the mass term stays.
 
-Where step after step moves blocks and their unbalanced force does not become less (failing.py),
-there is no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
+Where step after step moves blocks and their unbalanced force does not become less
+(failure_verdict.py), there is no equilibrium: the system *fails*, and the blocks that have moved
+are its mechanism.
 """
 
 from __future__ import annotations
@@ -30,20 +31,20 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.actions.held_back import HeldBack
+from clast.actions.holding_forces import HoldingForces
 from clast.model.model import Floats, Model
 from clast.model.stages.records import Mechanism, Mover
 from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
 from clast.model.stages.strengths import has_bonds, with_bonds_held
 from clast.model.state import State
 from clast.run.schedule import Schedule
-from clast.run.stages import failing
+from clast.run.stages import failure_verdict
 from clast.run.stages.balance import out_of_balance
 from clast.run.stages.equilibrium import STANDARD_GRAVITY, EquilibriumCheck
-from clast.run.stages.position import Judged, Position
+from clast.run.stages.stage_position import Judgement, Position
 from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
-from clast.step.method import Method, StepResult, bears_any_step
+from clast.step.method import Method, StepResult, is_stable_for_any_step
 
 FIRST = 5.0
 """Fall of a free block in the first step of a stage, in units of max_displacement: with a mass term
@@ -98,7 +99,7 @@ class OnPath:
     """Movement of each block since then, m, shape (n, 2)."""
     balanced: bool = False
     """True where the last step ended in balance."""
-    judged: Judged = field(default_factory=Judged)
+    judged: Judgement = field(default_factory=Judgement)
     """How it ended."""
     failure: Mechanism | None = None
     """How the system fails; None: it does not."""
@@ -162,7 +163,7 @@ class StaticPath:
         if self._grows and now.failure is None and method.balance is None:
             method = replace(method, balance=WELL_BELOW * self.judge.stage.force_ratio)
         if len(now.missing) and now.load < 1.0:
-            held_back = HeldBack(force=-(1.0 - now.load) * now.missing)
+            held_back = HoldingForces(force=-(1.0 - now.load) * now.missing)
             method = replace(method, damping=held_back)
         return model, method
 
@@ -225,7 +226,7 @@ class StaticPath:
         before: State,
         result: StepResult,
         taken: tuple[float, float],
-        judged: Judged | None,
+        judged: Judgement | None,
     ) -> OnPath:
         """Return where the path is after a step; ``taken`` are its pseudo time and its clock, s.
 
@@ -238,8 +239,8 @@ class StaticPath:
         driven, far = (_not_driven(), 0) if restarts else (now.driven, now.far)
         if result.travel > FAR * self.method.max_displacement:
             inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
-            last = failing.driven(self.model, before, result.state, inertia)
-            driven, far = np.concatenate([driven[-failing.FAR_STEPS + 1 :], last]), far + 1
+            last = failure_verdict.driven(self.model, before, result.state, inertia)
+            driven, far = np.concatenate([driven[-failure_verdict.FAR_STEPS + 1 :], last]), far + 1
         steps = 1 + (0 if restarts else now.steps)
         after = replace(
             now,
@@ -263,15 +264,15 @@ class StaticPath:
 
     def _is_lost(self, now: OnPath) -> bool:
         """Return whether there is no balance to come."""
-        if self._grows and now.steps - now.far >= failing.MOST_STEPS:
+        if self._grows and now.steps - now.far >= failure_verdict.MOST_STEPS:
             return True
-        if now.steps >= failing.PATIENCE and now.far:
+        if now.steps >= failure_verdict.PATIENCE and now.far:
             return True
-        if now.far < failing.FAR_STEPS:
+        if now.far < failure_verdict.FAR_STEPS:
             return False
         moved = float(self._distances(now).max(initial=0.0))
         left = self._scales.within - moved
-        return moved > self._scales.goes and not failing.nears(now.driven, left)
+        return moved > self._scales.goes and not failure_verdict.nears(now.driven, left)
 
     def _loaded(self, now: OnPath) -> OnPath:
         """Return the path where an increment of load is in balance."""
@@ -311,7 +312,7 @@ class StaticPath:
     @property
     def _grows(self) -> bool:
         """Whether the process carries steps of any length."""
-        return bears_any_step(self.method.process)
+        return is_stable_for_any_step(self.method.process)
 
     @property
     def _falls(self) -> float:
@@ -343,7 +344,7 @@ class StaticPath:
             steps=now.steps,
             load=now.load,
             hindrance=now.judged.hindrance,
-            advice=SLOW if now.steps >= failing.PATIENCE else "",
+            advice=SLOW if now.steps >= failure_verdict.PATIENCE else "",
         )
 
     def _distances(self, now: OnPath) -> Floats:
@@ -356,6 +357,6 @@ class StaticPath:
         return with_bonds_held(self.model)
 
     @cached_property
-    def _scales(self) -> failing.Scales:
+    def _scales(self) -> failure_verdict.Scales:
         """The lengths by which movements are judged."""
-        return failing.Scales.of(self.model)
+        return failure_verdict.Scales.of(self.model)

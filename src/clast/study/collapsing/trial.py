@@ -28,7 +28,7 @@ from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.run.simulate import simulate
 from clast.run.stages.equilibrium import STANDARD_GRAVITY
-from clast.run.stages.failing import GOES
+from clast.run.stages.failure_verdict import GOES
 from clast.step.method import Method
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.trial_cases import Content, changed, content_of

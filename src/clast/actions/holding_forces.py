@@ -19,7 +19,7 @@ from clast.model.state import Ledger
 
 
 @dataclass(frozen=True, eq=False)
-class HeldBack:
+class HoldingForces:
     """Forces against the loads that have not come on yet, where other steps have their damping."""
 
     force: Floats

@@ -24,7 +24,7 @@ def _nobody() -> Bools:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class Judgement:
     """How far from equilibrium a step ended."""
 
     force_ratio: float = np.inf
@@ -73,7 +73,7 @@ class Position:
     """Bonds that have broken in it."""
     held: EquilibriumStreak = field(default_factory=EquilibriumStreak)
     """Steps in a row in equilibrium."""
-    judged: Judged = field(default_factory=Judged)
+    judged: Judgement = field(default_factory=Judgement)
     """How the last step ended."""
     over: bool = False
     """True after the last step of the stage."""

@@ -19,7 +19,7 @@ from clast.model.state import POINTS, ContactMemory, State
 from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.stages.position import EquilibriumStreak, Position
+from clast.run.stages.stage_position import EquilibriumStreak, Position
 from clast.run.stages.static_path import OnPath
 from clast.step.method import Method
 
