@@ -12,7 +12,7 @@ SPREADING_ARCH = """\
 #   radius    = {radius:<6g} m  of the middle line
 #   thickness = {thickness:<6g} m
 #   voussoirs = {voussoirs:<6}    an even number has a joint at the crown
-#   spread    = {spread:<6g} m  the way of the abutment
+#   spread    = {spread:<6g} m  the displacement of the abutment
 # The voussoirs are listed one by one; a script writes the file for other numbers:
 #   from clast.case.templates import spreading_arch
 #   open("wide.toml", "w").write(spreading_arch(spread=0.5))

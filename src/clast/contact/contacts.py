@@ -85,7 +85,7 @@ class Contacts:
     slip: Floats
     """Remembered slip since the contact was made, m, along t, shape (m,)."""
     slide_length: Floats
-    """Length of the way that the contact has slid, m; inf where it must have, shape (m,)."""
+    """Length of the path that the contact has slid, m; inf where it must have, shape (m,)."""
     slide: Floats
     """How far from its place it has slid, m, along t, shape (m,)."""
     slide_speed: Floats

@@ -63,7 +63,7 @@ class ContactMemory:
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
     slide_length: Floats = field(default_factory=_no_floats)
-    """Length of the way that the contact has slid to and fro, without what its shear spring gives
+    """Length of the path that the contact has slid to and fro, without what its shear spring gives
     back, m, >= 0, shape (k,)."""
     slide: Floats = field(default_factory=_no_floats)
     """The same with the sign of ``slip``: what has been slid back does not count, shape (k,)."""

@@ -73,7 +73,7 @@ AGREES = 0.002
 
 DRIVEN = 1e-3
 """Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
-body that is driven has the work of its whole way."""
+body that is driven has the work of its whole path."""
 
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
 """Counts of a step, before it has counted anything."""

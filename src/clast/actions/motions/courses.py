@@ -1,11 +1,11 @@
-"""How far a prescribed motion goes: velocity and way over time, without shocks where wanted.
+"""How far a prescribed motion goes: velocity and displacement over time, eased on demand.
 
 The velocity is linear in pieces.  An ``ease`` e spreads each jump of it over a time,
 
     x~(t) = 1/e int_{t-e}^{t} x,    v~(t) = (x(t) - x(t-e))/e,
 
-the mean of the way over the time e before: a constant velocity is reached with the acceleration
-v/e, and the way is e/2 behind.
+the mean of the displacement over the time e before: a constant velocity is reached with the
+acceleration v/e, and the displacement is e/2 behind.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ FRICTION = GRAVITY * float(np.cos(SLOPE) * np.tan(np.radians(FRICTION_ANGLE)))
 """Deceleration by friction alone, m/s2."""
 LATE = (
     1.1 * 2.0 * STEP * FRICTION / SPEED,
-    "friction one step late leaves a speed of h g cos a tan phi: 1.06 % of way",
+    "friction one step late leaves a speed of h g cos a tan phi: 1.06 % of the displacement",
 )
 TOLERANCES = {
     LAGGED.name: LATE,
@@ -66,7 +66,7 @@ def slope_with_block() -> Model:
 
 
 def way(history: PointHistory) -> np.ndarray:
-    """Return the way down the slope over time, m."""
+    """Return the displacement down the slope over time, m."""
     return -history.displacement @ np.array([np.cos(SLOPE), np.sin(SLOPE)])
 
 

@@ -58,7 +58,7 @@ def incline(friction_angle: float = 20.0) -> Model:
 
 
 def exact_way(friction_angle: float, time: float = DURATION) -> float:
-    """Return the way of the slider to the right (and down), m, after ``time``, s."""
+    """Return the displacement of the slider to the right (and down), m, after ``time``, s."""
     slope, friction = np.radians(45.0), np.tan(np.radians(friction_angle))
     downhill = GRAVITY * max(0.0, np.sin(slope) - np.cos(slope) * friction)
     return float(0.5 * downhill * np.cos(slope) * time**2)
@@ -67,7 +67,7 @@ def exact_way(friction_angle: float, time: float = DURATION) -> float:
 def computed_way(
     friction_angle: float, step: float, variant: Variant, duration: float = DURATION
 ) -> tuple[float, float]:
-    """Return the way of the slider to the right and down, m, after ``duration``, s."""
+    """Return the displacement of the slider to the right and down, m, after ``duration``, s."""
     model = incline(friction_angle)
     method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
     schedule = Schedule(step=step, end=duration, every=duration)
@@ -117,12 +117,12 @@ TOLERANCES = {
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare the ways at the friction angles of Table 1, or at some of them."""
+    """Compare the displacements at the friction angles of Table 1, or at some of them."""
     return examine_at(ANGLES if variant in (LAGGED, CONVEX) else SOME, variant)
 
 
 def examine_at(angles: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the ways at friction angles, degrees."""
+    """Compare the displacements at friction angles, degrees."""
     rows = tuple(compare(angle, variant) for angle in angles)
     fine = np.linspace(0.0, 45.0, 91)
     chart = Chart(

@@ -1,6 +1,6 @@
 """A block on an incline between residual and peak friction stands until it is pushed far enough.
 
-The friction coefficient falls from mu_p to mu_r linearly over a way of sliding w.  On a slope a
+The friction coefficient falls from mu_p to mu_r linearly over a sliding distance w.  On a slope a
 with mu_r < tan a < mu_p the block stands.  Pushed downwards with v it slides; friction is below
 the pull of gravity from s = w (mu_p - tan a)/(mu_p - mu_r) on.  Whether it gets there is a matter
 of energy: by hand the least speed is
@@ -27,7 +27,7 @@ from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 GRAVITY = 9.8
 SLOPE = np.radians(28.0)
 PEAK, RESIDUAL, WEAKENING = 35.0, 20.0, 20e-3
-"""Peak and residual friction angle, degrees, and the way of sliding between them, m."""
+"""Peak and residual friction angle, degrees, and the sliding distance between them, m."""
 ALONG = np.array([-np.cos(SLOPE), -np.sin(SLOPE)])
 """Direction down the slope."""
 STEP, WHOLE, BRIEF = 5e-4, 0.8, 0.6
@@ -51,7 +51,7 @@ def least_speed() -> float:
 
 
 def motion(push: float, time: Floats) -> Floats:
-    """Return the way down the slope after a push, m, by integration in small steps of way."""
+    """Return the displacement down the slope after a push, m, by integration in small steps."""
     way = np.concatenate([[0.0], np.geomspace(1e-9, 20.0, 200_001)])
     middle = 0.5 * (way[1:] + way[:-1])
     share = np.minimum(1.0, middle / WEAKENING)

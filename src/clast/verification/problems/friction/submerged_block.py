@@ -58,7 +58,7 @@ def run_of(model: Model, variant: Variant, dynamic_ratio: float) -> Run:
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare the force on the bottom, and the way of the block that rises."""
+    """Compare the force on the bottom, and the displacement of the block that rises."""
     rests = run_of(under_water(HEAVY, 0.0), variant, 0.0)
     rises = run_of(under_water(LIGHT, ABOVE), variant, 1.0)
     carries = float(rests.state.memory.normal_force.sum())
@@ -73,7 +73,7 @@ def examine(variant: Variant) -> Outcome:
             "the water follows the block, which shrinks by 4e-6",
         ),
         relative(
-            "way of the block that rises",
+            "displacement of the block that rises",
             "m",
             float(history.displacement[-1, 1]),
             0.5 * RISING * DURATION**2,

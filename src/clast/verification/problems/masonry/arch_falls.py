@@ -1,4 +1,4 @@
-"""An arch whose supports spread until it falls: three hinges, and the way of the crown.
+"""An arch whose supports spread until it falls: three hinges, and the displacement of the crown.
 
 The arch needs the least thrust for which its line stays within the joints (Heyman 1995): it touches
 the outer edge of the crown, at B, and on either side the inner edge of that joint, at A, for which
@@ -177,7 +177,7 @@ def run_of(arch: Arch, spread: float, variant: Variant, side: str = "right") -> 
 
 
 def followed(run: Run, spread: float) -> tuple[Floats, Floats]:
-    """Return the spread and the way of the crown down since the support moves, m, (t,) each."""
+    """Return the spread and the sinking of the crown since the support moves, m, (t,) each."""
     history = run.history("crown")
     share = (history.time - SETTLED * STEP) / (STEPS * STEP)
     # a static step may take several: the last of them is the equilibrium
@@ -213,7 +213,7 @@ def hinges_in(run: Run, arch: Arch, spread: float, at: float) -> set[tuple[str, 
 
 
 def examine(arches: tuple[Arch, ...], variant: Variant) -> Outcome:
-    """Compare hinges, the way of the crown and the spread at which arches fall."""
+    """Compare hinges, the displacement of the crown and the spread at which arches fall."""
     rows: list[Comparison] = []
     charted = []
     for number, arch in enumerate(arches):
@@ -225,7 +225,7 @@ def examine(arches: tuple[Arch, ...], variant: Variant) -> Outcome:
         rows.append(relative(quantity, "m", fall(way, sunk), limit, TOLERANCE, WHY))
         for share in SHARES:
             at = share * limit
-            quantity = f"way of the crown at {share:g} of it, {arch.name}"
+            quantity = f"displacement of the crown at {share:g} of it, {arch.name}"
             down = float(np.interp(at, way, sunk))
             rows.append(relative(quantity, "m", down, half.sunk(at), TOLERANCE, WHY))
             others = half.hinges ^ hinges_in(run, arch, BEYOND * limit, at)
@@ -236,7 +236,7 @@ def examine(arches: tuple[Arch, ...], variant: Variant) -> Outcome:
     name, spreads, exact, way, sunk = charted[0]
     shown = np.flatnonzero(sunk < 2.0 * exact[-1])[::10]
     chart = Chart(
-        title=f"way of the crown, {name}",
+        title=f"displacement of the crown, {name}",
         x_label="spread of the supports, m",
         y_label="way down, m",
         curves=(

@@ -103,7 +103,7 @@ def examine(arches: Sequence[Arch], steps: Sequence[float], variant: Variant) ->
     limits = [limit_thrust(arches[0], sense) for sense in (1.0, -1.0)]
     chart = Chart(
         title=f"thrust, {arches[0].name}",
-        x_label="way of the support, mm",
+        x_label="displacement of the support, mm",
         y_label="thrust, kN/m",
         curves=(
             exact_curve("least", (0.0, 1e3 * SPREAD), [1e-3 * limits[0]] * 2),

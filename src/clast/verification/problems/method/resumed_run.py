@@ -126,7 +126,7 @@ def examine(variant: Variant) -> Outcome:
         first, second = whole.history("top"), rest.history("top")
         charts.append(
             Chart(
-                title=f"{name}: way of the upper block",
+                title=f"{name}: displacement of the upper block",
                 x_label="time, s",
                 y_label="way, mm",
                 curves=(

@@ -142,7 +142,7 @@ def examine(variant: Variant) -> Outcome:
     for number, history in enumerate(histories, 1):
         way = float(np.hypot(*history.displacement[-1]))
         exact = 0.5 * acceleration() * DURATION**2
-        rows.append(relative(f"way of block {number}", "m", way, exact, 0.01, SHEAR))
+        rows.append(relative(f"displacement of block {number}", "m", way, exact, 0.01, SHEAR))
     exact_pushes = pushes(FRICTION, acceleration())
     for number, (force, exact) in enumerate(zip(forces_between(run), exact_pushes, strict=True), 1):
         quantity = f"force between blocks {number} and {number + 1}"
@@ -151,7 +151,7 @@ def examine(variant: Variant) -> Outcome:
     rows.append(relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION))
     time = histories[0].time
     chart = Chart(
-        title="way of the middle block",
+        title="displacement of the middle block",
         x_label="time, s",
         y_label="way, m",
         curves=(

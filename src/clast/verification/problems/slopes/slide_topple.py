@@ -47,7 +47,7 @@ LAG = f"{SETTLING}; friction one step old costs (2h/t) tan phi/(tan a - tan phi)
 
 
 def exact_motion(ratio: float, friction_angle: float) -> tuple[float, float]:
-    """Return way of the centroid down the plane, m, and rotation, rad, at the end: integrated."""
+    """Return displacement of the centroid down the plane, m, and rotation, rad, by integration."""
     b, mu = ratio * HEIGHT, np.tan(np.radians(friction_angle))
     sine, cosine = GRAVITY * np.sin(DIP), GRAVITY * np.cos(DIP)
     inertia = (b**2 + HEIGHT**2) / 12.0  # of unit mass
@@ -100,7 +100,7 @@ def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
 
 
 def computed_motion(ratio: float, friction_angle: float, variant: Variant) -> tuple[float, float]:
-    """Return the way of the centroid down the plane, m, and the rotation, rad, at the end."""
+    """Return displacement of the centroid down the plane, m, and rotation, rad, at the end."""
     model = inclined_block(ratio, friction_angle)
     method = variant.method(model, normal_stiffness=1e9, max_displacement=0.03)
     run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))

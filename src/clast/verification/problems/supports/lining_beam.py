@@ -135,7 +135,7 @@ def examine(variant: Variant) -> Outcome:
     inside = np.linspace(-PRESSED * THICKNESS, PULLED * THICKNESS, 50)
     chart = Chart(
         title="moment at the clamp as the end is pushed down",
-        x_label="way of the end, mm",
+        x_label="displacement of the end, mm",
         y_label="moment, kN",
         curves=(
             exact_curve(

@@ -88,7 +88,7 @@ def examine(variant: Variant) -> Outcome:
         rows.append(relative(f"moment at the end{name}", "N", moment, MOMENT, 1e-6, REASON))
     press = runs[""].reaction("press")
     chart = Chart(
-        title="load and way of the middle",
+        title="load and displacement of the middle",
         x_label="way, mm",
         y_label="load, kN/m",
         curves=(

@@ -83,7 +83,7 @@ def end() -> float:
 
 
 def exact_way(time: float) -> float:
-    """Return the way down the plane after ``time``, s, m: 0.31361979 a cycle."""
+    """Return the displacement down the plane after ``time``, s, m: 0.31361979 a cycle."""
     cycles, rest = divmod(time + 1e-12, 1.0)
     first, last = begin(), end()
 
@@ -129,7 +129,7 @@ def shaken(acts: str, cycles: int, variant: Variant) -> Run:
 
 
 def way(run: Run) -> tuple[Floats, Floats]:
-    """Return time, s, and way of the block down the plane relative to the slope, m."""
+    """Return time, s, and displacement of the block down the plane relative to the slope, m."""
     block, slope = run.history("block"), run.history("slope")
     moved = block.displacement - slope.displacement
     return block.time, -moved @ np.array([np.cos(SLOPE), np.sin(SLOPE)])
@@ -151,7 +151,7 @@ def examine(acts: tuple[str, ...], cycles: int, variant: Variant) -> Outcome:
             absolute(f"end of the slide, {one}", "s", stopped, end(), 2.5 * STEP, "steps of 2 ms"),
         ]
         chart = Chart(
-            title=f"way down the plane, {one}",
+            title=f"displacement down the plane, {one}",
             x_label="time, s",
             y_label="way relative to the ground, m",
             curves=(exact_motion, curve(variant.name, time[::50], moved[::50])),

@@ -63,7 +63,7 @@ def examine(variant: Variant) -> Outcome:
         relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft),
     )
     chart = Chart(
-        title="way of the block",
+        title="displacement of the block",
         x_label="time, s",
         y_label="way down, m",
         curves=(
