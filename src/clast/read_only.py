@@ -1,4 +1,4 @@
-"""Arrays that nobody writes into, and frozen dataclasses that are replaced.
+"""Read-only arrays, and frozen dataclasses that are replaced.
 
 The arrays are those of a model, and of the states that a run goes through.  The next step, a
 rejected step that is tried again, and a checkpoint rely on the state.  An array that is edited in

@@ -1,4 +1,4 @@
-"""The nearest valid word to one that nobody knows, and how a terminal is shown foreign words."""
+"""The nearest valid word to an unknown one, and how a terminal is shown foreign words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ UNSEEN = re.compile(
 )
 """Characters that command a terminal instead of being shown, or that it cannot show."""
 LONG_WORD = re.compile(r"(\S{120})\S{181,}(\S{60})")
-"""A word that nobody reads: its beginning and its end are kept."""
+"""A word too long to be read: its beginning and its end are kept."""
 LONG_LINE = re.compile(r"^(.{1500}).{501,}(.{300})$", re.MULTILINE)
 
 

@@ -149,7 +149,7 @@ class Contribution:
     carried: float = 1.0
     """Share of the velocities of the last step with which the blocks enter this one."""
     prescribed: Prescribed | None = None
-    """Motions that blocks make whatever acts on them."""
+    """Motions of blocks, regardless of the forces on them."""
 
 
 NO_SHARE = Contribution()

@@ -50,7 +50,7 @@ class Pressed:
 def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pressed:
     """Return where a water presses at a time, s, with blocks at ``vertices`` (nv, 2), m.
 
-    Excavated blocks are pressed no more, and the joints that they had are empty.
+    Excavated blocks are under no pressure, and the joints that they had are empty.
     """
     owner, after = model.vertex_block, model.vertex_after
     weight = water.pressure_of_head(time)

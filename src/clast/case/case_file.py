@@ -134,7 +134,7 @@ class Case(BaseModel):
     pressure: list[Pressure] = []
     """Pressures on edges."""
     motion: list[Motion] = []
-    """Motions that blocks make whatever acts on them: settlements, presses, driven walls."""
+    """Prescribed motions of blocks: settlements, presses, driven walls."""
     link: list[Link] = []
     """Links between blocks at points: hinges, sliders, springs."""
     lining: list[Lining] = []

@@ -44,7 +44,7 @@ BLOCK_WRITERS: dict[str, Callable[[Path, Arrays], None]] = {
 def writer(
     path: Path, writers: Mapping[str, Callable[[Path, Found], None]]
 ) -> Callable[[Path, Found], None]:
-    """Return who writes to a file of that name; CaseError where nobody does."""
+    """Return the writer for a file of that name; CaseError where there is none."""
     found = writers.get(path.suffix.casefold())
     if found is None:
         ending = shortened(path.suffix) or "nothing"

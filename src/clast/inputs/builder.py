@@ -174,7 +174,7 @@ class InputBuilder(Inputs):
     measured_reaction = gives("measured_reaction", MeasuredReaction, "name")
     """Record a reaction beside the totals, every step: ``[[measured_reaction]]``."""
     motion = gives("motion", Motion)
-    """Move blocks, whatever acts on them: ``[[motion]]``."""
+    """Prescribe the motion of blocks: ``[[motion]]``."""
     link = gives("link", Link, "at")
     """Link two blocks, or a block and the ground, at a point: ``[[link]]``."""
     lining = gives("lining", Lining, "name")

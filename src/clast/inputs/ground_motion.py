@@ -290,7 +290,7 @@ class GroundMotionTable(Table):
 
 
 def _check_single(found: Component, key: str) -> None:
-    """Refuse two components in one file where one is wanted."""
+    """Refuse two components in one file where one is needed."""
     if found.samples.acceleration.shape[1] != 1:
         raise CaseError(
             "the file has two components, x and y, where one is wanted",

@@ -22,7 +22,7 @@ TRIES = 4
 
 @dataclass(frozen=True, kw_only=True)
 class EachBlock:
-    """The balance that is asked of each block."""
+    """Required balance of each block."""
 
     share: float
     """Force that may stay out of balance, as a share of the sizes of all forces on the block."""
@@ -31,7 +31,7 @@ class EachBlock:
     noise: float
     """Force that rounding makes, N/m."""
     floor: float
-    """Distance from the minimum that rounding allows, J/m: no sharper one is asked for."""
+    """Distance from the minimum that rounding allows, J/m; no smaller one is required."""
 
     def of(self, blocks: Ints) -> EachBlock:
         """Return the same for some of the blocks (k,), and one more that stands still."""

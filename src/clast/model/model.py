@@ -284,7 +284,7 @@ class Model:
     """Changes to the input, e.g. loops that were turned round."""
 
     def __post_init__(self) -> None:
-        """Let nobody write into the arrays; actions of a script are the script's own."""
+        """Make the arrays read-only, but for actions of a script."""
         seal(self, but=("actions",))
 
     gone = Renamed("absent")

@@ -248,7 +248,7 @@ class State:
     points of ``Model.reactions``, N, shape (k, 3); (0, 3) before the first step."""
 
     def __post_init__(self) -> None:
-        """Let nobody write into the arrays: a state is replaced, never edited."""
+        """Make the arrays read-only: a state is replaced, never edited."""
         seal(self)
 
     def __repr__(self) -> str:

@@ -128,7 +128,7 @@ def points_of(file: Any) -> tuple[tuple[str, ...], Floats]:
 
 
 def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
-    """Return the bolts of a file, none where it is of before; raises MalformedError."""
+    """Return the bolts of a file, none where an older version wrote it; raises MalformedError."""
     if "bolt_name" not in file["model"]:
         return BoltLines()
     name = names(file, "model/bolt_name")
@@ -157,7 +157,7 @@ def lining_joints_of(file: Any, blocks: StoredBlocks) -> LiningJoints:
 
 
 def _sections(file: Any, joints: int) -> NDArray[Any]:
-    """Return the sections of the joints of linings, (k, 3), none where the file is of before."""
+    """Return the sections of the joints of linings, (k, 3), none in files of older versions."""
     if "lining_section" not in file["model"]:
         return np.zeros((0, 3))
     found = _whole(file, "model/lining_section", "f", (3,)).astype(np.float64)
@@ -278,7 +278,10 @@ def report_of(file: Any) -> Report | None:
 
 
 def about_of(file: Any) -> dict[str, Any]:
-    """Return how a file was made, nothing where it is of before; raises MalformedError."""
+    """Return how a file was made, nothing if an older version wrote it.
+
+    Raises MalformedError.
+    """
     if "about" not in file["model"]:
         return {}
     try:

@@ -57,7 +57,7 @@ class CutRecord:
     before: Before
     """Numbers known before the cut."""
     tables: Sequence[LineTable]
-    """Tables of lines, the boundary at last."""
+    """Tables of lines, the boundary last."""
     table: Ints
     """Table of each line, shape (n,)."""
     joint: Ints

@@ -38,7 +38,7 @@ def excavated(
     """Return model and state without ``blocks`` (k,), which keep their places in all arrays.
 
     The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
-    rest falls to nothing within ``relax_time``, s.  Excavated blocks already count no more.
+    rest falls to nothing within ``relax_time``, s.  Blocks already excavated do not count.
     Raises ModelError for shares and times out of range, for values that are no numbers of blocks,
     and where no block would be left.
     """

@@ -41,7 +41,7 @@ HOLDING = 10.0
 LOOSE = 1e-3
 """Tolerances of a process above this are felt in the results."""
 FELT = 0.05
-"""Mass damping takes less than this share of a velocity where nobody minds it."""
+"""Mass damping is not warned of where it takes less than this share of a velocity."""
 WEAKENED = 0.05
 """Waves may lose this share of their height to the time steps."""
 SLOW = 0.1

@@ -3,7 +3,7 @@
 Where there is no terminal (a pipe, a file) nothing is said of a run; of compilation, which takes
 long but only once, one line when it begins and one when it is over.
 
-Warnings of a run reach whoever started it, each warning once.  A script that names no function for
+Warnings of a run reach its caller, each of them once.  A script that names no function for
 it gets Python's own warnings, of the category ``clast.RunWarning``.
 """
 

@@ -45,7 +45,7 @@ COMFORT = 0.8
 """The step grows only while blocks near each other move less than this share of
 max_displacement."""
 SMALLEST_SHARE = 2.0**-12
-"""The smallest step tried, as a share of the wanted one, unless the schedule names it."""
+"""The smallest step tried, as a share of the requested one, unless the schedule names it."""
 ROUNDING = 1e-9
 """Share of a step by which times may differ and be the same."""
 

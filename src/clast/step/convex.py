@@ -200,7 +200,7 @@ class Convex:
         return changed(self._schedule, small=SmallIslands(few=0))
 
     def each_block(self, context: StepContext, links: int) -> EachBlock | None:
-        """Return the balance that is asked of each block, None where that of all is enough."""
+        """Return the required balance of each block, None where that of all is enough."""
         model, method = context.model, context.method
         if method.balance is None:
             return None
@@ -262,7 +262,7 @@ class Search:
     """Distance from the minimum at which the step is solved, J/m."""
     work: SolverContext
     each: EachBlock | None = None
-    """The balance that is asked of each block, too."""
+    """Required balance of each block."""
 
     def minimum(
         self, potential: Potential, contacts: Contacts, starts: tuple[Floats, ...]

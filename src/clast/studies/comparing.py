@@ -166,7 +166,7 @@ def combinations(processes: Sequence[Any], laws: Sequence[Any]) -> list[Combinat
     """Return every process with every law, each a name or an object.
 
     An object is called by the name of its class, or by all that it prints where several are of one
-    class.  Raises CaseError for names that nobody knows.
+    class.  Raises CaseError for unknown names.
     """
     called = [_called("process", processes, PROCESSES), _called("contact law", laws, CONTACT_LAWS)]
     return [

@@ -163,7 +163,8 @@ class CompileJob:
     def compile(self) -> None:
         """Compile them, or find them on disk.
 
-        One that the list has wrong, after a change of its arguments, is left to whoever needs it.
+        One that the list has wrong, after a change of its arguments, is compiled when it is
+        first needed.
         """
         for root in self.roots:
             with suppress(LookupError, TypeError, TypingError):

@@ -45,7 +45,7 @@ def problems(names: Iterable[str] = ()) -> list[Problem]:
 def narrowed(choose: Choose, processes: Sequence[str] = (), laws: Sequence[str] = ()) -> Choose:
     """Restrict a selector to the variants with these processes and laws.
 
-    Nothing named means any.  Raises CaseError for a name that nobody knows.
+    Nothing named means any.  Raises CaseError for an unknown name.
     """
     _check("process", processes, PROCESSES)
     _check("contact law", laws, CONTACT_LAWS)

@@ -223,7 +223,7 @@ class Choice:
         return {"name": name, **numbers} if numbers else name
 
     def _given(self, value: Any) -> GivenObject:
-        """Return an object of a script, if it is one of the kind that is wanted."""
+        """Return an object of a script, if it is of the right kind."""
         if isinstance(value, type):
             what = f"{value.__name__} is a class, not an object"
             raise refusal(Fault(what=what, remedy=f"give {value.__name__}(...)"))

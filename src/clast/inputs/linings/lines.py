@@ -107,7 +107,7 @@ class LinesOfRock:
         return one if _length(one) <= _length(other) else other
 
     def _free_side(self, points: Floats, thickness: float) -> str:
-        """Return the side of a polyline where there is no rock; left where that says nothing."""
+        """Return the side of a polyline where there is no rock; left where that is undecided."""
         middle, way = 0.5 * (points[1:] + points[:-1]), np.diff(points, axis=0)
         left = np.stack([-way[:, 1], way[:, 0]], axis=1) / np.hypot(*way.T)[:, None]
         rock = [

@@ -36,7 +36,7 @@ HEADING = 12
 def format_of(path: Path) -> str:
     """Return the format of a file by its ending, else by how its text begins; csv if by neither.
 
-    Raises CaseError where a file whose ending says nothing cannot be read as text.
+    Raises CaseError where a file of unknown ending cannot be read as text.
     """
     known = ENDINGS.get(path.suffix.lower())
     if known is not None:

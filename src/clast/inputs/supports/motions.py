@@ -1,4 +1,4 @@
-"""[[motion]]: the motion of a block is given, whatever acts on it."""
+"""[[motion]]: the motion of a block is prescribed, regardless of the forces on it."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ Component = Annotated[
 
 
 class Motion(Table):
-    """A motion that blocks make whatever acts on them; its reaction is recorded.
+    """A prescribed motion of blocks; its reaction is recorded.
 
     Components that are left out stay free, or fixed where the block is fixed.  Time counts from
     where the motion begins.

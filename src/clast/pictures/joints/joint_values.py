@@ -61,7 +61,7 @@ class Faces:
 def faces_opened(results: Recording, frame: int) -> Faces:
     """Return the edges that ran along each other at the start, and how far they are apart, m.
 
-    Blocks that are further from each other than APART of the edge are neighbours no more.
+    Blocks that are further from each other than APART of the edge are no longer neighbours.
     """
     here, start = results.vertices(frame), results.vertices(0)
     after = following(results.block_start)

@@ -8,7 +8,7 @@
 | dip, dip_direction [, length] [, joint [, set]] | a joint survey in space, degrees |
 
 Four plain columns need no heading: they are x1, y1, x2, y2.  Columns are parted by commas,
-semicolons (numbers may then have decimal commas) or tabs.  Lines that begin with # say nothing.
+semicolons (numbers may then have decimal commas) or tabs.  Lines that begin with # are ignored.
 """
 
 from __future__ import annotations

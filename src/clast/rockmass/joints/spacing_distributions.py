@@ -194,7 +194,7 @@ class Lognormal:
 
 @dataclass(frozen=True, kw_only=True)
 class Exponential:
-    """The distances between points that know nothing of each other."""
+    """Distances between independent points (a Poisson process)."""
 
     mean: float
     """Mean, m."""

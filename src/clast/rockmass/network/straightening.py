@@ -10,7 +10,7 @@ from clast.rockmass.network.tidying import CORNER, Tiling, crossing_free, ordere
 def straighten(tiling: Tiling, joint: Sequence[int]) -> int:
     """Take out vertices of changed blocks that only one straight edge needs; return how many.
 
-    ``joint`` (n,) is the joint of each line, that of welds at last: an edge has one joint.
+    ``joint`` (n,) is the joint of each line, that of welds last: an edge has one joint.
     Rounding bends lines by less than a cell: a bend goes where the straight edge meets no other.
     """
     count = 0

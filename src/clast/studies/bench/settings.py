@@ -106,7 +106,7 @@ class BenchSettings:
         return tuple(WHOLE_SCENES[name] for name in self._named(WHOLE, WHOLE_SCENES))
 
     def _named(self, all_of_them: str, known: Collection[str]) -> dict[str, None]:
-        """Return the names of a kind that are wanted, each once, by itself or by that of all."""
+        """Return the requested names of a kind, each once; one name stands for all of them."""
         listed = [(known if name == all_of_them else (name,)) for name in self.scenes]
         return dict.fromkeys(name for some in listed for name in some if name in known)
 
