@@ -102,3 +102,43 @@ def test_a_dark_system_has_a_dark_page_and_a_print_has_no_controls(opened, wall)
     for part in ("title", "legend", "stage", "chart", "report"):
         assert page.is_visible(f"[data-part={part}]"), part
     assert page.faults == []
+
+
+def test_fingers_move_enlarge_and_choose(opened, wall):
+    page = opened(wall(4, 5), 390, 844, has_touch=True, is_mobile=True)
+    hand = page.context.new_cdp_session(page)
+    box = page.locator("[data-part=above]").bounding_box()
+    middle = np.array([box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]])
+
+    def touch(kind, *fingers):
+        points = [{"x": float(x), "y": float(y), "id": k} for k, (x, y) in enumerate(fingers)]
+        hand.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+
+    def seen():
+        return np.array(page.evaluate("[clastPage.view.x, clastPage.view.y, clastPage.view.scale]"))
+
+    before, away = seen(), np.array([60.0, 0.0])
+    # two fingers that part: twice as large, about the point between them
+    touch("Start", middle - away, middle + away)
+    for grown in (1.25, 1.5, 1.75, 2.0):
+        touch("Move", middle - grown * away, middle + grown * away)
+    touch("End")
+    settled(page)
+    after = seen()
+    assert after[2] == pytest.approx(2.0 * before[2], rel=1e-6)
+    assert (after[:2] - before[:2]) * after[2] == pytest.approx([0.0, 0.0], abs=1.5)
+    assert page.evaluate("clastPage.state.chosen") == -1
+    # one finger takes the drawing along, and the page does not scroll
+    touch("Start", middle)
+    for k in range(1, 5):
+        touch("Move", middle + k * np.array([10.0, -5.0]))
+    touch("End")
+    settled(page)
+    moved = (seen()[:2] - after[:2]) * after[2]
+    assert moved == pytest.approx([-40.0, -20.0], abs=1e-6)
+    assert page.evaluate("[scrollX, scrollY]") == [0, 0]
+    # a tap chooses
+    page.touchscreen.tap(*middle)
+    settled(page)
+    assert page.evaluate("clastPage.state.chosen") >= 0 or page.evaluate("clastPage.state.joint")
+    assert page.faults == []

@@ -142,7 +142,9 @@ def plot(
     history: Annotated[
         str,
         typer.Option(
-            metavar="A,B", help="Draw these over time: points, bolts, contacts, energy, steps."
+            metavar="A,B",
+            help="Draw these over time: points, bolts, contacts, reactions, links, linings, "
+            "energy, steps.",
         ),
     ] = "",
     against: Annotated[

@@ -1,10 +1,11 @@
-"""Several histories in one picture: points, bolts, measured contacts, energy and steps."""
+"""Several histories in one picture: points, bolts, contacts, supports, energy and steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,8 @@ LEGEND_LINE = 0.172
 MOST_LINES = 24
 """Lines of a panel at most."""
 COMPONENTS = {"x": 0, "y": 1}
+LOST = 4
+"""State of a joint of a lining from which on it bears nothing."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +48,9 @@ def plot_histories(
 ) -> Path:
     """Draw histories over the same abscissa, a panel for each quantity; return the path.
 
-    ``names`` are measured points, bolts, measured contacts, "energy" or "steps"; ``against`` is
-    "time", or a displacement of a measured point: "crown:y".  Raises CaseError for names that do
-    not exist.
+    ``names`` are measured points, bolts, measured contacts, reactions, links, linings, "energy" or
+    "steps"; ``against`` is "time", or a displacement of a measured point: "crown:y".  Raises
+    CaseError for names that do not exist.
     """
     lines = [line for name in names for line in _lines(results, name)]
     panels: dict[tuple[str, str], list[_Line]] = {}
@@ -119,6 +122,9 @@ def _lines(results: Recording, name: str) -> list[_Line]:
         **dict.fromkeys(results.point_name, _of_point),
         **dict.fromkeys(results.bolt_name, _of_bolt),
         **dict.fromkeys(results.measured_contact_name, _of_contact),
+        **dict.fromkeys(results.reaction_name, _of_reaction),
+        **dict.fromkeys(results.link_name, _of_link),
+        **dict.fromkeys(results.lining_name, _of_lining),
     }
     kinds.setdefault("energy", _of_energy)
     kinds.setdefault("steps", _of_steps)
@@ -168,4 +174,47 @@ def _of_steps(results: Recording, name: str) -> list[_Line]:
     return [
         _Line("Step", "s", "step", steps["time"], steps["step"]),
         _Line("Penetration", "m", "largest", steps["time"], steps["penetration"]),
+        *_unbalanced(steps),
     ]
+
+
+def _unbalanced(steps: Mapping[str, Any]) -> list[_Line]:
+    """Return the unbalanced force of the steps of stages; an earlier clast did not keep it."""
+    if "unbalanced" not in steps or not np.isfinite(steps["unbalanced"]).any():
+        return []
+    return [_Line("Unbalanced force", "", "of all forces", steps["time"], steps["unbalanced"])]
+
+
+def _of_reaction(results: Recording, name: str) -> list[_Line]:
+    reaction = results.reaction(name)
+    return [
+        *(
+            _Line("Reaction", "N/m", f"{name}, {part}", reaction.time, reaction.force[:, k])
+            for part, k in COMPONENTS.items()
+        ),
+        _Line("Moment of reactions", "N", name, reaction.time, reaction.moment),
+    ]
+
+
+def _of_link(results: Recording, name: str) -> list[_Line]:
+    link = results.link(name)
+    return [
+        _Line("Force of links", "N/m", f"{name}, {part}", link["time"], link.force[:, k])
+        for k, part in enumerate(("along", "across"))
+    ]
+
+
+def _of_lining(results: Recording, name: str) -> list[_Line]:
+    """Return the largest and the least of N, Q and M along a lining."""
+    lining = results.lining(name)
+    bears = (lining.state > 0) & (lining.state < LOST)
+    found = []
+    for quantity, unit, values in (
+        ("N of linings", "N/m", lining.normal_force),
+        ("Q of linings", "N/m", lining.shear_force),
+        ("M of linings", "N", lining.moment),
+    ):
+        held = np.where(bears, values, 0.0)
+        for said, value in (("most", held.max(axis=1)), ("least", held.min(axis=1))):
+            found.append(_Line(quantity, unit, f"{name}, {said}", lining.time, value))
+    return found

@@ -251,8 +251,8 @@ ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 
 
-def step_row(result: StepResult, step: float) -> tuple[float, ...]:
-    """Return the row of an accepted step of length ``step``, s."""
+def step_row(result: StepResult, step: float, unbalanced: float) -> tuple[float, ...]:
+    """Return the row of an accepted step of length ``step``, s, with its unbalanced force."""
     return (
         result.state.time,
         step,
@@ -260,10 +260,11 @@ def step_row(result: StepResult, step: float) -> tuple[float, ...]:
         len(result.contacts),
         result.penetration,
         result.travel,
+        unbalanced,
     )
 
 
-STEP_ROWS: dict[str, Callable[[Model], Callable[[StepResult, float], tuple[Any, ...]]]] = {
+STEP_ROWS: dict[str, Callable[[Model], Callable[[StepResult, float, float], tuple[Any, ...]]]] = {
     "steps": lambda model: step_row,
     "measured_contacts": contact_rows,
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -161,13 +162,16 @@ class RunRecorder:
             if self._kept is not None:
                 self._kept.count_from(self._fields)
 
-    def step(self, result: StepResult, step: float) -> None:
-        """Record an accepted step of length ``step``, s."""
+    def step(self, result: StepResult, step: float, unbalanced: float = math.nan) -> None:
+        """Record an accepted step of length ``step``, s.
+
+        ``unbalanced`` is the largest unbalanced force of a block, as a share of all forces on it.
+        """
         state = result.state
         self._record(state)
         self._result = result
         for name, row in self._step_rows.items():
-            self._tables[name].append(row(result, step))
+            self._tables[name].append(row(result, step, unbalanced))
 
     def frame(
         self,

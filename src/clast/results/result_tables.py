@@ -9,6 +9,7 @@ Tables have columns of equal length by name, as pandas and polars take them::
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +27,16 @@ PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
 
 FIRST_ROWS, MORE_ROWS = 256, 2048
 """Rows of the first buffer of a table, and of the others."""
+
+
+def as_rows(rows: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
+    """Return rows with the columns of ``kind``; NaN where an earlier clast wrote none."""
+    if rows.dtype.names == kind.names:
+        return np.array(rows, kind)
+    found = np.zeros(len(rows), kind)
+    for name in kind.names or ():
+        found[name] = rows[name] if name in (rows.dtype.names or ()) else math.nan
+    return found
 
 
 class GrowingTable:
@@ -47,7 +58,7 @@ class GrowingTable:
     def extend(self, rows: NDArray[Any]) -> None:
         """Add rows as another table gave them."""
         self._put_by(self._buffer[: self._count])
-        self._full.append(np.array(rows, self._buffer.dtype))
+        self._full.append(as_rows(rows, self._buffer.dtype))
         self._before += len(rows)
 
     def since(self, first: int) -> NDArray[Any]:

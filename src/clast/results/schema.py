@@ -236,6 +236,12 @@ STEPS = TableSchema(
         Column(name="contacts", kind="i8", meaning="contacts of the step"),
         Column(name="penetration", unit="m", meaning="largest penetration at its end"),
         Column(name="travel", unit="m", meaning="largest movement of a vertex"),
+        Column(
+            name="unbalanced",
+            meaning="largest unbalanced force of a block over all forces on it; NaN: no stages",
+            since="the unbalanced force of steps",
+            may_be_nan=True,
+        ),
     ),
 )
 HISTORY = TableSchema(

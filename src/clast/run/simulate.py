@@ -6,6 +6,7 @@ that of any step goes on as the run did, to the bit: ``simulate(..., begin=...)`
 
 from __future__ import annotations
 
+import math
 import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -368,7 +369,7 @@ class _March:
                 leader.lead(halt)
             self.now, result = stepping.next(self.now)
             self.touching = result.contacts if len(result.contacts) else self.touching
-            self.recorder.step(result, self.now.taken)
+            self.recorder.step(result, self.now.taken, self._unbalanced())
             if self.watch:
                 self.watch(_progress(self.now, result, stepping))
             if stepping.frame_is_due(self.now):
@@ -379,6 +380,11 @@ class _March:
             )
             if self.keep:
                 self.keep(self.now)
+
+    def _unbalanced(self) -> float:
+        """Return the unbalanced force of the last step over all forces; NaN outside of stages."""
+        position = self.now.position
+        return position.judged.force_ratio if position is not None else math.nan
 
     def _checkpoint(self) -> str:
         """Write a checkpoint of the last step; return where, or why not."""

@@ -26,6 +26,7 @@ from clast.pictures.layers.frame_marks import draw_scale_bar
 from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of_points
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND, draw_edges, handles_of
+from clast.pictures.supports.draw_links import draw_links, handles_of_links
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -156,6 +157,7 @@ class FrameDrawer:
             shown = draw_blocks.within(results, here, *self._seen)
             draw_edges(axes, edges, self._seen, self._box[0], int(shown.sum()))
         draw_bolts.draw_bolts(axes, results.bolts(frame))
+        draw_links(axes, results, frame)
         if field == "block":
             draw_blocks.draw_names(axes, results, here, absent)
         draw_points(axes, results.point_name, self._places[frame])
@@ -178,6 +180,7 @@ class FrameDrawer:
             *handles_of(edges, self._part),
             *handles_of_water(waters, pressures_of(results, waters, last, here)),
             *draw_bolts.handles_of(results.bolts(last)),
+            *handles_of_links(results, last),
         ]
 
     def _sheet(

@@ -22,6 +22,7 @@ from clast.results import Recording
 SCRIPTS = (
     "packing",
     "moving",
+    "contact_faces",
     "data",
     "colours",
     "colouring",
@@ -31,6 +32,7 @@ SCRIPTS = (
     "draw_webgl",
     "joints",
     "chosen",
+    "supports",
     "layers",
     "legend",
     "charts",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from clast.model.stages.records import counted_from
 from clast.pictures.draw_water import pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import affine, packed, raw
+from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -64,6 +65,9 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
         "levels": _levels(about),
         "bolts": _bolts(about),
         "points": _points(about),
+        "links": links_in(results, numbers, about.origin),
+        "reactions": reactions_in(results, numbers, about.origin),
+        "linings": linings_in(results, numbers),
     }
 
 
@@ -102,39 +106,69 @@ def _fields(results: Recording, numbers: Ints) -> Iterator[tuple[str, Floats]]:
 # Contacts and joints -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Rows:
-    """Rows of each frame, and how much each counts where not all are kept."""
+    """Rows of each frame, and how much each counts where not all are kept.
 
-    rows: list[NDArray[Any]]
-    """Rows of each frame, (m, columns) each."""
-    weight: list[Floats]
-    """Size of each of them, (m,)."""
+    As soon as they are more than the budget, no frame keeps more than its part of it: all rows of
+    a large run do not find room in memory.
+    """
+
     bytes: int
     """Bytes of a row."""
+    budget: float
+    """Bytes that all tables of a page may take."""
+    frames: int
+    """How many frames there will be."""
+    total: int = 0
+    """Rows of all frames, with those that are not kept."""
+    rows: list[NDArray[Any]] = field(default_factory=list)
+    """Rows of each frame, (m, columns) each."""
+    weight: list[Floats] = field(default_factory=list)
+    """Size of each of them, (m,)."""
+
+    def add(self, rows: NDArray[Any], weight: Floats) -> None:
+        """Add the rows (m, columns) of the next frame."""
+        was_full = self.is_full
+        self.total += len(rows)
+        self.rows.append(rows)
+        self.weight.append(weight)
+        if self.is_full:
+            for frame in range(len(self.rows) - 1 if was_full else 0, len(self.rows)):
+                self._cut(frame, max(1, int(self.budget / (self.frames * self.bytes))))
 
     @property
-    def total(self) -> int:
-        """Rows of all frames."""
-        return sum(map(len, self.rows))
+    def is_full(self) -> bool:
+        """Whether not all rows can be kept."""
+        return self.total * self.bytes > self.budget
+
+    def _cut(self, frame: int, most: int) -> None:
+        """Keep at most so many rows of a frame, the largest, in their order."""
+        kept = np.sort(np.argsort(-self.weight[frame], kind="stable")[:most])
+        self.rows[frame], self.weight[frame] = self.rows[frame][kept], self.weight[frame][kept]
 
     def largest(self, most: int) -> tuple[NDArray[Any], list[int]]:
         """Return at most so many of each frame, the largest, in their order, and their counts."""
-        kept = [
-            rows[np.sort(np.argsort(-weight, kind="stable")[:most])]
-            for rows, weight in zip(self.rows, self.weight, strict=True)
-        ]
-        return np.concatenate(kept), list(map(len, kept))
+        for frame in range(len(self.rows)):
+            self._cut(frame, most)
+        return np.concatenate(self.rows), list(map(len, self.rows))
 
 
 def _thinned(about: _About, budget: float) -> dict[str, Any]:
     """Return contacts and joints; of each the same share of a full frame where room is short."""
-    contacts = _contacts(about)
-    faces = {name: rows for name in FACES if (rows := _faces(about, name)) is not None}
+
+    def room(size: int) -> _Rows:
+        return _Rows(size, budget, len(about.numbers))
+
+    contacts = _contacts(about, room(CONTACT_BYTES))
+    faces = {}
+    for name in FACES:
+        if (filled := _faces(about, name, room(FACE_BYTES))) is not None:
+            faces[name] = filled
     if "worn" in faces and not any(weight.any() for weight in faces["worn"].weight):
         del faces["worn"]
     if about.results.water:
-        faces["water"] = _wetted(about)
+        faces["water"] = _wetted(about, room(FACE_BYTES))
     every = [contacts, *faces.values()]
     wanted = sum(one.bytes * one.total for one in every)
     frames = len(about.numbers)
@@ -163,14 +197,11 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
     return {"contacts": {**counts, **found}, "faces": joints}
 
 
-def _contacts(about: _About) -> _Rows:
-    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact."""
-    rows: list[NDArray[Any]] = []
-    weight = []
+def _contacts(about: _About, found: _Rows) -> _Rows:
+    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact, in ``found``."""
     for number in about.numbers:
         table = about.results.contacts(int(number))
         forces = table.normal_force, table.shear_force
-        weight.append(np.hypot(*forces))
         angle = np.arctan2(table.normal[:, 1], table.normal[:, 0])
         nothing = np.zeros(len(table))
         # an earlier clast kept neither joint nor movement
@@ -178,35 +209,33 @@ def _contacts(about: _About) -> _Rows:
         joint = table.joint if "joint" in table else nothing - 1
         names = table.vertex, table.edge_block, table.mode, joint
         place = table.position - about.origin
-        rows.append(np.column_stack([place, angle, *forces, *moved, *names]))
-    return _Rows(rows, weight, CONTACT_BYTES)
+        rows = np.column_stack([place, angle, *forces, *moved, *names])
+        found.add(rows, np.hypot(*forces))
+    return found
 
 
-def _faces(about: _About, name: str) -> _Rows | None:
+def _faces(about: _About, name: str, found: _Rows) -> _Rows | None:
     """Return ends and value of every face of the joints; None for results without them."""
-    rows: list[NDArray[Any]] = []
-    weight = []
     for number in about.numbers:
         try:
             faces = JOINT_FIELDS[name].faces(about.results, int(number))
         except CaseError:  # an earlier clast wrote the file
             return None
         ends = (faces.ends - about.origin).reshape(-1, 4)
-        rows.append(np.column_stack([ends, faces.value, faces.edge]))
-        weight.append(np.abs(faces.value))
-    return _Rows(rows, weight, FACE_BYTES)
+        found.add(np.column_stack([ends, faces.value, faces.edge]), np.abs(faces.value))
+    return found
 
 
-def _wetted(about: _About) -> _Rows:
+def _wetted(about: _About, found: _Rows) -> _Rows:
     """Return faces and joints under water with their mean pressures; none are told by an edge."""
-    rows: list[NDArray[Any]] = []
     for number in map(int, about.numbers):
         waters = waters_of(about.results, number)
-        found = pressures_of(about.results, waters, number, about.results.vertices(number))
-        ends = (found.ends - about.origin).reshape(-1, 4)
-        pressure = found.pressure.mean(axis=1)
-        rows.append(np.column_stack([ends, pressure, np.full(len(ends), -1.0)]))
-    return _Rows(rows, [one[:, 4] for one in rows], FACE_BYTES)
+        wet = pressures_of(about.results, waters, number, about.results.vertices(number))
+        ends = (wet.ends - about.origin).reshape(-1, 4)
+        pressure = wet.pressure.mean(axis=1)
+        rows = np.column_stack([ends, pressure, np.full(len(ends), -1.0)])
+        found.add(rows, pressure)
+    return found
 
 
 def _levels(about: _About) -> list[list[int]]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.model import Floats
+from clast.pictures.supports.draw_linings import DIAGRAMS
 from clast.results import Recording
 
 CURVE_POINTS = 2_000
@@ -22,7 +23,7 @@ OF_CONTACTS = (
 
 
 def curves_of(results: Recording) -> list[dict[str, Any]]:
-    """Return the curves over time: points, bolts, contacts, reactions, links, energies, steps."""
+    """Return the curves over time: points, bolts, contacts, supports, energies, steps."""
     found = []
     for name in results.point_name:
         history = results.history(name)
@@ -60,9 +61,15 @@ def curves_of(results: Recording) -> list[dict[str, Any]]:
         found.append(_curve(f"Reaction {name}, moment", "N", reaction.time, lines))
     for name in results.link_name:
         link = results.link(name)
-        lines = {"along": link["force"][:, 0], "across": link["force"][:, 1]}
+        lines = {"along": link.force[:, 0], "across": link.force[:, 1]}
         found.append(_curve(f"Link {name}, force", "N/m", link["time"], lines))
         found.append(_curve(f"Link {name}, moment", "N", link["time"], {"": link["moment"]}))
+    for name in results.lining_name:
+        lining = results.lining(name)
+        for one in DIAGRAMS.values():
+            values = np.nan_to_num(getattr(lining, one.column))
+            lines = {"most": values.max(axis=1), "least": values.min(axis=1)}
+            found.append(_curve(f"Lining {name}, {one.letter}", one.unit, lining.time, lines))
     energy = results.energy
     parts = {key: values for key, values in energy.items() if key != "time" and np.any(values)}
     found.append(_curve("Energy", "J/m", energy["time"], parts))
@@ -72,6 +79,9 @@ def curves_of(results: Recording) -> list[dict[str, Any]]:
         found.append(_curve("Step", "s", time, {"": steps["step"]}))
         found.append(_curve("Deepest penetration", "m", time, {"": steps["penetration"]}))
         found.append(_curve("Contacts", "", time, {"": steps["contacts"]}))
+        if "unbalanced" in steps and np.isfinite(steps["unbalanced"]).any():
+            lines = {"of all forces": steps["unbalanced"]}
+            found.append(_curve("Unbalanced force", "", time, lines))
     return [one for one in found if len(one["time"])]
 
 

@@ -13,6 +13,7 @@ from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.frame_data import moving
 from clast.pictures.page.packing import raw
 from clast.pictures.page.page_curves import curves_of
+from clast.pictures.page.supports_data import supports_of
 from clast.pictures.scale import colours_between
 from clast.pictures.strokes import strokes_of
 from clast.results import Recording
@@ -53,6 +54,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         "waters": [(one.surface + results.origin - origin).tolist() for one in results.water],
         "colours": _colours(),
         "line_widths": [THIN, THICK],
+        "supports": supports_of(results),
         **moving(results, numbers, budget),
         **told(results),
     }

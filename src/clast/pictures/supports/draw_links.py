@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
 from clast.model.supports.link_lines import FREE, RIGID
@@ -56,6 +57,28 @@ def places_of(results: Recording, frame: int) -> Floats:
     return found
 
 
+def ways_of(results: Recording, frame: int) -> Floats:
+    """Return the direction of the bar of each link in a frame, (k, 2); (0, 0) where it has none.
+
+    It is the one direction that such a link holds, turned as the first edge of its first block.
+    """
+    links = results.supported.links
+    if not links.name:
+        return np.zeros((0, 2))
+    first = results.block_start[links.block[:, 0]]
+    before, now = (_edge_after(results.vertices(k), first) for k in (0, frame))
+    turn = now / before
+    way = links.along @ np.array([1.0, 1.0j]) * turn / np.abs(turn)
+    way = np.where(links.holds[:, 0] > 0, way, 1.0j * way)
+    bar = np.count_nonzero(links.holds[:, :2], axis=1) == 1
+    return np.stack([way.real, way.imag], axis=1) * bar[:, None]
+
+
+def _edge_after(vertices: Floats, first: Ints) -> NDArray[np.complex128]:
+    """Return the edges that begin at some vertices, as complex numbers, m, (k,)."""
+    return np.asarray((vertices[first + 1] - vertices[first]) @ np.array([1.0, 1.0j]))
+
+
 def handles_of_links(results: Recording, frame: int) -> list[Any]:
     """Return the legend of the links: an entry for each state."""
     from matplotlib.lines import Line2D
@@ -86,16 +109,12 @@ def draw_links(axes: Axes, results: Recording, frame: int) -> None:
         return
     wide = float(np.ptp(axes.get_xlim()))
     states, places = states_of(results, frame), places_of(results, frame)
-    for state, ends, along, block, holds in zip(
-        states, places, links.along, links.block, links.holds, strict=True
-    ):
+    ways = ways_of(results, frame)
+    for state, ends, way, holds in zip(states, places, ways, links.holds, strict=True):
         colour, middle = COLOURS[LINK_STATES[state]], ends.mean(axis=0)
         axes.plot(*ends.T, "-", color=colour, lw=EDGE, zorder=5.5)
-        if np.count_nonzero(holds[:2]) == 1:
-            component = int(np.flatnonzero(holds[:2])[0])
-            turned = _turned(results, frame, int(block[0]), along)
-            way = turned if component == 0 else np.array([-turned[1], turned[0]])
-            bar = _bar(middle, way, REACH * wide, int(holds[component]))
+        if way.any():
+            bar = _bar(middle, way, REACH * wide, int(holds[:2].max()))
             axes.plot(*bar.T, "-", color=colour, lw=EDGE, zorder=5.5)
         if holds[:2].all() or holds[2]:
             hinge = holds[:2].any()
@@ -110,15 +129,6 @@ def draw_links(axes: Axes, results: Recording, frame: int) -> None:
             )
         if state == BROKEN:
             axes.plot(*middle, "x", color=colour, ms=1.5 * SIZE, mew=EDGE, zorder=5.7)
-
-
-def _turned(results: Recording, frame: int, block: int, along: Floats) -> Floats:
-    """Return a direction (2,) turned as the first edge of a block has turned."""
-    first = int(results.block_start[block])
-    before, now = (results.vertices(k)[first + 1] - results.vertices(k)[first] for k in (0, frame))
-    turn = complex(*now) / complex(*before)
-    found = complex(*along) * turn / abs(turn)
-    return np.array([found.real, found.imag])
 
 
 def _bar(middle: Floats, way: Floats, reach: float, holds: int) -> Floats:

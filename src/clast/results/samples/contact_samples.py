@@ -21,12 +21,12 @@ NONE = np.array([0.0, 0.0, *[np.nan] * 6, 0.0])
 """Row of a place or a joint without contacts."""
 
 
-def contact_rows(model: Model) -> Callable[[StepResult, float], tuple[Any, ...]]:
+def contact_rows(model: Model) -> Callable[[StepResult, float, float], tuple[Any, ...]]:
     """Return the function of the row of the measured contacts of a model after a step."""
     measured = model.measured_contacts
     size = float(np.ptp(model.vertices, axis=0).max(initial=0.0))
 
-    def row(result: StepResult, step: float) -> tuple[Any, ...]:
+    def row(result: StepResult, step: float, unbalanced: float) -> tuple[Any, ...]:
         contacts = result.contacts
         found = np.tile(NONE, (len(measured.name), 1))
         for k, (at, joint) in enumerate(zip(measured.at, measured.joint, strict=True)):

@@ -83,7 +83,7 @@ class RunResults:
 
     def link_force(self, name: str) -> Floats:
         """Size of the force of a link, N/m, over time."""
-        return np.hypot(*self.run.link(name)["force"].T)
+        return np.hypot(*self.run.link(name).force.T)
 
     def links_failed(self) -> int:
         """Number of links that have yielded or broken at the end."""

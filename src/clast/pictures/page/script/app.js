@@ -59,7 +59,7 @@ export class Page {
   async start() {
     await this.run.decode();
     this.state.frame = this.run.frameCount - 1;
-    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water"].includes(name)));
+    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water", "links"].includes(name)));
     this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
     this.canvas = this.$("blocks");
     this.above = this.$("above");
@@ -396,7 +396,7 @@ export class Page {
   drawLayers(pen, scale) {
     const { run, state } = this;
     const scene = this.seen(scale);
-    if (scale && state.field in run.faces) drawFaces(pen, scene, state.field);
+    if (scale && run.hasFaces(state.field)) drawFaces(pen, scene, state.field);
     for (const name of layersOf(run)) {
       if (state.layers.has(name) && name !== state.field) LAYERS[name].draw(pen, scene);
     }

@@ -10,7 +10,7 @@ export function fieldsOf(run) {
   const { labels, joint_labels: joints } = run.scene;
   const found = {};
   for (const [name, [label]] of Object.entries(labels)) found[name] = label;
-  for (const [name, [label]] of Object.entries(joints)) if (name in run.faces) found[name] = label;
+  for (const [name, [label]] of Object.entries(joints)) if (run.hasFaces(name)) found[name] = label;
   return { ...found, ...KINDS };
 }
 
@@ -29,7 +29,7 @@ export function coloursOf(run, state) {
   const { field, frame, limits } = state;
   const kinds = { rock: (block) => run.scene.rock[block], block: (block) => block };
   if (field in kinds) return [ofKinds(run, kinds[field]), null];
-  if (!(field in run.scene.labels)) return [plain(run), field in run.faces ? scaleOfFaces(run, state) : null];
+  if (!(field in run.scene.labels)) return [plain(run), run.hasFaces(field) ? scaleOfFaces(run, state) : null];
   const values = run.values(field, frame);
   const counted = (_, block) => !run.fixed[block] && !run.isGone(frame, block);
   const [low, high] = limits ?? endsOf(values.filter(counted), run.area.filter(counted), state.share);

@@ -1,5 +1,6 @@
 // Numbers of the page: decoded once, then asked for by frame.  Lengths in m about scene.origin.
 
+import { facesOfContacts, isOfContacts } from "./contact_faces.js";
 import { decodeMoving, joined } from "./moving.js";
 import { rawArray } from "./packing.js";
 
@@ -32,8 +33,9 @@ export class RunData {
   take(moving) {
     this.moving = moving;
     this.placed = -1;
+    this.ofContacts = {};
     this.frameCount = moving.times.length;
-    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels"]) {
+    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels", "links", "reactions", "linings"]) {
       this[name] = moving[name];
     }
   }
@@ -212,14 +214,33 @@ export class RunData {
     return -1;
   }
 
+  /** Return whether joints have a field. */
+  hasFaces(name) {
+    return isOfContacts(name) ? this.contacts.shown > 0 : name in this.faces;
+  }
+
   /**
-   * Call back with every face of the joints in a frame: its number, value and length.
-   * @param {string} name slip or opening
+   * Call back with every face of the joints in a frame: its ends x0, y0, x1, y1, value and length.
+   * @param {string} name slip, opening, mobilised, ...
    */
   eachFace(name, frame, call) {
-    const faces = this.faces[name];
-    for (let k = faces.first[frame]; k < faces.first[frame + 1]; k++) {
-      call(k, faces.value[k], Math.hypot(faces.x1[k] - faces.x0[k], faces.y1[k] - faces.y0[k]));
+    const [faces, first, past] = this.facesIn(name, frame);
+    for (let k = first; k < past; k++) {
+      const ends = [faces.x0[k], faces.y0[k], faces.x1[k], faces.y1[k]];
+      call(ends, faces.value[k], Math.hypot(ends[2] - ends[0], ends[3] - ends[1]));
     }
+  }
+
+  /** Return a table of faces, and the first row and the one past the last of a frame. */
+  facesIn(name, frame) {
+    if (!isOfContacts(name)) {
+      const faces = this.faces[name];
+      return [faces, faces.first[frame], faces.first[frame + 1]];
+    }
+    if (this.ofContacts.name !== name || this.ofContacts.frame !== frame) {
+      this.ofContacts = { name, frame, faces: facesOfContacts(this, name, frame) };
+    }
+    const { faces } = this.ofContacts;
+    return [faces, 0, faces.value.length];
   }
 }

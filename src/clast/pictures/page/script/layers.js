@@ -4,6 +4,7 @@ import { outline } from "./draw_canvas.js";
 import { scaleOfFaces } from "./colouring.js";
 import { withUnit } from "./colours.js";
 import { placeOfChosen } from "./chosen.js";
+import { drawLinks, drawReactions, layerOfDiagram, legendOfLinks, legendOfReactions } from "./supports.js";
 
 const PULLED = "#b2182b";
 const PRESSED = "#2166ac";
@@ -40,6 +41,11 @@ export const LAYERS = {
     legend: ({ theme }) => [line(theme.faint, 1, "excavated", true)],
   },
   bolts: { label: "Bolts", draw: drawBolts, legend: legendOfBolts },
+  "normal-forces": layerOfDiagram("normal-forces", "Normal forces of linings"),
+  "shear-forces": layerOfDiagram("shear-forces", "Shear forces of linings"),
+  moments: layerOfDiagram("moments", "Moments of linings"),
+  links: { label: "Links", draw: drawLinks, legend: legendOfLinks },
+  reactions: { label: "Reactions of supports", draw: drawReactions, legend: legendOfReactions },
   points: { label: "Measured points", draw: drawPoints, legend: () => [] },
 };
 
@@ -69,6 +75,11 @@ export function layersOf(run) {
     crosses: true,
     excavated: run.gone.some((frame) => frame < run.frameCount),
     bolts: Boolean(run.bolts),
+    "normal-forces": Boolean(run.linings),
+    "shear-forces": Boolean(run.linings),
+    moments: Boolean(run.linings),
+    links: Boolean(run.links),
+    reactions: Boolean(run.reactions),
     points: run.points.length > 0,
   };
   return Object.keys(LAYERS).filter((name) => has[name]);
@@ -156,15 +167,12 @@ export function drawFaces(pen, seen, field) {
   const { run, view, frame, state } = seen;
   const own = state.field === field;
   const scale = own ? seen.scale : scaleOfFaces(run, { field, frame, share: null, limits: null });
-  const faces = run.faces[field];
   // points are 4/3 pixels
   const [thin, thick] = run.scene.line_widths.map((width) => (4 / 3) * width);
   const groups = new Map();
-  run.eachFace(field, frame, (k, value) => {
-    const x0 = view.screenX(faces.x0[k]);
-    const y0 = view.screenY(faces.y0[k]);
-    const x1 = view.screenX(faces.x1[k]);
-    const y1 = view.screenY(faces.y1[k]);
+  run.eachFace(field, frame, (ends, value) => {
+    const [x0, x1] = [view.screenX(ends[0]), view.screenX(ends[2])];
+    const [y0, y1] = [view.screenY(ends[1]), view.screenY(ends[3])];
     if (Math.max(x0, x1) < 0 || Math.min(x0, x1) > view.width) return;
     if (Math.max(y0, y1) < 0 || Math.min(y0, y1) > view.height) return;
     const step = Math.min(WIDTHS - 1, Math.floor(WIDTHS * scale.share(value)));

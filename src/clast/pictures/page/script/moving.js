@@ -4,6 +4,11 @@ import { rawArray, unpacked } from "./packing.js";
 
 const OF_CONTACTS = ["x", "y", "angle", "normal", "shear", "slip", "opening"];
 const NAMES = ["vertex", "by", "mode", "joint"];
+const OF_SUPPORTS = {
+  links: ["x0", "y0", "x1", "y1", "wayX", "wayY"],
+  reactions: ["x", "y", "fx", "fy"],
+  linings: ["normal_force", "shear_force", "moment"],
+};
 const ENDS = ["x0", "y0", "x1", "y1"];
 
 /**
@@ -35,6 +40,13 @@ export async function decodeMoving(part, blockStart) {
     found.bolts = { bolt: part.bolts.bolt, names: part.bolts.names };
     for (const name of ["x", "y", "force"]) found.bolts[name] = await rawArray(part.bolts[name], Float32Array);
     found.bolts.state = await rawArray(part.bolts.state, Int32Array);
+  }
+  for (const [kind, names] of Object.entries(OF_SUPPORTS)) {
+    const given = part[kind];
+    if (!given) continue;
+    found[kind] = given.names ? { names: given.names } : {};
+    for (const name of names) found[kind][name] = await rawArray(given[name], Float32Array);
+    if (kind === "links") found.links.state = await rawArray(given.state, Int32Array);
   }
   return withTotals(found);
 }
@@ -98,11 +110,20 @@ export function joined(before, more, wide) {
       y: [...point.y, ...more.points[k].y],
     })),
   };
-  for (const name of Object.keys(before.faces)) {
-    found.faces[name] = rowsJoined(before.faces[name], more.faces[name]);
+  for (const name of Object.keys({ ...before.faces, ...more.faces })) {
+    const [first, second] = [before.faces[name] ?? noFaces(frames), more.faces[name] ?? noFaces(more.times.length)];
+    found.faces[name] = rowsJoined(first, second);
   }
-  if (before.bolts) found.bolts = { ...before.bolts, ...eachJoined(before.bolts, more.bolts) };
+  for (const kind of ["bolts", ...Object.keys(OF_SUPPORTS)]) {
+    if (before[kind]) found[kind] = { ...before[kind], ...eachJoined(before[kind], more[kind]) };
+  }
   return withTotals(found);
+}
+
+/** Return the faces of frames that have none of a field. */
+function noFaces(frames) {
+  const numbers = Object.fromEntries([...ENDS, "value"].map((name) => [name, new Float32Array(0)]));
+  return { shown: 0, of: 0, count: new Array(frames).fill(0), edge: new Int32Array(0), ...numbers };
 }
 
 /** Let rotations go on from the last frame: each part counts its turns anew. */

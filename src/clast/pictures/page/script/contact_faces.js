@@ -1,0 +1,60 @@
+// Numbers of joints that follow from the forces of their contacts, as in still pictures: see joint_values.py.
+
+const STRAIGHT = 12;
+/** Directions in half a turn that are told apart: faces of two blocks at a corner are two. */
+const SLIDES = 1;
+/** Mode of a contact that slides. */
+
+/** Name of a field -> its value, from the sums over a face: shear, normal, pressure, pressure that slides. */
+const VALUES = {
+  mobilised: ({ shear, normal }) => (180 / Math.PI) * Math.atan2(Math.abs(shear), Math.max(0, normal)),
+  sliding: ({ pressed, sliding }) => (100 * sliding) / Math.max(pressed, 1e-300),
+};
+
+/** Return whether a field is one of these. */
+export function isOfContacts(name) {
+  return name in VALUES;
+}
+
+/**
+ * Return the faces that the contacts of a frame lie along, as the faces of other fields are kept.
+ * @param {import("./data.js").RunData} run @param {string} name mobilised or sliding
+ */
+export function facesOfContacts(run, name, frame) {
+  const { contacts } = run;
+  const faces = new Map();
+  for (let k = contacts.first[frame]; k < contacts.first[frame + 1]; k++) {
+    const [one, other] = [contacts.on[k], contacts.by[k]];
+    const [least, most] = one < other ? [one, other] : [other, one];
+    // the edge runs across the normal; half a turn more is the same direction
+    const turn = Math.round(((contacts.angle[k] + 0.5 * Math.PI) * STRAIGHT) / Math.PI);
+    const direction = ((turn % STRAIGHT) + STRAIGHT) % STRAIGHT;
+    const key = (least * run.blockCount + most) * STRAIGHT + direction;
+    let face = faces.get(key);
+    if (!face) faces.set(key, (face = faceFrom(contacts, k)));
+    add(face, contacts, k);
+  }
+  const every = [...faces.values()];
+  const found = { value: Float32Array.from(every, VALUES[name]) };
+  for (const [end, of] of [["x0", "first"], ["x1", "last"]]) {
+    found[end] = Float32Array.from(every, (face) => contacts.x[face[of]]);
+    found[end.replace("x", "y")] = Float32Array.from(every, (face) => contacts.y[face[of]]);
+  }
+  return found;
+}
+
+function faceFrom(contacts, k) {
+  const along = [-Math.sin(contacts.angle[k]), Math.cos(contacts.angle[k])];
+  return { along, low: Infinity, high: -Infinity, shear: 0, normal: 0, pressed: 0, sliding: 0 };
+}
+
+function add(face, contacts, k) {
+  const place = contacts.x[k] * face.along[0] + contacts.y[k] * face.along[1];
+  if (place < face.low) [face.low, face.first] = [place, k];
+  if (place > face.high) [face.high, face.last] = [place, k];
+  const pressed = Math.max(0, contacts.normal[k]);
+  face.shear += contacts.shear[k];
+  face.normal += contacts.normal[k];
+  face.pressed += pressed;
+  if (contacts.mode[k] === SLIDES) face.sliding += pressed;
+}

@@ -1,0 +1,129 @@
+"""Links, reactions, linings and joints of a page, as still pictures have them."""
+
+import numpy as np
+import pytest
+
+import clast
+from clast.pictures.joints.joint_values import JOINT_FIELDS
+from clast.pictures.supports.draw_links import places_of, states_of
+from clast.pictures.supports.draw_reactions import forces_in
+from scenes.browsers import settled
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory):
+    """Return the run of a bar on a hinge and a tie that breaks, and a beam on two noses."""
+    builder = clast.ModelBuilder(title="Held", gravity=(0.0, -10.0))
+    builder.add_rock("steel", young=2e11, poisson=0.3, density=7800.0)
+    builder.add_joint(friction_angle=30.0)
+    builder.block(vertices=[(-1, 1), (3, 1), (3, 1.2), (-1, 1.2)], name="ground", fixed=True)
+    builder.block(vertices=[(0, -0.05), (2, -0.05), (2, 0.05), (0, 0.05)], name="bar")
+    builder.link(name="hinge", at=(0, 0), block="bar", x="rigid", y="rigid")
+    builder.link(name="tie", at=(2, 0), block="bar", y=1e4, rupture=1e-3)
+    for name, x in (("left", 5.0), ("right", 7.0)):
+        nose = [(x - 0.1, -3.0), (x + 0.1, -3.0), (x + 0.1, 0.0), (x - 0.1, 0.0)]
+        builder.block(name=name, vertices=nose, fixed=True)
+        builder.measured_reaction(name, block=name)
+    builder.block(name="beam", vertices=[(4.9, 0.0), (7.9, 0.0), (7.9, 0.2), (4.9, 0.2)])
+    path = tmp_path_factory.mktemp("held") / "held.vtkhdf"
+    return clast.simulate(builder.build(), end=0.2, every=0.02, step=2e-3, output=path)
+
+
+def numbers(page, kind, *names):
+    """Return numbers of the last frame of links, reactions or linings, a column for each name."""
+    found = page.evaluate(
+        "([kind, names]) => names.map((name) => Array.from(clastPage.run[kind][name]))",
+        [kind, list(names)],
+    )
+    frames = page.evaluate("clastPage.run.frameCount")
+    return np.array(found, float).reshape(len(names), frames, -1)[:, -1].T
+
+
+def test_links_and_reactions_stand_where_still_pictures_have_them(opened, held):
+    page = opened(held, address="#field=rock&layers=links,reactions")
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    ends = numbers(page, "links", "x0", "y0", "x1", "y1").reshape(-1, 2, 2)
+    assert ends + origin == pytest.approx(places_of(held, -1), abs=1e-6)
+    assert numbers(page, "links", "state").ravel().tolist() == states_of(held, -1).tolist()
+    drawn = numbers(page, "reactions", "x", "y", "fx", "fy")
+    for (name, at, force), row in zip(forces_in(held, -1), drawn, strict=True):
+        assert row[:2] + origin == pytest.approx(at, abs=1e-5), name
+        assert row[2:] == pytest.approx(force, rel=1e-6), name
+    said = page.inner_text("[data-part=legend]")
+    assert "link, broken" in said and "link\n" in said and "reaction, up to" in said
+    page.focus("[data-part=above]")
+    page.keyboard.press("Home")
+    settled(page)
+    assert "broken" not in page.inner_text("[data-part=legend]")
+    names = page.evaluate("[...clastPage.$('curve').options].map((one) => one.text)")
+    assert "Link tie, force" in names and "Reaction left, force" in names
+    assert page.faults == []
+
+
+@pytest.fixture(scope="module")
+def lined(tmp_path_factory):
+    """Return the run of a ring of shotcrete that two forces press."""
+    from clast.verification.problems.supports.lining_ring import PROBLEM
+
+    return clast.simulate(
+        PROBLEM.set_up(),
+        end=0.1,
+        every=0.05,
+        step=0.05,
+        dynamic_ratio=0.0,
+        output=tmp_path_factory.mktemp("ring") / "ring.vtkhdf",
+    )
+
+
+def test_diagrams_of_linings_have_the_numbers_of_the_file(opened, lined):
+    page = opened(lined, address="#field=rock&layers=moments,normal-forces,shear-forces")
+    for name in lined.lining_name:
+        lining = lined.lining(name)
+        drawn = numbers(page, "linings", "normal_force", "shear_force", "moment").T
+        for values, column in zip(drawn, ("normal_force", "shear_force", "moment"), strict=True):
+            assert values == pytest.approx(getattr(lining, column)[-1], rel=1e-6, abs=1e-6)
+    said = page.inner_text("[data-part=legend]")
+    assert all(f"{letter} of the lining" in said for letter in "NQM")
+    assert page.faults == []
+
+
+@pytest.mark.parametrize("field", ["mobilised", "sliding"])
+def test_what_joints_mobilise_is_that_of_still_pictures(opened, parted, field):
+    page = opened(parted, address=f"#field={field}&layers=")
+    drawn = page.evaluate(
+        "(field) => { const found = []; clastPage.run.eachFace(field, clastPage.state.frame,"
+        " (ends, value) => found.push([...ends, value])); return found; }",
+        field,
+    )
+    faces = JOINT_FIELDS[field].faces(parted, -1)
+    origin = page.evaluate("[0, 1, 0, 1].map((k) => clastPage.run.scene.origin[k])")
+    wanted = np.column_stack([faces.ends.reshape(-1, 4) - origin, faces.value])
+    assert len(drawn) == len(wanted) > 0
+    for row in wanted:
+        turned = [*row[2:4], *row[:2], row[4]]
+        away = [
+            min(np.abs(np.subtract(one, row)).max(), np.abs(np.subtract(one, turned)).max())
+            for one in drawn
+        ]
+        assert min(away) < 1e-3 * max(1.0, row[4])
+    assert JOINT_FIELDS[field].label in page.inner_text("[data-part=legend]")
+    assert page.faults == []
+
+
+def test_live_frames_join_where_a_field_of_joints_comes_or_goes(opened, parted):
+    page = opened(parted)
+    counts = page.evaluate(
+        """() => {
+          const { joined } = modules.moving;
+          const { moving, blockCount } = clastPage.run;
+          const { slip, ...rest } = moving.faces;
+          const without = { ...moving, faces: rest };
+          const copy = () => ({ ...moving, motion: { ...moving.motion, angle: moving.motion.angle.slice() } });
+          const gone = joined(copy(), { ...without, motion: copy().motion }, blockCount).faces.slip;
+          const come = joined({ ...without, motion: copy().motion }, copy(), blockCount).faces.slip;
+          return [gone.count, come.count, gone.value.length, slip.count];
+        }"""
+    )
+    own = counts[3]
+    assert counts[0] == own + [0] * len(own) and counts[1] == [0] * len(own) + own
+    assert counts[2] == sum(own)
