@@ -1,13 +1,19 @@
-"""Make the pages of the gallery: ``python tools/gallery.py [NAME ...]``, all templates if none.
+"""Make the pages of the gallery: ``python tools/gallery.py [NAME ...]``, all of them if none.
 
-Each template is run as it is; its page goes to docs/gallery/NAME.html with at most FRAMES frames,
-and a picture of its last frame to docs/images/template-NAME.png where there is none yet.
+A template is run as it is, a worked case as its page in docs/how-to says; the page that plays the
+run goes to docs/gallery/NAME.html with at most FRAMES frames, and a picture of the last frame of a
+template to docs/images/template-NAME.png where there is none yet.
 """
 
 from __future__ import annotations
 
+import contextlib
+import os
+import re
 import sys
 import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 
@@ -24,33 +30,90 @@ FRAMES = 60
 """Frames of a page at most: the site is to stay small."""
 BUDGET = 1e6
 """Bytes of contacts and joints before they are compressed."""
+BLOCK = re.compile(r"^```(python|toml)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Worked:
+    """A worked case of the documentation."""
+
+    file: str
+    """The case file that its page writes."""
+    settings: tuple[str, ...] = ()
+    """What the run that is shown sets otherwise, as --set has it."""
+
+
+WORKED = {
+    "slope-from-a-drawing": Worked("slope.toml", ("output.every=0.02",)),
+    "bolted-slope": Worked("beds.toml", ("bolt=[]", "bolt_kind={}", "output.every=0.02")),
+    "bolted-key-block": Worked("roof.toml"),
+    "shaken-wall": Worked(
+        "wall.toml", ("ground_motion.scale=4.5", "block_pattern.1.brick=[0.4,0.3]")
+    ),
+    "settling-facade": Worked("facade.toml", ("output.every=0.05",)),
+    "jointed-slope": Worked(
+        "jointed-slope.toml",
+        ("stage=[]", "joint.bedding.friction_angle=30", "output.every=0.02"),
+    ),
+}
+"""Page in docs/how-to -> the case that it works through."""
+
+
+def case_of(name: str) -> Case:
+    """Return a template, or a worked case, in the folder that is the working one."""
+    if name in TEMPLATES:
+        file = Path(f"{name}.toml")
+        file.write_text(TEMPLATES[name](), encoding="utf-8")
+        return Case.from_toml(file)
+    worked = WORKED[name.removeprefix("worked-")]
+    page = (DOCS / "how-to" / f"{name.removeprefix('worked-')}.md").read_text("utf-8")
+    for language, options, text in BLOCK.findall(page):
+        if language == "toml" and f'title="{worked.file}"' in options:
+            Path(worked.file).write_text(text, encoding="utf-8")
+        elif language == "python":
+            exec(compile(text, name, "exec"), {})  # a script of our own page, which writes the file
+        if Path(worked.file).exists():
+            break
+    return Case.from_toml(worked.file, worked.settings)
 
 
 def make(name: str) -> Path:
-    """Run a template and write its page; return the page's path."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / f"{name}.toml"
-        file.write_text(TEMPLATES[name](), encoding="utf-8")
-        run = Case.from_toml(file).run(output=file.with_suffix(".vtkhdf"), warn=lambda text: None)
+    """Run a case and write its page; return the page's path."""
+    with in_an_empty_folder():
+        run = case_of(name).run(output="run.vtkhdf", warn=lambda text: None)
         blocks = len(run.block_name)
         page = DOCS / "gallery" / f"{name}.html"
         page.parent.mkdir(exist_ok=True)
         text = page_text(scene_of(run, BUDGET, most_values=FRAMES * blocks))
         page.write_text(text, encoding="utf-8")
         picture = DOCS / "images" / f"template-{name}.png"
-        if not picture.exists():
+        if name in TEMPLATES and not picture.exists():
             plot_results(run, picture, frame=int(np.argmax(run.times)))
     return page
 
 
+@contextlib.contextmanager
+def in_an_empty_folder() -> Iterator[None]:
+    """Work in an empty folder."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield
+        finally:
+            os.chdir(before)
+
+
 def main() -> None:
     """Make the pages that are asked for."""
-    for name in sys.argv[1:] or TEMPLATES:
+    every = [*TEMPLATES, *(f"worked-{name}" for name in WORKED)]
+    for name in sys.argv[1:] or every:
         begun = process_time()
         page = make(name)
         size = page.stat().st_size / 1e6
         spent = process_time() - begun
         sys.stdout.write(f"{page.name}: {size:.2f} MB, {spent:.1f} s of processor time\n")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":

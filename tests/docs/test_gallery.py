@@ -2,6 +2,7 @@
 
 import json
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -30,3 +31,16 @@ def test_a_template_is_in_the_gallery(name):
     assert (scene["faces"]["slip"]["of"] > 0) == (name not in FALLS)
     assert scene["faces"]["opening" if name in FALLS else "slip"]["of"] > 0
     assert len(page) < 1.5e6
+
+
+@pytest.mark.parametrize(
+    "name", runpy.run_path(str(DOCS.parent / "tools" / "gallery.py"))["WORKED"]
+)
+def test_a_worked_case_has_a_page_to_play_with(name):
+    text = (DOCS / "gallery.md").read_text("utf-8")
+    assert f"](how-to/{name}.md)" in text and f"](gallery/worked-{name}.html)" in text
+    page = (DOCS / "gallery" / f"worked-{name}.html").read_text("utf-8")
+    data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', page, re.DOTALL)
+    scene = json.loads(data[1])
+    assert f'title = "{scene["title"]}"' in (DOCS / "how-to" / f"{name}.md").read_text("utf-8")
+    assert scene["frames"]["shown"] > 10 and len(page) < 1.5e6
