@@ -46,7 +46,9 @@ class Worked:
 WORKED = {
     "slope-from-a-drawing": Worked("slope.toml", ("output.every=0.02",)),
     "bolted-slope": Worked("beds.toml", ("bolt=[]", "bolt_kind={}", "output.every=0.02")),
-    "bolted-key-block": Worked("roof.toml"),
+    "bolted-key-block": Worked(
+        "roof.toml", ("bolt=[]", "stage.3.damping=none", "output.every=0.02")
+    ),
     "shaken-wall": Worked(
         "wall.toml", ("ground_motion.scale=4.5", "block_pattern.1.brick=[0.4,0.3]")
     ),

@@ -118,7 +118,8 @@ def test_live_frames_join_where_a_field_of_joints_comes_or_goes(opened, parted):
           const { moving, blockCount } = clastPage.run;
           const { slip, ...rest } = moving.faces;
           const without = { ...moving, faces: rest };
-          const copy = () => ({ ...moving, motion: { ...moving.motion, angle: moving.motion.angle.slice() } });
+          const angle = () => moving.motion.angle.slice();
+          const copy = () => ({ ...moving, motion: { ...moving.motion, angle: angle() } });
           const gone = joined(copy(), { ...without, motion: copy().motion }, blockCount).faces.slip;
           const come = joined({ ...without, motion: copy().motion }, copy(), blockCount).faces.slip;
           return [gone.count, come.count, gone.value.length, slip.count];
