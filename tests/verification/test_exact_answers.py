@@ -137,6 +137,7 @@ def test_factors_of_safety_of_wet_slopes():
     shares = {0.0: 1.5843, 0.25: 1.5069, 0.5: 1.4164, 1.0: 1.2057}
     for share, factor in shares.items():
         assert slope.exact_factor(share * slope.depth) == pytest.approx(factor, abs=5e-5)
+    assert slope.exact_factor(0.0, 0.08) == pytest.approx(1.3716, abs=5e-5)
     steep = wet_slope.steep_slope()
     assert steep.depth == pytest.approx(9.1102, abs=1e-4)
     assert steep.exact_factor(steep.depth - 2.0) == pytest.approx(0.6771, abs=5e-5)

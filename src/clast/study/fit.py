@@ -151,7 +151,7 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
         if how.method == ENSEMBLE:
             found = smoothed(fitting, study.vary, how)
         else:
-            found = _fitted(fitting, [one.name for one in study.vary])
+            found = least_squares(fitting, [one.name for one in study.vary])
     found = found.in_folder(folder.path)
     _write(folder, found)
     return found
@@ -169,8 +169,11 @@ def _write(folder: StudyFolder, found: Fit) -> None:
     write_whole(folder.path / BEST, text.encode("utf-8"))
 
 
-def _fitted(fitting: Fitting, names: list[str]) -> Fit:
-    """Return the least squares solution."""
+def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
+    """Return the least squares solution of parameters by name, with intervals.
+
+    Raises CaseError where a run cannot go on.
+    """
     middle = np.full(len(names), 0.5)
     try:
         found = optimize.least_squares(

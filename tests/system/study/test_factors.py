@@ -23,10 +23,16 @@ def written(path: Path, builder: clast.ModelBuilder, **keys: object) -> Path:
     return path
 
 
-def wet(path: Path, slope: wet_slope.Slope, water: float, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Write the case of a slope of Hoek and Bray with water in its crack."""
+def wet(
+    path: Path,
+    slope: wet_slope.Slope,
+    water: float,
+    monkeypatch: pytest.MonkeyPatch,
+    seismic: float = 0.0,
+) -> Path:
+    """Write the case of a slope of Hoek and Bray with water in its crack, or pushed."""
     monkeypatch.setattr(wet_slope, "InputBuilder", clast.ModelBuilder)
-    builder = wet_slope.dry_slope(slope)
+    builder = wet_slope.dry_slope(slope, seismic=seismic)
     if water > 0.0:
         level = float(slope.foot[1]) + water
         builder.water(level, acts_on="joints", drained_at=[(0.0, 0.0)])
@@ -42,6 +48,19 @@ def test_hoek_and_brays_slope_at_four_water_levels(share, tmp_path, monkeypatch)
     assert found.is_settled and not found.undecided
     assert found.value == pytest.approx(exact, rel=0.01)
     assert all("slab" in one.blocks for one in found.trials if one.verdict == "fails")
+
+
+def test_hoek_and_brays_slope_in_an_earthquake(tmp_path, monkeypatch):
+    """The strength is reduced under a push of 0.08 g, and a push is found that reduces it to 1."""
+    slope = wet_slope.critical_slope()
+    case = wet(tmp_path / "s1.toml", slope, 0.0, monkeypatch, wet_slope.SEISMIC)
+    found = clast.factor_of_safety(case, joints=["plane"], tolerance=0.005)
+    assert found.is_settled and not found.undecided
+    assert found.value == pytest.approx(slope.exact_factor(0.0, wet_slope.SEISMIC), rel=0.01)
+    dry = wet(tmp_path / "dry.toml", slope, 0.0, monkeypatch)
+    pushed = clast.collapse_load(dry, "pga left", tolerance=0.005)
+    assert slope.exact_factor(0.0, pushed.high) < 1.0
+    assert slope.exact_factor(0.0, pushed.low) == pytest.approx(1.0, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -150,18 +150,16 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
             clast.fit(case, table, RANGES, how=clast.FitSettings(**how), workers=1)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("sd", ["", str(NOISE)], ids=["noise unknown", "noise known"])
-def test_intervals_hold_the_truth_as_often_as_they_say(case, tmp_path, sd):
-    """Of 20 intervals of 95 %, 17 or more hold the truth with a probability of 98.4 %."""
-    inside = np.zeros(2, int)
-    with ThreadPoolExecutor(1) as one:
-        for seed in range(20):
-            noise = np.random.default_rng(seed).normal(0.0, NOISE, len(TIMES))
-            table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, sd)
-            found = clast.fit(case, table, RANGES, executor=one)
-            inside += (found.low < (STIFFNESS, FRICTION)) & ((STIFFNESS, FRICTION) < found.high)
-    assert (inside >= 17).all()
+@pytest.mark.parametrize("truth", [(1e8, 30.0), (2e7, 44.0), (9e8, 16.0), (4e8, 27.0)])
+def test_the_block_moves_as_its_formula_says(case, truth):
+    """So that tests/study/test_coverage.py may take the formula in place of runs.
+
+    The formula has a rigid block: clast's is compressed, by up to PUSH/E = 0.04 NOISE.
+    """
+    settings = [f"{path}={value}" for path, value in zip(RANGES, truth, strict=True)]
+    history = clast.Case.from_toml(case, settings).run(warn=lambda _text: None).history("A")
+    x = np.interp(TIMES, history.time, history.displacement[:, 0])
+    assert x == pytest.approx(exact(*truth), abs=0.05 * NOISE)
 
 
 ENSEMBLE = {

@@ -9,6 +9,11 @@ z being the normal scores of its parameters, r its computed less the measured va
 standard deviations, e noise of variance 1, C the covariances in the ensemble.  For a linear case
 the members end as draws from the posterior distribution.  It needs no derivatives: its runs are as
 many for one parameter as for fifty.
+
+Covariances of some tens of members have errors, and members that are moved by covariances of their
+own lie too close together afterwards.  So they are divided into groups, each of which is moved by
+the covariances of the others (Houtekamer, Mitchell 1998): the errors then make the spread larger,
+as they should.
 """
 
 from __future__ import annotations
@@ -17,7 +22,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import special
+from scipy import special, stats
 
 from clast.errors import CaseError, ClastError
 from clast.model.model import Floats
@@ -30,12 +35,16 @@ EDGE = 1e-12
 """Least distance of a probability from 0 and 1."""
 ENOUGH = 0.5
 """Share of the members that have to be left."""
+GROUPS = 5
+"""Groups of members, each of which is moved by the covariances of the others."""
 
 
 def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings) -> Fit:
-    """Return medians and intervals of an ensemble that has taken in the observations.
+    """Return means and intervals of an ensemble that has taken in the observations.
 
-    Members whose run cannot go on are left out.  Raises CaseError where less than half are left.
+    Both are those of the normal scores; the interval is that of one more draw, by Student's t of
+    the members.  Members whose run cannot go on are left out.  Raises CaseError where less than
+    half are left.
     """
     draw = np.random.default_rng(how.seed)
     scores = draw.standard_normal((how.members, len(parameters)))
@@ -43,11 +52,13 @@ def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings
         scores, found = _sound(fitting, parameters, scores, how)
         residuals = (found - fitting.observed) / fitting.deviations
         noise = math.sqrt(how.rounds) * draw.standard_normal(residuals.shape)
-        scores = scores + (noise - residuals) @ gain(scores, residuals, float(how.rounds)).T
+        scores = updated(scores, residuals, noise, float(how.rounds))
     scores, found = _sound(fitting, parameters, scores, how)
-    tails = (0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE)
+    count, mean = len(scores), scores.mean(axis=0)
+    half = stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1) * scores.std(axis=0, ddof=1)
+    half *= math.sqrt(1.0 + 1.0 / count)
     low, middle, high = (
-        np.array(values_of(parameters, one)) for one in np.quantile(scores, tails, axis=0)
+        np.array(values_of(parameters, one)) for one in (mean - half, mean, mean + half)
     )
     lost = how.members - len(scores)
     return Fit(
@@ -61,6 +72,16 @@ def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings
         runs=fitting.runs,
         remark=f"{lost} of {how.members} members could not be run to their end." if lost else "",
     )
+
+
+def updated(scores: Floats, residuals: Floats, noise: Floats, inflation: float) -> Floats:
+    """Return the scores (n, m) of members that have taken in residuals (n, k) with noise (n, k)."""
+    group = np.arange(len(scores)) % GROUPS
+    found = scores.copy()
+    for own in (group == one for one in range(GROUPS)):
+        others = gain(scores[~own], residuals[~own], inflation)
+        found[own] += (noise[own] - residuals[own]) @ others.T
+    return found
 
 
 def gain(scores: Floats, residuals: Floats, inflation: float) -> Floats:

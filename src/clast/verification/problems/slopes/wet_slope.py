@@ -1,10 +1,11 @@
 """Plane failure with water in a tension crack and on the plane, of two slopes with cohesion.
 
-    F = (c A + (W cos a - U - V sin a) tan phi)/(W sin a + V cos a),
+    F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/(W (sin a + k cos a) + V cos a),
     U = 1/2 w zw A,    V = 1/2 w zw2
 
 for a block on a plane of dip a and length A, with a vertical crack of depth z behind it that is
 filled to zw; on the plane the pressure falls from that at the foot of the crack to none at the toe.
+An earthquake pushes it out of the slope by k times its weight, as a force that lasts.
 The block holds with its strength divided by a little less than F, and slides with it divided by a
 little more.  The joint is ideally plastic: all of its cohesion is at work at once, as in the
 formula.
@@ -27,6 +28,8 @@ from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 GRAVITY, WATER = 9.81, 1000.0
 WEIGHT = 26e3
 """Weight of the rock, N/m3."""
+SEISMIC = 0.08
+"""Push of an earthquake, as a share of the weight."""
 STEP, STEPS = 4e-3 / 15.0, 300
 """Step by height of the slope, s/m: heavier blocks come to rest in longer steps."""
 BISECTIONS, SPAN = 5, 0.04
@@ -61,8 +64,11 @@ class Slope:
         """Depth of the crack z, m."""
         return self.height - float(self.foot[1])
 
-    def exact_factor(self, water: float) -> float:
-        """Return the factor of safety with ``water`` m of water in the crack."""
+    def exact_factor(self, water: float, seismic: float = 0.0) -> float:
+        """Return the factor of safety with ``water`` m of water in the crack.
+
+        The slab is pushed out of the slope by ``seismic`` times its weight.
+        """
         dip, length = np.radians(self.plane), float(np.hypot(*self.foot))
         crest = self.height / np.tan(np.radians(self.face))
         # the quadrangle of toe, foot and top of the crack, and crest
@@ -70,6 +76,7 @@ class Slope:
         weight = WEIGHT * area
         lifts = 0.5 * WATER * GRAVITY * water * length
         pushes = 0.5 * WATER * GRAVITY * water**2
+        pushes += seismic * weight
         presses = weight * np.cos(dip) - lifts - pushes * np.sin(dip)
         drives = weight * np.sin(dip) + pushes * np.cos(dip)
         friction = np.tan(np.radians(self.friction_angle))
@@ -102,12 +109,12 @@ def steep_slope() -> Slope:
     )
 
 
-def dry_slope(slope: Slope, divided_by: float = 1.0) -> InputBuilder:
-    """Return the slope without water, its strength divided."""
+def dry_slope(slope: Slope, divided_by: float = 1.0, seismic: float = 0.0) -> InputBuilder:
+    """Return the slope without water, its strength divided, pushed by a share of its weight."""
     crest = (slope.height / float(np.tan(np.radians(slope.face))), slope.height)
     foot, top = tuple(slope.foot.tolist()), (slope.crack, slope.height)
     back = slope.crack + 0.5 * slope.height
-    builder = InputBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Wet slope", gravity=(-seismic * GRAVITY, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
     friction = np.tan(np.radians(slope.friction_angle)) / divided_by
     angle = float(np.degrees(np.arctan(friction)))
@@ -125,19 +132,23 @@ def dry_slope(slope: Slope, divided_by: float = 1.0) -> InputBuilder:
     return builder
 
 
-def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
+def slope_model(
+    slope: Slope, water: float, divided_by: float = 1.0, seismic: float = 0.0
+) -> Model:
     """Return the slope with ``water`` m of water in its crack and its strength divided."""
-    builder = dry_slope(slope, divided_by)
+    builder = dry_slope(slope, divided_by, seismic)
     if water > 0.0:
         level = float(slope.foot[1]) + water
         builder.water(level, acts_on="joints", drained_at=[(0.0, 0.0)])
     return builder.build()
 
 
-def holds(slope: Slope, water: float, factor: float, variant: Variant) -> bool:
+def holds(
+    slope: Slope, water: float, factor: float, variant: Variant, seismic: float = 0.0
+) -> bool:
     """Return whether the slab stays with its strength divided by a factor."""
     moving = unbalanced(
-        slope_model(slope, water, factor),
+        slope_model(slope, water, factor, seismic),
         variant,
         normal_stiffness=2e9,
         step=STEP * slope.height,
@@ -147,12 +158,14 @@ def holds(slope: Slope, water: float, factor: float, variant: Variant) -> bool:
     return moving < AT_REST
 
 
-def factor_of_safety(slope: Slope, water: float, variant: Variant) -> Bracket:
+def factor_of_safety(
+    slope: Slope, water: float, variant: Variant, seismic: float = 0.0
+) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
-    exact = slope.exact_factor(water)
+    exact = slope.exact_factor(water, seismic)
 
     def stays(share: float) -> bool:
-        return holds(slope, water, exact / share, variant)
+        return holds(slope, water, exact / share, variant, seismic)
 
     # shares of the exact strength: from a little less, which slides, to a little more
     found = limit(stays, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
@@ -169,6 +182,10 @@ def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
         quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
         exact = critical.exact_factor(water)
         rows.append(relative(quantity, "-", found[-1], exact, 0.01, RESOLUTION))
+    shaken = factor_of_safety(critical, 0.0, variant, SEISMIC)
+    quantity = f"factor of safety, slope of 60 m, dry, pushed by {SEISMIC:g} of its weight"
+    exact = critical.exact_factor(0.0, SEISMIC)
+    rows.append(relative(quantity, "-", shaken, exact, 0.01, RESOLUTION))
     steep = steep_slope()
     water = steep.depth - 2.0
     factor = factor_of_safety(steep, water, variant)
@@ -199,9 +216,11 @@ PROBLEM = Problem(
     name="wet-slope",
     title="Plane failure with cohesion under a water level",
     text="A slab on a plane through the toe of a slope, with a vertical crack behind its crest; "
-    "water stands in the crack and runs out at the toe (drained_at). The factor by which the "
+    "water stands in the crack and runs out at the toe (drained_at), or an earthquake pushes the "
+    "slab by a share k of its weight. The factor by which the "
     "strength is divided is bisected. p = 2 GPa, h = 4 and 16 ms, static (dynamic_ratio = 0).",
-    formula="F = (c A + (W cos a - U - V sin a) tan phi)/(W sin a + V cos a)",
+    formula="F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/"
+    "(W (sin a + k cos a) + V cos a)",
     source="limit equilibrium of Hoek & Bray (1974)",
     set_up=set_up,
     examine=partial(examine, (0.0, 0.25, 0.5, 1.0)),
