@@ -105,12 +105,18 @@ class ModelBuilder(model_builder.InputBuilder):
             "plane": _plane_name(self.plane),
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
             **({"gravity_amplitude": self.gravity_amplitude} if self.gravity_amplitude else {}),
+            **self._seismic(),
             "block": list(self._blocks()),
             **self._tables_given(),
             "joint": self._placed_joints(),
             **self._singles(),
         }
         return {key: value for key, value in content.items() if value}
+
+    def _seismic(self) -> dict[str, Any]:
+        """Return the push that lasts, where there is one."""
+        share = as_plain(np.asarray(self.seismic_coefficient, np.float64))
+        return {"seismic_coefficient": share} if any(share) else {}
 
     def _singles(self) -> dict[str, Any]:
         """Return the tables of which there is one each."""

@@ -31,7 +31,7 @@ from clast.inputs.declaring.earlier_keys import (
     warning_of,
 )
 from clast.inputs.declaring.field_docs import explain
-from clast.inputs.declaring.table import Acceleration, Table
+from clast.inputs.declaring.table import Acceleration, Share, Table
 from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusal
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
@@ -97,6 +97,8 @@ class Case(BaseModel):
     """Acceleration of gravity [x, y], m/s2."""
     gravity_amplitude: StrictStr | None = None
     """Amplitude over time by which gravity is multiplied; constant if absent."""
+    seismic_coefficient: tuple[Share, Share] = (0.0, 0.0)
+    """Push on all blocks [x, y] that lasts, as a share of their weight; water is not pushed."""
     time: TimeTable
     """When to simulate: [time] with step and end."""
     rock: dict[str, Rock]
@@ -320,7 +322,11 @@ class Case(BaseModel):
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
         builder = InputBuilder(
-            self.title, PLANES[self.plane](), self.gravity, self.gravity_amplitude
+            self.title,
+            PLANES[self.plane](),
+            self.gravity,
+            self.gravity_amplitude,
+            self.seismic_coefficient,
         )
         with self._located():
             folder = self._folder

@@ -102,7 +102,8 @@ class InputBuilder(Inputs):
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
-    ``gravity_amplitude`` names the amplitude of gravity over time.  ``ground_motion`` is an
+    ``gravity_amplitude`` names the amplitude of gravity over time, ``seismic_coefficient`` is a
+    push on all blocks that lasts, as a share (x, y) of their weight.  ``ground_motion`` is an
     earthquake or the motion of a shaking table: the keys of ``[ground_motion]`` or an object, e.g.
     ``clast.MovingBase``.  ``in_situ`` is the stress in the rock before anything is dug: the keys of
     ``[in_situ]``, ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints of
@@ -115,6 +116,7 @@ class InputBuilder(Inputs):
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
     gravity_amplitude: str | None = None
+    seismic_coefficient: Vector = (0.0, 0.0)
     ground_motion: Any = single("ground_motion", GroundMotionTable, Still())
     in_situ: Any = single("in_situ", InSituTable)
     actions: list[Any] = field(default_factory=list)
@@ -306,7 +308,7 @@ class InputBuilder(Inputs):
         return Model(
             title=self.title,
             plane=self.plane,
-            gravity=gravity,
+            gravity=gravity + self._push(gravity),
             gravity_factor=self._factor_of_gravity(factor_number),
             origin=outlines.origin,
             rocks=rocks,
@@ -386,6 +388,18 @@ class InputBuilder(Inputs):
             found._entries.append(place_linings.entry(one, found._count))
             found._count += len(one.names)
         return found
+
+    def _push(self, gravity: Floats) -> Floats:
+        """Return the acceleration, m/s2, of the push that lasts, shape (2,)."""
+        where = "seismic_coefficient"
+        share = check_numbers(self.seismic_coefficient, 2, where, ranges.FACTOR)
+        if share.any() and not gravity.any():
+            raise ModelError(
+                "is a share of the weight, but there is no gravity",
+                where=where,
+                remedy="give gravity, or leave it out",
+            )
+        return np.asarray(np.hypot(*gravity) * share)
 
     def _factor_of_gravity(self, number: dict[str, int]) -> int:
         """Return the number of the amplitude by which gravity is multiplied."""

@@ -210,7 +210,7 @@ class Model:
     plane: Plane
     """Plane stress or plane strain."""
     gravity: Floats
-    """Acceleration of gravity (x, y), m/s2, shape (2,)."""
+    """Acceleration of gravity and of a push that lasts (x, y), m/s2, shape (2,)."""
     origin: Floats
     """Point that all coordinates of the model and the state are relative to, m, shape (2,)."""
     rocks: tuple[Rock, ...]

@@ -29,6 +29,7 @@ title = "all tables"
 plane = "strain"
 gravity = [0.0, -9.8]
 gravity_amplitude = "ramp"
+seismic_coefficient = [0.0, 0.0]
 damping = "none"
 time = {step = 1e-3, end = 0.01, max_displacement = 0.01, dynamic_ratio = 1.0, smallest_step = 1e-6}
 output = {every = 1e-3, contacts = true, checkpoint_every = 10.0}

@@ -131,7 +131,8 @@ def _gravity(label: str, gravity: Floats) -> float:
         raise ModelError(
             f"gravity is [{across:g}, {up:g}]: without gravity straight down water has no level",
             where=label,
-            remedy="give gravity = [0.0, -9.81]; sideways acceleration is a [ground_motion]",
+            remedy="give gravity = [0.0, -9.81]; a push that lasts is "
+            "seismic_coefficient = [0.1, 0.0], an earthquake a [ground_motion]",
         )
     return float(-up)
 

@@ -25,6 +25,8 @@ DILATION = "dilation_angle"
 """Angle at which a joint opens as it slides."""
 ROUGH = "strength_reduction"
 """Key of a rough joint: divisor of the tangent of its mobilised friction angle."""
+SEISMIC = "seismic_coefficient"
+"""Key of a push that lasts."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS = 300
@@ -144,8 +146,14 @@ class Push:
     """1: to the right, -1: to the left."""
 
     def check(self, content: Content) -> None:
-        """Raise CaseError where there is no gravity."""
+        """Raise CaseError where there is no gravity, or a push already."""
         _weight(content)
+        if SEISMIC in content:
+            raise CaseError(
+                "the case has a push that lasts, and its factor cannot be found as well",
+                where=SEISMIC,
+                remedy=f"leave {SEISMIC} out",
+            )
 
     def base(self, content: Content, factor: float) -> Content:
         """Return the case in which blocks come to rest: without any push."""
@@ -154,10 +162,9 @@ class Push:
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
         """Return the case of a trial, and the loads that its stage has beside those of all."""
         x, y = content.get("gravity", GRAVITY)
-        size = math.hypot(x, y)
         # across gravity: to its left where it points down, which is +x
-        push = self.sign * factor * size
-        return {**content, "gravity": [x - push * y / size, y + push * x / size]}, {}
+        push = self.sign * factor / math.hypot(x, y)
+        return {**content, SEISMIC: [-push * y, push * x]}, {}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -114,7 +114,8 @@ def dry_slope(slope: Slope, divided_by: float = 1.0, seismic: float = 0.0) -> In
     crest = (slope.height / float(np.tan(np.radians(slope.face))), slope.height)
     foot, top = tuple(slope.foot.tolist()), (slope.crack, slope.height)
     back = slope.crack + 0.5 * slope.height
-    builder = InputBuilder(title="Wet slope", gravity=(-seismic * GRAVITY, -GRAVITY))
+    builder = InputBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
+    builder.seismic_coefficient = (-seismic, 0.0)
     builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
     friction = np.tan(np.radians(slope.friction_angle)) / divided_by
     angle = float(np.degrees(np.arctan(friction)))
@@ -132,9 +133,7 @@ def dry_slope(slope: Slope, divided_by: float = 1.0, seismic: float = 0.0) -> In
     return builder
 
 
-def slope_model(
-    slope: Slope, water: float, divided_by: float = 1.0, seismic: float = 0.0
-) -> Model:
+def slope_model(slope: Slope, water: float, divided_by: float = 1.0, seismic: float = 0.0) -> Model:
     """Return the slope with ``water`` m of water in its crack and its strength divided."""
     builder = dry_slope(slope, divided_by, seismic)
     if water > 0.0:
@@ -158,9 +157,7 @@ def holds(
     return moving < AT_REST
 
 
-def factor_of_safety(
-    slope: Slope, water: float, variant: Variant, seismic: float = 0.0
-) -> Bracket:
+def factor_of_safety(slope: Slope, water: float, variant: Variant, seismic: float = 0.0) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
     exact = slope.exact_factor(water, seismic)
 
