@@ -9,7 +9,7 @@ from clast.study.description import Description, described, parameters_of
 from clast.study.fitting.fit_settings import FitSettings
 from clast.study.fitting.observations import Observation
 from clast.study.judging.expressions import read
-from clast.study.judging.measures import ARGUMENTS
+from clast.study.judging.measures import ARGUMENTS, UNITS
 from clast.study.variables.parameters import ParameterPlaces, keys_of, places
 from clast.study.variables.random_draws import Random
 
@@ -294,3 +294,33 @@ def test_files_that_are_no_study_are_refused(text: str) -> None:
 
 def test_every_function_of_measures_says_what_it_is_of() -> None:
     assert all(isinstance(one, tuple) for one in ARGUMENTS.values())
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("displacement(A)", "m"),
+        ("-largest(abs(speed(A, x)))", "m/s"),
+        ("max(displacement(A), displacement(B))", "m"),
+        ("displacement(A) - displacement(B)", "m"),
+        ("u - displacement(B)", "m"),
+        ("contact(C, normal)", "Pa"),
+        ("contact(C, slip)", "m"),
+        ("1000 * displacement(A)", ""),
+        ("displacement(A) + rotation(A)", ""),
+        ("displacement(A) > 0.1", ""),
+        ("fails()", ""),
+        ("factor_of_safety()", ""),
+    ],
+)
+def test_measures_have_units_where_they_are_known(text, unit) -> None:
+    study = Description(
+        kind="sweep",
+        vary=parameters_of({"time.end": [1.0]}),
+        measure={"u": "displacement(A)", "v": text},
+    ).checked()
+    assert study.units == {"u": "m", "v": unit}
+
+
+def test_every_function_of_measures_with_a_unit_is_one() -> None:
+    assert set(UNITS) <= set(ARGUMENTS)

@@ -41,7 +41,7 @@ from clast.model.model import Floats
 from clast.study.fitting.fit_settings import FitSettings
 from clast.study.fitting.observations import Observation, of_rows
 from clast.study.judging.expressions import Expression, read
-from clast.study.judging.measures import ARGUMENTS, CONDITIONS, FOS
+from clast.study.judging.measures import ARGUMENTS, CONDITIONS, FOS, unit_of
 from clast.study.variables import random_draws
 from clast.study.variables.designs import SAMPLINGS
 from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
@@ -186,6 +186,14 @@ class Description:
         found: dict[str, Expression] = {}
         for name, text in self.measure.items():
             found[name] = read(text, f"measure {shortened(name)}", list(found), functions)
+        return found
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The units of the measures by name; "" where one has none, or where none is known."""
+        found: dict[str, str] = {}
+        for name, one in self.measures.items():
+            found[name] = one.unit(found, unit_of)
         return found
 
     @cached_property

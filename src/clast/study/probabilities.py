@@ -186,6 +186,8 @@ class Influence:
     """Mean of the measure where the parameter is least, in the lowest fifth of the runs."""
     high: float
     """The same where it is largest."""
+    ends: tuple[float, float]
+    """Mean of the parameter in these runs."""
     rank: float
     """Rank correlation (Spearman), -1 to 1; nan where nothing changes."""
 
@@ -219,6 +221,7 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
                 parameter=name,
                 low=float(y[x <= low].mean()),
                 high=float(y[x >= high].mean()),
+                ends=(float(x[x <= low].mean()), float(x[x >= high].mean())),
                 rank=rank,
             )
         )

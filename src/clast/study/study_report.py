@@ -39,6 +39,8 @@ REPORT, FIGURES, WORST = "report.html", "figures", "worst"
 """The page, the folder of its figures, and that of the worst run."""
 KIND_TITLES = {SWEEP: "sweep", MONTECARLO: "Monte Carlo"}
 """Kind of study -> its title."""
+MOST_BARS = 12
+"""Most parameters of a tornado."""
 MOST_ROWS = 20
 """Most rows of a table of blocks or reasons."""
 PAGE_BUDGET = 6e6
@@ -52,6 +54,10 @@ STYLE = (
     ".answer{font-size:1.15rem;border-left:4px solid #1f6f8b;padding:.4rem .9rem;"
     "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem}.figures img{width:30rem}"
     "iframe{width:100%;height:46rem;border:1px solid #ccc}.remark{color:#666;font-size:13px}"
+    ".table{overflow-x:auto}th.text{text-align:left}p{overflow-wrap:anywhere}"
+    "@media (prefers-color-scheme:dark){body{background:#17181c;color:#e2e2e2}"
+    "td,th,iframe{border-color:#44464d}.answer{background:#22252b}.remark{color:#a0a0a0}"
+    ".figures img{background:#fff;border-radius:4px}}"
 )
 
 
@@ -74,9 +80,14 @@ class Page:
 
     def table(self, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
         """Add a table."""
-        head = "".join(f"<th>{escape(one)}</th>" for one in heads)
-        body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in rows)
-        self.parts.append(f"<table><tr>{head}</tr>\n{body}</table>")
+        listed = [*rows]
+        texts = [isinstance(one, str) for one in listed[0]] if listed else [False] * len(heads)
+        head = "".join(
+            f"<th{' class=text' if is_text else ''}>{escape(one)}</th>"
+            for one, is_text in zip(heads, texts, strict=True)
+        )
+        body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in listed)
+        self.parts.append(f'<div class="table"><table><tr>{head}</tr>\n{body}</table></div>')
 
     def pictures(self, paths: Iterable[tuple[Path, str]]) -> None:
         """Add pictures (PNG) side by side, each with its caption."""
@@ -96,7 +107,8 @@ class Page:
         """Return the page."""
         title = escape(self.title)
         return (
-            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title} - clast'
+            '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+            f'<meta name="viewport" content="width=device-width"><title>{title} - clast'
             f"</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
             + "\n".join(self.parts)
             + "\n</body></html>\n"
@@ -116,8 +128,10 @@ def write_report(folder: StudyFolder) -> Path:
     _answer(page, columns)
     pictures = folder.path / FIGURES
     pictures.mkdir(exist_ok=True)
+    _failure(page, columns, pictures)
     for name, values in columns.measures.items():
-        page.head(f"{name} = {study.measure[name]}")
+        unit = study.units[name]
+        page.head(f"{name} = {study.measure[name]}{f', {unit}' if unit else ''}")
         _spread(page, columns, values)
         add_figures(
             page, lambda name=name, values=values: _figures(columns, name, values, pictures)
@@ -168,28 +182,55 @@ def _figures(columns: StudyResults, name: str, values: Any, folder: Path) -> lis
     x, share, half = probabilities.cumulative(columns.study, values)
     if not len(x):
         return []
-    band = figures.Band(x=x, share=share, half=half)
+    unit = columns.study.units[name]
+    label = f"{name} ({unit})" if unit else name
+    band = figures.Band(x=x, share=share, half=half, confidence=probabilities.CONFIDENCE)
+    paths = [folder / f"{safe}-{kind}.png" for kind in ("histogram", "cumulative", "tornado")]
     drawn = [
-        (figures.draw_histogram(values, name, folder / f"{safe}-histogram.png"), "histogram"),
-        (figures.draw_cumulative(band, name, folder / f"{safe}-cumulative.png"), "cumulative"),
+        (figures.draw_histogram(values, columns.fails, label, paths[0]), "histogram"),
+        (figures.draw_cumulative(band, label, paths[1]), "cumulative"),
     ]
+    return [*drawn, *_tornado(columns, values, f"mean of {label}", paths[2])]
+
+
+def _tornado(columns: StudyResults, values: Any, label: str, path: Path) -> list[tuple[Path, str]]:
+    """Return the tornado of a measure, and its caption; nothing where no parameter orders runs."""
     found = probabilities.influences(columns, values)
-    if len(found) > 0:
-        bars = [figures.Bar(label=one.parameter, low=one.low, high=one.high) for one in found[:12]]
-        path = folder / f"{safe}-tornado.png"
-        middle = float(values[np.isfinite(values)].mean())
-        drawn.append((figures.draw_tornado(bars, middle, name, path), "tornado"))
-    return drawn
+    if not found:
+        return []
+    bars = [
+        figures.Bar(label=one.parameter, low=one.low, high=one.high, ends=one.ends)
+        for one in found[:MOST_BARS]
+    ]
+    middle = float(values[np.isfinite(values)].mean())
+    return [(figures.draw_tornado(bars, middle, label, path), "tornado")]
+
+
+def _failure(page: Page, columns: StudyResults, pictures: Path) -> None:
+    """Say and draw how the share of runs that fail goes with each parameter."""
+    share = columns.fails
+    if not len(share) or not 0.0 < share.mean() < 1.0:
+        return
+    if not probabilities.influences(columns, share):
+        return
+    page.head("How failure depends on the parameters")
+    path = pictures / "failure-tornado.png"
+    add_figures(page, lambda: _tornado(columns, share, "share of the runs that fail", path))
+    _influence(page, columns, share)
 
 
 def _influence(page: Page, columns: StudyResults, values: Any) -> None:
     """Say how a measure goes with each parameter."""
     found = probabilities.influences(columns, values)
-    rows = [[one.parameter, one.low, one.high, one.rank] for one in found]
+    rows = [[one.parameter, one.ends[0], one.low, one.ends[1], one.high, one.rank] for one in found]
     if rows:
-        heads = ["parameter", "mean where least", "mean where largest", "rank correlation"]
+        heads = ["parameter", "least", "mean there", "largest", "mean there", "rank correlation"]
         page.table(heads, rows)
-        page.say("Least and largest: the fifth of the runs with such values of it.", "remark")
+        page.say(
+            "Least and largest: mean of the parameter in the fifth of the runs with such values "
+            "of it.",
+            "remark",
+        )
 
 
 def _sensitivity(page: Page, columns: StudyResults, values: Any) -> None:
@@ -322,7 +363,7 @@ def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
             vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
         )
         try:
-            figures.draw_frequency(section, "1: fails", place / "failing.png")
+            figures.draw_failing(section, place / "failing.png")
             layers = np.where(fails, "FAILS", "STANDS").tolist()
             write_blocks_dxf(place / "failing.dxf", vertices, model.block_start, layers)
         except CaseError as error:

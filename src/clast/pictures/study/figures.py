@@ -20,6 +20,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BLUE, RED, GREEN = "#1f6f8b", "#c1440e", "#6a8d2f"
+STANDING = "#f4f4f2"
+"""Colour of blocks that do not fail."""
+MOST_BINS = 60
+"""Most bins of a histogram."""
+DECADES = 100.0
+"""Ratio of largest to least value from which an axis is logarithmic."""
 SIZE = (5.4, 3.5)
 """Width and height of a figure, inches."""
 DOTS = 150
@@ -38,6 +44,8 @@ class Band:
     """Share of runs up to each, shape (k,)."""
     half: Floats
     """Half the width of the band, shape (k,); zeros: none is known."""
+    confidence: float
+    """Confidence with which the band holds the whole curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +58,8 @@ class Bar:
     """Value where the parameter is least."""
     high: float
     """Value where it is largest."""
+    ends: tuple[float, float]
+    """Least and largest values of the parameter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,15 +100,39 @@ class FailurePlaces:
     """Rings round the rock, m, each of shape (k, 2)."""
 
 
-def draw_histogram(values: Floats, label: str, path: Path) -> Path:
-    """Draw how often values (k,) occur; return the picture's path."""
+def draw_histogram(values: Floats, fails: Floats, label: str, path: Path) -> Path:
+    """Draw how often values (k,) occur, in runs that fail and others; return the picture's path.
+
+    ``fails`` is 1 where a run fails, shape (k,), or (0,) where nothing is said of it.
+    """
     axes = new_axes(label, "runs")
-    kept = values[np.isfinite(values)]
-    bins = np.histogram_bin_edges(kept, bins="auto") if len(kept) else np.array([0.0, 1.0])
-    if len(bins) > 61:
-        bins = np.linspace(bins[0], bins[-1], 61)
-    axes.hist(kept, bins=bins.tolist(), color=BLUE, edgecolor="white", lw=0.5)
+    sound = np.isfinite(values)
+    kept = values[sound]
+    place = np.log10 if is_wide(kept) else np.asarray
+    bins = np.histogram_bin_edges(place(kept), bins="auto") if len(kept) else np.array([0.0, 1.0])
+    if len(bins) > MOST_BINS + 1:
+        bins = np.linspace(bins[0], bins[-1], MOST_BINS + 1)
+    if is_wide(kept):
+        bins = 10.0**bins
+        axes.set_xscale("log")
+    own = fails[sound] > 0.0 if len(fails) else np.zeros(len(kept), bool)
+    axes.hist(
+        [kept[~own], kept[own]],
+        bins=bins.tolist(),
+        stacked=True,
+        color=[BLUE, RED],
+        label=["stand", "fail"],
+        edgecolor="white",
+        lw=0.5,
+    )
+    if own.any():
+        axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
     return save_axes(axes, path)
+
+
+def is_wide(values: Floats) -> bool:
+    """Return whether values (k,) are better seen by their logarithms: over some decades."""
+    return bool(len(values)) and 0.0 < DECADES * float(values.min()) < float(values.max())
 
 
 def draw_cumulative(band: Band, label: str, path: Path) -> Path:
@@ -108,19 +142,30 @@ def draw_cumulative(band: Band, label: str, path: Path) -> Path:
     if band.half.any():
         low = np.clip(band.share - band.half, 0.0, 1.0)
         high = np.clip(band.share + band.half, 0.0, 1.0)
-        axes.fill_between(band.x, low, high, step="post", color=BLUE, alpha=0.18, lw=0)
+        label = f"{100 * band.confidence:g} %: the whole curve"
+        axes.fill_between(band.x, low, high, step="post", color=BLUE, alpha=0.18, lw=0, label=label)
+        axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    if is_wide(band.x):
+        axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)
     return save_axes(axes, path)
 
 
 def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> Path:
     """Draw how far a measure goes with each parameter; return the picture's path."""
-    axes = new_axes(name, "", left=0.42, height=0.72)
+    size = (SIZE[0], max(SIZE[1], 1.3 + 0.4 * len(bars)))
+    axes = new_axes(name, "", left=0.42, height=0.9 - 0.63 / size[1], size=size)
+    for colour, said in ((BLUE, "least"), (RED, "largest")):
+        axes.barh(0, 0.0, left=middle, color=colour, label=f"parameter {said}")
     for row, bar in enumerate(reversed(bars)):
-        for value, colour, said in ((bar.low, BLUE, "least"), (bar.high, RED, "largest")):
-            label = f"parameter {said}" if row == 0 else None
-            axes.barh(row, value - middle, left=middle, height=0.6, color=colour, label=label)
-    labels = [short_label(bar.label) for bar in reversed(bars)]
+        # the longer one first, so that neither hides the other where both lie on one side
+        sides = sorted(((bar.low, BLUE), (bar.high, RED)), key=lambda one: -abs(one[0] - middle))
+        for value, colour in sides:
+            axes.barh(row, value - middle, left=middle, height=0.6, color=colour)
+    labels = [
+        f"{short_label(bar.label)}\n{' to '.join(map(_short, bar.ends))}"
+        for bar in reversed(bars)
+    ]
     axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
@@ -143,7 +188,8 @@ def draw_factors(
     axes = new_axes(name, "largest displacement (m)")
     low, high = bracket
     if low > 0.0 and np.isfinite(high):
-        axes.axvspan(low, high, color=RED, alpha=0.15, lw=0)
+        label = f"{low:.5g} to {high:.5g}"
+        axes.axvspan(low, high, color=RED, alpha=0.15, lw=0, label=label)
     moved = [one.displacement for one in marks if one.displacement > 0.0]
     least = min(moved, default=1e-6)
     shown = sorted(marks, key=lambda one: one.factor)
@@ -186,6 +232,32 @@ def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
     return _coloured(axes, drawn, label, path)
 
 
+def draw_failing(section: FailureSection, path: Path) -> Path:
+    """Draw the section, blocks that fail (share above 0) in colour; return the picture's path."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    axes = _section(section.vertices.min(axis=0), section.vertices.max(axis=0), below=1.0)
+    blocks = [section.vertices[a:b] for a, b in pairwise(section.block_start)]
+    colours = [RED if share > 0.0 else STANDING for share in section.share]
+    axes.add_collection(
+        PolyCollection(blocks, facecolors=colours, edgecolors=FAINT, linewidths=0.4)
+    )
+    figure = cast("Figure", axes.get_figure(root=True))
+    figure.legend(
+        handles=[
+            Patch(facecolor=RED, edgecolor=FAINT, label="fails"),
+            Patch(facecolor=STANDING, edgecolor=FAINT, label="stands"),
+        ],
+        loc="upper right",
+        ncols=2,
+        fontsize=SMALL_SIZE,
+        frameon=False,
+        labelcolor=INK,
+    )
+    return canvas.save(figure, path)
+
+
 def draw_places(places: FailurePlaces, label: str, path: Path) -> Path:
     """Draw the section, places darker the more often they fail; return the picture's path."""
     half = 0.5 * np.array([_spaced(places.x), _spaced(places.y)])
@@ -204,13 +276,18 @@ def _spaced(centres: Floats) -> float:
     return float(centres[1] - centres[0]) if len(centres) > 1 else 1.0
 
 
-def _section(low: Floats, high: Floats) -> Axes:
-    """Return axes of a section from ``low`` to ``high`` (2,), m, with room for a scale below."""
+def _section(low: Floats, high: Floats, below: float = 1.5) -> Axes:
+    """Return axes of a section from ``low`` to ``high`` (2,), m.
+
+    It has ``below`` inches of room beside its own, most of it for a scale below.
+    """
     width, extent = 6.4, high - low
     box = (width - 1.0, max(1.2, min(6.0, (width - 1.0) * extent[1] / max(extent[0], 1e-9))))
-    size = (width, box[1] + 1.5)
+    size = (width, box[1] + below)
     figure = canvas.new_figure(size, DOTS)
-    axes = figure.add_axes((0.7 / size[0], 1.05 / size[1], box[0] / size[0], box[1] / size[1]))
+    axes = figure.add_axes(
+        (0.7 / size[0], (below - 0.45) / size[1], box[0] / size[0], box[1] / size[1])
+    )
     canvas.view(axes, *canvas.seen(low, high, box), box)
     return axes
 
@@ -221,21 +298,28 @@ def _coloured(axes: Axes, drawn: ScalarMappable, label: str, path: Path) -> Path
 
     shares = np.asarray(drawn.get_array())
     largest = float(np.max(shares, where=np.isfinite(shares), initial=0.0))
-    drawn.set_cmap(LinearSegmentedColormap.from_list("fails", ["#f4f4f2", "#f0b08c", RED]))
+    drawn.set_cmap(LinearSegmentedColormap.from_list("fails", [STANDING, "#f0b08c", RED]))
     drawn.set_clim(0.0, max(1e-9, largest))
     figure = cast("Figure", axes.get_figure(root=True))
     size, place = figure.get_size_inches(), axes.get_position()
     bar = figure.add_axes((place.x0, 0.44 / size[1], place.width, 0.12 / size[1]))
     scale = figure.colorbar(drawn, cax=bar, orientation="horizontal")
     scale.set_label(label, fontsize=SMALL_SIZE, color=INK)
-    bar.tick_params(labelsize=SMALL_SIZE, labelcolor=INK)
+    bar.tick_params(labelsize=SMALL_SIZE, labelcolor=INK, color=FAINT)
+    scale.outline.set_edgecolor(FAINT)
     return canvas.save(figure, path)
 
 
-def new_axes(x_label: str, y_label: str, left: float = 0.14, height: float = 0.78) -> Axes:
-    """Return empty axes of a figure of their own."""
-    figure = canvas.new_figure(SIZE, DOTS)
-    axes = figure.add_axes((left, 0.16, 0.96 - left, height))
+def new_axes(
+    x_label: str,
+    y_label: str,
+    left: float = 0.14,
+    height: float = 0.78,
+    size: tuple[float, float] = SIZE,
+) -> Axes:
+    """Return empty axes of a figure of their own, its size in inches."""
+    figure = canvas.new_figure(size, DOTS)
+    axes = figure.add_axes((left, 0.56 / size[1], 0.96 - left, height))
     axes.set_xlabel(canvas.literal(x_label), fontsize=TEXT_SIZE, color=INK)
     axes.set_ylabel(canvas.literal(y_label), fontsize=TEXT_SIZE, color=INK)
     axes.grid(color="#e2e2e2", lw=0.5)
@@ -246,6 +330,11 @@ def new_axes(x_label: str, y_label: str, left: float = 0.14, height: float = 0.7
 def save_axes(axes: Axes, path: Path) -> Path:
     """Save the figure of axes; return its path."""
     return canvas.save(axes.get_figure(root=True), path)  # type: ignore[arg-type]
+
+
+def _short(value: float) -> str:
+    """Return a number with four digits, up to a million without an exponent."""
+    return f"{float(f'{value:.4g}'):g}"
 
 
 def short_label(label: str) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +54,8 @@ LONGEST = 1000
 """Most characters of an expression."""
 DEEPEST = 40
 """Most levels of brackets and operators."""
+KEEP_UNITS = ("abs", "largest", "least", "first", "last", "min", "max")
+"""Functions of numbers whose value has the unit of their arguments."""
 CALLED = re.compile(r"""(\w+)\(\s*([^()"',]*[^()"',\s])\s*[,)]""")
 """A function, and its first argument without quotes."""
 
@@ -82,6 +84,13 @@ class Expression:
         ``conditions`` are the names of functions and of other expressions that are.
         """
         return _is_condition(self.tree, conditions)
+
+    def unit(self, names: Mapping[str, str], functions: Callable[[str, Sequence[str]], str]) -> str:
+        """Return its unit; "" where it has none, or where none is known.
+
+        ``names`` are the units of other expressions, ``functions`` gives that of a function.
+        """
+        return _unit(self.tree, names, functions)
 
     def value(
         self, names: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
@@ -229,6 +238,27 @@ def _is_condition(node: ast.expr, conditions: Container[str]) -> bool:
         case ast.Call(func=ast.Name()):
             return node.func.id in conditions  # type: ignore[attr-defined]
     return False
+
+
+def _unit(
+    node: ast.expr, names: Mapping[str, str], functions: Callable[[str, Sequence[str]], str]
+) -> str:
+    inner: Sequence[ast.expr] = ()
+    match node:
+        case ast.Name():
+            return names.get(node.id, "")
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
+            inner = [node.operand]
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            inner = [node.left, node.right]
+        case ast.Call(func=ast.Name()):
+            called = node.func.id  # type: ignore[attr-defined]
+            if called in KEEP_UNITS:
+                inner = node.args
+            elif called not in OF_NUMBERS:
+                return functions(called, list(map(_word, node.args)))
+    found = {_unit(one, names, functions) for one in inner}
+    return found.pop() if len(found) == 1 else ""
 
 
 def number(value: Any) -> Any:

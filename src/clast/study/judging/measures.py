@@ -226,6 +226,34 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
 """Functions of measures -> their arguments; a part and a time may be left out."""
 
 
+UNITS = {
+    "displacement": "m",
+    "speed": "m/s",
+    "rotation": "degrees",
+    "bolt_force": "N/m",
+    "link_force": "N/m",
+    "reaction": "N/m",
+    "lining_moment": "N",
+    "lining_force": "N/m",
+    "normal_force": "N/m",
+    "shear_force": "N/m",
+    "penetration": "m",
+    "energy": "J/m",
+    "farthest": "m",
+    "end": "s",
+}
+"""Functions of measures -> their units; others are numbers, or contact."""
+CONTACT_UNITS = {"normal": "Pa", "shear": "Pa", "opening": "m", "slip": "m"}
+"""Quantities of a measured contact -> their units."""
+
+
+def unit_of(function: str, given: Sequence[str]) -> str:
+    """Return the unit of a function of measures with its arguments; "" where it has none."""
+    if function == "contact":
+        return CONTACT_UNITS.get(given[-1], "") if given else ""
+    return UNITS.get(function, "")
+
+
 CONDITIONS = ("fails", "bolt_yields")
 """Functions of measures that are true or false."""
 
