@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.contact.laws import ContactLaw, MultiplierLaw
+from clast.contact.laws import AugmentedLagrangian, Carried, ContactLaw, MultiplierLaw
 from clast.model.model import Floats, Model
 
 if TYPE_CHECKING:
@@ -30,6 +31,14 @@ def begin(law: ContactLaw, contacts: Contacts) -> Contacts:
 def renew(law: ContactLaw, contacts: Contacts, response: ContactResponse) -> Contacts:
     """Return the contacts with the multipliers that follow from the forces of a solve."""
     return law.renew(contacts, response) if has_multipliers(law) else contacts
+
+
+def carried_over(law: ContactLaw) -> ContactLaw:
+    """Return the law with multipliers that begin a step as they ended the last, where it has any.
+
+    A step from rest adds no momentum that could make them swing up.
+    """
+    return replace(law, multipliers=Carried()) if isinstance(law, AugmentedLagrangian) else law
 
 
 def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.actions.linings.linings import linings_of
 from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
 from clast.errors import ModelError, shortened
@@ -239,15 +238,6 @@ def _support_warnings(model: Model, method: Method) -> Iterator[str]:
     """Warn of supports that other processes than the convex one do not carry."""
     if is_stable_for_any_step(method.process):
         return
-    linings, _ = linings_of(model)
-    weak = [one.name for one in linings.each if one.curve is not None] if linings else []
-    if weak:
-        yield (
-            f"lining '{shortened(weak[0])}' has strengths, and the process is not convex: where a "
-            "section yields and turns, steps begin with normal forces beyond its strength, and "
-            'segments may be thrown apart. Use process = "convex", or leave tension and '
-            "compression out"
-        )
     if method.dynamic_ratio == 0.0 and model.is_driven:
         yield (
             "motions are prescribed in a static run, and the process is not convex: its steps keep "

@@ -15,21 +15,13 @@ import numpy as np
 from clast.block.inertia import block_frames
 from clast.contact import multipliers
 from clast.contact.candidates import SearchDistance
-from clast.contact.clipped_spring import Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.errors import StepOutcome, shortened
 from clast.linear.factor_cache import FactorOfStep
-from clast.linear.system import (
-    BlockSystem,
-    DiagonalTerms,
-    assemble,
-    contact_motions,
-    slip_in_step,
-    stretches,
-)
+from clast.linear.system import contact_motions, slip_in_step
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State, initial_state
 from clast.step.impact import advice_without
@@ -37,7 +29,7 @@ from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
 from clast.step.search_distance import ContactSearch
 from clast.step.start import StepContext, diagonal_terms
-from clast.step.supports.prescribed import DrivenBlocks
+from clast.step.supports.action_springs import LinearContacts, solved
 from clast.step.take_step import take_step
 
 THROWN = (
@@ -130,8 +122,7 @@ class Modified:
         contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
         seen = contacts.gap, slip_in_step(contacts, context.drift)
-        springs, at = context.springs, context.drift
-        passes = 0
+        at, passes = context.drift, 0
         while True:
             passes += 1
             solves = 0
@@ -140,18 +131,15 @@ class Modified:
                 # (10) springs where a vertex has invaded, friction from spring or as a force
                 entered = self.friction.enter(answer(law, contacts, *seen, taken))
                 stages("assembly")
-                # (11) the equations of all blocks
-                system, bearing = coupled_system(context, base, contacts, entered, seen, at)
-                stages("solve")
-                # (12) one solve
-                unknowns = context.total(factor.solve(system, bearing))
+                # (11) the equations of all blocks; (12) one solve, more where supports yield
+                held = LinearContacts(contacts=contacts, response=entered, seen=seen)
+                unknowns, at = solved(context, base, factor, held, at)
                 found = pass_result(law, contacts, entered, seen, unknowns, taken)
                 solves += 1
                 if multipliers.enough(law, solves, contacts, found.gap):
                     break
                 contacts = found.contacts
             settled = np.array_equal(found.in_equations.mode, entered.mode)
-            settled = settled and are_settled(springs, at, unknowns)
             if passes >= self.passes or settled:
                 return solution_of(context, found, at, counts_of(passes, factor))
             contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
@@ -231,83 +219,6 @@ def factor_of(context: StepContext) -> FactorOfStep:
 def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
     """Return the counts of a step that is solved."""
     return {"passes": passes, "solves": factor.solved, "factorisations": factor.factorised}
-
-
-@dataclass(frozen=True, kw_only=True)
-class JoinedForces:
-    """Forces of all links, in the order of their table; see ContactResponse."""
-
-    normal_force: Floats
-    shear_force: Floats
-    normal_stiffness: Floats
-    shear_stiffness: Floats
-    coupling: Floats
-
-
-def coupled_system(
-    context: StepContext,
-    base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
-    seen: tuple[Floats, Floats],
-    at: Floats,
-) -> tuple[BlockSystem, ContactResponse | JoinedForces]:
-    """Return the system of a solve, and the forces in it.
-
-    The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs of
-    the step are at the displacements ``at`` (n, 6).
-    """
-    springs, fixed = context.springs, context.model.fixed
-    if springs is None:
-        seen = _beside(context.held, contacts, *seen)
-        return assemble(base, contacts, response, *seen, fixed), response
-    table, (of_contacts, of_springs) = merged(springs_of(contacts), (springs,))
-    gap, slip = stretches(springs, at)
-    held = springs.at(gap, slip)
-
-    def joined(one: Floats, other: Floats) -> Floats:
-        return _joined(len(table), (of_contacts, one), (of_springs, other))
-
-    bearing = JoinedForces(
-        normal_force=joined(response.normal_force, held.normal_force),
-        shear_force=joined(response.shear_force, held.shear_force),
-        normal_stiffness=joined(response.normal_stiffness, held.normal_stiffness),
-        shear_stiffness=joined(response.shear_stiffness, held.shear_stiffness),
-        coupling=joined(response.coupling, np.zeros(len(springs))),
-    )
-    # a link's slip in the equations counts from the start of the step, a spring's from its own
-    own = gap, slip - springs.slip
-    gaps, slips = (joined(one, other) for one, other in zip(seen, own, strict=True))
-    gaps, slips = _beside(context.held, table, gaps, slips)
-    return assemble(base, table, bearing, gaps, slips, fixed), bearing
-
-
-def _beside(
-    held: DrivenBlocks | None, links: Contacts | Springs, gap: Floats, slip: Floats
-) -> tuple[Floats, Floats]:
-    """Return gaps and slips (m,), m, without the part of prescribed motions."""
-    if held is None:
-        return gap, slip
-    opening, sliding = held.motions(links)
-    return gap - opening, slip - sliding
-
-
-def are_settled(springs: Springs | None, before: Floats, after: Floats) -> bool:
-    """Return whether no spring is clipped otherwise at d ``after`` than ``before`` (n, 6)."""
-    if springs is None:
-        return True
-    one, other = (springs.at(*stretches(springs, d)) for d in (before, after))
-    return np.array_equal(one.normal_stiffness, other.normal_stiffness) and np.array_equal(
-        one.shear_stiffness, other.shear_stiffness
-    )
-
-
-def _joined(count: int, *parts: tuple[Rows, Floats]) -> Floats:
-    """Return an array (count,) of the values of parts of its rows."""
-    result = np.empty(count)
-    for rows, values in parts:
-        result[rows] = values
-    return result
 
 
 def forces_in_equations(

@@ -33,10 +33,8 @@ from clast.step.integration import answer, half_way
 from clast.step.method import Method, StepSolution
 from clast.step.modified import (
     STABILITY_LIMIT,
-    are_settled,
     bearable_stiffness,
     counts_of,
-    coupled_system,
     factor_of,
     pass_result,
     solution_of,
@@ -44,6 +42,7 @@ from clast.step.modified import (
 )
 from clast.step.search_distance import ContactSearch, search_as_far_as
 from clast.step.start import StepContext, diagonal_terms
+from clast.step.supports.action_springs import LinearContacts, solved
 from clast.step.take_step import take_step
 
 CUT = 1.0 / 3.0
@@ -93,7 +92,7 @@ class OpenClose:
         taken = half_way(context.model, law, contacts, context.at.forces_at, context.step)
         contacts = multipliers.begin(law, contacts)
         seen = contacts.gap, slip_in_step(contacts, context.drift)
-        springs, at = context.springs, context.drift
+        at = context.drift
         # sliding friction is that of the solve before: new multipliers need one to find it
         least = 2 if multipliers.has_multipliers(law) else 1
         solves, tried, passes = 0, 0, 0
@@ -102,12 +101,10 @@ class OpenClose:
             stages("law")
             entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
             stages("assembly")
-            system, bearing = coupled_system(context, base, contacts, entered, seen, at)
-            stages("solve")
-            unknowns = context.total(factor.solve(system, bearing))
+            held = LinearContacts(contacts=contacts, response=entered, seen=seen)
+            unknowns, at = solved(context, base, factor, held, at)
             found = pass_result(law, contacts, entered, seen, unknowns, taken)
-            settled = have_settled(entered, found.in_equations)
-            if tried >= least and settled and are_settled(springs, at, unknowns):
+            if tried >= least and have_settled(entered, found.in_equations):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
                 if multipliers.enough(law, solves, contacts, found.gap):

@@ -26,11 +26,14 @@ from clast.actions.linings.lining_states import LiningStates, OneLining
 from clast.actions.linings.sections import edge_stress
 from clast.actions.links.link_states import LinkRows, LinkStates
 from clast.actions.links.links import Links
+from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.supports.lining_joints import LiningJoints
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
+BEYOND = 0.02
+"""Moment beyond its strength, in units of the largest, with which no step is kept."""
 AGREES = 1e-6
 """Difference of a moment from its strength that is none, in units of the largest strength."""
 
@@ -134,7 +137,9 @@ class Linings:
         """Return the work of the joints, and their forces."""
         bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
         found = self._within(bending).finish(start, state.joints, share, solution)
-        return replace(found, state=self._judged(state, found.state))
+        ended = self._judged(state, found.state)
+        self._reject_beyond(start.model, ended)
+        return replace(found, state=ended)
 
     def settled(
         self, start: StepStart, state: LiningStates, share: Contribution, displacement: Floats
@@ -143,6 +148,24 @@ class Linings:
         bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
         joints = self._within(bending).settled(start, state.joints, share, displacement)
         return self._judged(state, joints)
+
+    def _reject_beyond(self, model: Model, state: LiningStates) -> None:
+        """Raise StepRejected where a moment is beyond that of its normal force."""
+        forces = self.forces(state)
+        for one in self.each:
+            if one.curve is None:
+                continue
+            normal, _, moment = forces[one.joints].T
+            beyond = (np.abs(moment) - one.curve.moment_at(normal)) / one.curve.largest
+            worst = int(beyond.argmax())
+            if beyond[worst] > BEYOND:
+                x, y = one.at[worst] + model.origin
+                raise StepRejected(
+                    StepOutcome.NOT_CONVERGED,
+                    f"lining '{one.name}' at ({x:.4g}, {y:.4g}): the moment {moment[worst]:.3g} N "
+                    f"is beyond what its section bears with {normal[worst]:.3g} N/m",
+                    remedy="Lower time.step; a section that is pulled apart needs tension",
+                )
 
     def _judged(self, state: LiningStates, joints: LinkStates) -> LiningStates:
         """Return the linings with joints at the end of a step: which have cracked or yielded."""
@@ -153,8 +176,11 @@ class Linings:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
                 # the strength is reached where it is, or was taken as, the bound
-                used = one.curve.utilisation(normal, moment)
-                yielded[one.joints] |= used >= 1.0 - AGREES
+                close, size = AGREES * one.curve.largest, np.abs(moment)
+                yielded[one.joints] |= (size > close) & (
+                    size >= one.curve.moment_at(normal) - close
+                )
+                yielded[one.joints] |= one.curve.utilisation(normal, moment) >= 1.0 - AGREES
                 stress = edge_stress(normal, moment, one.thickness)
                 pulled = stress > one.tension * (1.0 + AGREES) + AGREES * -one.curve.normal[0]
                 cracked[one.joints] |= pulled

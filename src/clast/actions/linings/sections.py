@@ -18,6 +18,8 @@ import numpy as np
 
 from clast.model.model import Floats
 
+STEEP = 0.02
+"""Moment, in units of the largest, below which the curve is near one of its ends."""
 CORNERS = 33
 """Corners of the polygon on each side, denser towards its ends: 64 sides in all."""
 
@@ -49,10 +51,9 @@ class InteractionCurve:
         least, most = self.normal[0], self.normal[-1]
         pressed = np.where(normal < 0.0, normal / least, 0.0)
         pulled = np.where(normal > 0.0, normal / max(most, np.finfo(float).tiny), 0.0)
-        bears, size = self.moment_at(normal), np.abs(moment)
-        small = 1e-12 * self.largest
-        bent = np.where(size > small, size / np.maximum(bears, small), 0.0)
-        return np.maximum(bent, np.maximum(pressed, pulled))
+        # at its ends the curve is steep, and the normal force says how near it is
+        bears = np.maximum(self.moment_at(normal), STEEP * self.largest)
+        return np.maximum(np.abs(moment) / bears, np.maximum(pressed, pulled))
 
 
 def interaction_curve(thickness: float, tension: float, compression: float) -> InteractionCurve:

@@ -163,8 +163,7 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
         for value, colour in sides:
             axes.barh(row, value - middle, left=middle, height=0.6, color=colour)
     labels = [
-        f"{short_label(bar.label)}\n{' to '.join(map(_short, bar.ends))}"
-        for bar in reversed(bars)
+        f"{short_label(bar.label)}\n{' to '.join(map(_short, bar.ends))}" for bar in reversed(bars)
     ]
     axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
     axes.axvline(middle, color=INK, lw=0.8)

@@ -32,6 +32,7 @@ from functools import cached_property
 import numpy as np
 
 from clast.actions.holding_forces import HoldingForces
+from clast.contact.multipliers import carried_over
 from clast.model.model import Floats, Model
 from clast.model.stages.records import Mechanism, Mover
 from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
@@ -160,6 +161,8 @@ class StaticPath:
         if forces_at(method.integrator) < 1.0:
             # an equilibrium has the forces at the end of the step
             method = replace(method, integrator=ConstantAcceleration())
+        if self._grows:
+            method = replace(method, contact_law=carried_over(method.contact_law))
         if self._grows and now.failure is None and method.balance is None:
             method = replace(method, balance=WELL_BELOW * self.judge.stage.force_ratio)
         if len(now.missing) and now.load < 1.0:
