@@ -204,6 +204,7 @@ LINED_TUNNEL = """\
 # Try:
 #   lining.shotcrete           thickness = 0.1: an eighth of the stiffness in bending
 #   stage bench: time          0.3: all is released before the shotcrete comes, which carries less
+#   joint.foliation            shear_stiffness = 1e9: it shears more before it slips
 #   ground_motion              scale = 2.0: a stronger earthquake
 #   clast plot lined-tunnel.vtkhdf --layers moments --zoom=-6,-5,6,6
 
@@ -223,12 +224,18 @@ density = 2700.0
 
 [joint.default]                        # what no set names
 friction_angle = 35.0
+normal_stiffness = 2e10                # Pa/m: without, contacts close as E of the rock lets them
+shear_stiffness = 4e9
 
 [joint.foliation]
 friction_angle = 30.0
+normal_stiffness = 2e10
+shear_stiffness = 4e9
 
 [joint.joints]
 friction_angle = 35.0
+normal_stiffness = 2e10
+shear_stiffness = 4e9
 
 [joint.bond]                           # between shotcrete and rock
 friction_angle = 35.0
