@@ -224,15 +224,15 @@ def fit(
     from clast.study.fit import described
     from clast.study.fitting.fit_settings import FitSettings
     from clast.study.folder import StudyFolder
-    from clast.study.work import Bench
+    from clast.study.work import check_study
 
     how = FitSettings(method=method, members=members, rounds=rounds, seed=seed)
     loaded = Case.from_toml(case, settings or ())
     ranges = dict(_pairs("--vary", vary, "joint.bedding.shear_stiffness=uniform(1e8, 1e10)"))
-    study = described(loaded, observe, ranges, how)
+    study, made = described(loaded, observe, ranges, how), _how(workers, scheduler, "")
+    check_study(loaded, study)
     there = StudyFolder.made(_folder(case, output), loaded, study)
-    Bench.of(there).check()
-    _go_on_fitting(there, _how(workers, scheduler, ""), as_json, quiet)
+    _go_on_fitting(there, made, as_json, quiet)
 
 
 @app.command()
@@ -377,11 +377,11 @@ def _make(
 ) -> None:
     """Run a study in a folder; print its results."""
     from clast.study.folder import StudyFolder
-    from clast.study.work import Bench
+    from clast.study.work import check_study
 
-    there = StudyFolder.made(folder, study.case, study.described(**drawn))
-    Bench.of(there).check()
-    _go_on(there, how, as_json, quiet)
+    described = study.described(**drawn)
+    check_study(study.case, described)
+    _go_on(StudyFolder.made(folder, study.case, described), how, as_json, quiet)
 
 
 def _go_on_fitting(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:

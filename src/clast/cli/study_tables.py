@@ -138,6 +138,9 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
         for name, listed in indices.items():
             print_sensitivities(name, listed)
         tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
+    if rows and columns.lost == rows:
+        say("warning: no run has a result")
+        raise typer.Exit(MISSED)
 
 
 def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:

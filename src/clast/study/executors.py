@@ -8,6 +8,7 @@ the study finds all finished runs.
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import time
@@ -37,6 +38,8 @@ PORTION = 50
 """Runs that a worker makes at most before it is renewed."""
 ANSWERS, BEGINS = 10, 60
 """How long a scheduler is waited for, and its first worker, s."""
+UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
+"""Errors of the system that no other try mends."""
 TELL_EVERY = 0.5
 """Time between looks at how far a study is, s."""
 
@@ -210,6 +213,13 @@ class Driver:
             return []
         if isinstance(error, KeyboardInterrupt):
             raise error
+        if isinstance(error, OSError) and error.errno in UNWRITABLE:
+            raise CaseError(
+                f"cannot be written: {error.strerror}",
+                where=str(self.folder.path),
+                remedy="make room, or see to its permissions; finished runs stay, and clast study "
+                f"resume {self.folder.path} goes on",
+            )
         if error is not None and not left:
             self.workers.renew(place)
             return []

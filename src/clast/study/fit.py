@@ -39,7 +39,7 @@ from clast.study.probabilities import CONFIDENCE
 from clast.study.study_api import USUAL, HowMade
 from clast.study.trial_cases import content_of, given_case
 from clast.study.variables.parameters import Parameter, ParameterPlaces
-from clast.study.work import Bench
+from clast.study.work import check_study
 
 RESULT, BEST = "fit.json", "best.toml"
 """The result of a back-analysis, and its case with the best parameters."""
@@ -65,12 +65,12 @@ def fit(
     """
     loaded = given_case(case)
     study = described(loaded, observe, vary, how or FitSettings())
+    check_study(loaded, study)
     with ExitStack() as stack:
         place = folder
         if place is None:
             place = stack.enter_context(tempfile.TemporaryDirectory(prefix="clast-fit-"))
         kept = StudyFolder.made(Path(place), loaded, study)
-        Bench.of(kept).check()
         found = go_on(kept, HowMade(**made), watch)
     return found if folder is not None else found.in_folder(None)
 

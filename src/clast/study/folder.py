@@ -58,7 +58,8 @@ class StudyFolder:
     def made(cls, path: Path, case: Case, study: Description) -> StudyFolder:
         """Return the folder of a study, made or found again.
 
-        Raises CaseError where another study, or anything else, is there.
+        Another study of which no run has been begun is replaced.  Raises CaseError where another
+        one, or anything else, is there.
         """
         content = content_of(case)
         named = {name: _bytes_of(case, name) for name in _files_in(content)}
@@ -71,14 +72,17 @@ class StudyFolder:
         there = path / STUDY
         if there.exists():
             found = cls.opened(path)
-            if found.study.text != study.text:
+            if found.study.text == study.text:
+                return found
+            if (path / RUNS).exists():
                 raise CaseError(
                     "holds another study",
                     where=str(path),
                     remedy=f"choose another folder, or go on with it: clast study resume {path}",
                 )
-            return found
-        if any(path.iterdir()):
+            with found.driven():  # it has no run: nothing is lost with it
+                shutil.rmtree(path / BASE, ignore_errors=True)
+        elif any(path.iterdir()):
             raise CaseError(
                 "is not empty, and holds no study",
                 where=str(path),

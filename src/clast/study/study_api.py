@@ -35,7 +35,7 @@ from clast.study.kept_runs import keep_worst
 from clast.study.probabilities import columns_of
 from clast.study.trial_cases import given_case
 from clast.study.trial_table import TrialTable
-from clast.study.work import Bench
+from clast.study.work import check_study
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,9 +125,8 @@ class Study:
         who = {one.name: given.pop(one.name) for one in fields(HowMade) if one.name in given}
         how = replace(how, **who)
         study = self.described(n, sampling, "", **given)
-        made = StudyFolder.made(Path(folder), self.case, study)
-        Bench.of(made).check()
-        return go_on(made, how)
+        check_study(self.case, study)
+        return go_on(StudyFolder.made(Path(folder), self.case, study), how)
 
 
 def go_on(folder: StudyFolder, how: HowMade = USUAL) -> TrialTable:

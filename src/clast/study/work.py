@@ -6,6 +6,7 @@ the study goes on with the next.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -14,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
-from clast.errors import ClastError, RunStopped, shortened
+from clast.errors import CaseError, ClastError, RunStopped, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
-from clast.study.description import FactorSettings
+from clast.study.description import Description, FactorSettings
 from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
 from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
 from clast.study.trial_cases import changed, content_of
@@ -48,6 +49,32 @@ def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
     return made
 
 
+def check_study(case: Case, study: Description) -> None:
+    """Raise CaseError where the first run of a study has wrong numbers or nothing to measure.
+
+    Before its folder is made: what is refused leaves nothing behind.
+    """
+    settings = ParameterPlaces.of(content_of(case), study.vary)
+    try:
+        first = changed(case, settings.case(study.values(1)))
+        known = known_names(first.model())
+    except CaseError as error:
+        raise CaseError(
+            f"the first run cannot be made: {error.what}",
+            where=error.where,
+            remedy=error.remedy or "see to the values that vary",
+        ) from None
+    # of stages it is not known how long they last
+    end = math.inf if first.stage else first.time.end
+    for expression in study.expressions:
+        check(expression, known, end)
+    if any(name == FOS for one in study.expressions for name, _ in one.calls()):
+        how = study.factor or FactorSettings()
+        by = factor_of(how)
+        by.check(content_of(first))
+        search_of(how, by)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Bench:
     """All that the runs of a study have in common."""
@@ -67,16 +94,6 @@ class Bench:
         """Return the bench of a study; raises CaseError where its parameters lead nowhere."""
         content = content_of(folder.base)
         return cls(folder=folder, settings=ParameterPlaces.of(content, folder.study.vary))
-
-    def check(self) -> None:
-        """Raise CaseError where the first run has wrong numbers or nothing to measure."""
-        study = self.folder.study
-        case = changed(self.folder.base, self.settings.case(study.values(1)))
-        known = known_names(case.model())
-        for expression in study.expressions:
-            check(expression, known)
-        if any(name == FOS for one in study.expressions for name, _ in one.calls()):
-            factor_of(study.factor or FactorSettings()).check(content_of(case))
 
     def make(self, run: int) -> dict[str, Any]:
         """Make a run; return its result, which is written down."""

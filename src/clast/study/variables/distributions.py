@@ -24,6 +24,8 @@ Value = float | int | str | bool
 """A value that a key of a case may be set to."""
 MOST_VALUES = 1_000_000
 """Most values of a list or a range."""
+COUNTED = "first, last and how many: range(20, 40, 5) is 20, 25, 30, 35, 40"
+"""Remedy of a range without a count."""
 QUADRATURE = 4000
 """Points by which mean and standard deviation of a truncated distribution are integrated."""
 
@@ -329,7 +331,7 @@ class Range(Distribution):
     def __post_init__(self) -> None:
         _check_numbers(self)
         if not isinstance(self.count, int) or not 2 <= self.count <= MOST_VALUES:
-            raise _bad(self, "has no count from 2 to 1,000,000", "e.g. range(20, 40, 5)")
+            raise _bad(self, "has no count from 2 to 1,000,000", COUNTED)
 
     def __len__(self) -> int:
         return self.count
