@@ -21,8 +21,10 @@ def unpacked(table, width):
     low, high = np.split(planes.astype(np.int64), 2)
     coded = (low + 256 * high).reshape(-1, width)
     change = np.where(coded % 2 == 1, -((coded + 1) // 2), coded // 2)
-    levels = np.cumsum(change, axis=0) % 65536
-    return table["low"] + levels * (table["high"] - table["low"]) / 65535
+    levels = change
+    for _ in range(table["order"]):
+        levels = np.cumsum(levels, axis=0) % 65536
+    return table["low"] + levels * (table["high"] - table["low"]) / table["levels"]
 
 
 def placed(motion, start, block_start):
@@ -49,6 +51,26 @@ def test_numbers_come_back_to_half_a_level(scale, offset):
     values = scale * (np.random.default_rng(3).standard_normal((20, 7)) + offset)
     found = unpacked(packed(values), 7)
     assert np.abs(found - values).max() <= 0.5001 * np.ptp(values) / 65535
+
+
+def test_steady_motion_takes_few_bytes_and_comes_back():
+    rng = np.random.default_rng(4)
+    time = np.linspace(0.0, 1.0, 200)[:, None]
+    values = rng.uniform(0.0, 3.0, 50) * time - 4.9 * time**2
+    table = packed(values)
+    assert table["order"] == 2
+    assert np.abs(unpacked(table, 50) - values).max() <= 0.5001 * np.ptp(values) / 65535
+    noise = packed(rng.standard_normal((200, 50)))
+    assert noise["order"] == 1 and len(table["data"]) < 0.4 * len(noise["data"])
+
+
+@pytest.mark.parametrize("least", [1e-3, 0.3, 50.0])
+def test_numbers_may_be_rounded_to_a_multiple_and_zero_stays_zero(least):
+    values = np.random.default_rng(5).standard_normal((20, 7))
+    values[:, 2] = 0.0
+    found = unpacked(packed(values, least), 7)
+    assert np.abs(found - values).max() <= 0.5001 * least
+    assert np.abs(found[:, 2]).max() < 1e-12
 
 
 def test_constants_empty_tables_and_what_is_not_finite():

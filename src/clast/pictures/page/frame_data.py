@@ -14,13 +14,17 @@ from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import counted_from
 from clast.pictures.draw_water import pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
-from clast.pictures.page.packing import affine, packed, raw
+from clast.pictures.page.packing import LEVELS, affine, packed, raw
 from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
 CONTACT_BYTES, FACE_BYTES = 26, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
+MANY, FEWER_LEVELS = 500_000, 4_095
+"""Blocks times frames above which fields are rounded more, and the levels of their range then."""
+STRAINS, ROUNDING = ("xx", "yy", "xy"), 1e-12
+"""Quantities of the motion that are strains, and strains that come of rounding."""
 FACES = ("slip", "opening", "worn")
 """Fields of joints on the page: it has the others of each contact that is clicked."""
 CONTACT_NUMBERS = ("x", "y", "angle", "normal", "shear", "slip", "opening")
@@ -59,8 +63,8 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
         "times": results.times[numbers].tolist(),
         "stages": [stages[n] for n in numbers] if stages else [],
         "gone": _gone_from(results, numbers).tolist(),
-        "motion": {name: packed(values) for name, values in motion.items()},
-        "fields": {name: packed(values) for name, values in _fields(results, numbers)},
+        "motion": _packed_motion(motion, start, results.block_start),
+        "fields": _packed_fields(results, numbers),
         **_thinned(about, budget),
         "levels": _levels(about),
         "bolts": _bolts(about),
@@ -101,6 +105,26 @@ def _fields(results: Recording, numbers: Ints) -> Iterator[tuple[str, Floats]]:
         names += ["displacement_x", "displacement_y", "rotation"]
     for name in names:
         yield name, np.stack([results.field(name, int(number)) for number in numbers])
+
+
+def _packed_motion(motion: dict[str, Floats], start: Floats, block_start: Ints) -> dict[str, Any]:
+    """Return the motion for the page; strains are no finer than displacements at a block's edge."""
+    quantum = max(float(np.ptp(motion[name])) for name in ("x", "y")) / LEVELS
+    low = np.minimum.reduceat(start, block_start[:-1])
+    high = np.maximum.reduceat(start, block_start[:-1])
+    deformed = np.any([np.abs(motion[name]).max(axis=0) > ROUNDING for name in STRAINS], axis=0)
+    sizes = np.hypot(*(high - low)[deformed].T)
+    least = quantum / float(sizes.max()) if deformed.any() else 0.0
+    return {
+        name: packed(values, least if name in STRAINS else 0.0) for name, values in motion.items()
+    }
+
+
+def _packed_fields(results: Recording, numbers: Ints) -> dict[str, Any]:
+    """Return the fields for the page, of many blocks and frames in fewer levels."""
+    many = len(numbers) * len(results.block_name) > MANY
+    levels = FEWER_LEVELS if many else LEVELS
+    return {name: packed(values, levels=levels) for name, values in _fields(results, numbers)}
 
 
 # Contacts and joints -----------------------------------------------------------------------------

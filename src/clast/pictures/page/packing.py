@@ -2,14 +2,16 @@
 
 A block's displacement is linear over the block and stays so from step to step, so that six numbers
 a frame place all of its vertices: displacement of its centroid, rotation, three of strain.  Each
-of them, and each field, is rounded to a 65,535th of its range over the run, then kept as the
-difference from the frame before; small differences have a low byte and a high byte that is nearly
-always 0, so that the two are kept apart, and compressed.
+of them, and each field, is rounded to a 65,535th of its range over the run or coarser, then kept as
+the difference from the frame before, or as the change of that difference where motion is steady;
+small numbers have a low byte and a high byte that is nearly always 0, so that the two are kept
+apart, and compressed.
 """
 
 from __future__ import annotations
 
 import base64
+import math
 import zlib
 from collections.abc import Sequence
 from typing import Any
@@ -20,22 +22,32 @@ from numpy.typing import NDArray
 from clast.model.model import Floats, Ints
 
 LEVELS = 65_535
-"""Steps that the range of a number is divided into."""
+"""Steps that the range of a number is divided into, at most."""
 
 
-def packed(values: Floats) -> dict[str, Any]:
+def packed(values: Floats, least: float = 0.0, levels: int = LEVELS) -> dict[str, Any]:
     """Return numbers (frames, n) for the page: the ends of their range and a text.
 
-    Each is rounded to a 65,535th of the range.  NaN and infinity become 0.
+    Each is rounded to so many ``levels`` of the range, or to a multiple of ``least`` where that is
+    coarser.  NaN and infinity become 0.
     """
     values = np.nan_to_num(np.asarray(values, np.float64), posinf=0.0, neginf=0.0)
     low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
     if not values.size:
         low = high = 0.0
     span = high - low
+    if least * levels > span:
+        # zero stays zero
+        first, last = math.floor(low / least), math.ceil(high / least)
+        low, high, levels = first * least, last * least, max(1, last - first)
+        span = high - low
     share = (values - low) / span if span > 0.0 else np.zeros(values.shape)
-    levels = np.rint(LEVELS * share).astype(np.int64)
-    return {"low": low, "high": high, "data": text_of(_zigzag(_differences(levels)))}
+    steps = _differences(np.rint(levels * share).astype(np.int64))
+    coded, changes = _zigzag(steps), _zigzag(_differences(steps))
+    order = 1
+    if np.log2(1.0 + changes).sum() < np.log2(1.0 + coded).sum():
+        coded, order = changes, 2
+    return {"low": low, "high": high, "levels": levels, "order": order, "data": text_of(coded)}
 
 
 def _differences(levels: Ints) -> Ints:

@@ -28,7 +28,7 @@ export async function rawArray(text, Kind) {
 
 /**
  * Return the numbers (frames x width) of a packed table: see packing.py.
- * @param {{low: number, high: number, data: string}} table
+ * @param {{low: number, high: number, levels: number, order: number, data: string}} table
  * @param {number} width numbers a frame
  * @returns {Promise<Float32Array>}
  */
@@ -36,13 +36,16 @@ export async function unpacked(table, width) {
   const bytes = await inflated(table.data);
   const count = bytes.length / 2;
   const found = new Float32Array(count);
-  const step = (table.high - table.low) / 65535;
+  const step = (table.high - table.low) / table.levels;
   const level = new Uint16Array(width);
+  // of the second order the change itself changes; both go on from 65,535 to 0
+  const slope = table.order === 2 ? new Uint16Array(width) : null;
   for (let k = 0; k < count; k++) {
     const coded = bytes[k] | (bytes[count + k] << 8);
     const change = coded & 1 ? -((coded + 1) >> 1) : coded >> 1;
     const block = k % width;
-    level[block] = (level[block] + change) & 0xffff;
+    if (slope) slope[block] += change;
+    level[block] += slope ? slope[block] : change;
     found[k] = table.low + step * level[block];
   }
   return found;
