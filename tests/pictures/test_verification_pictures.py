@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,8 +51,17 @@ def test_legends_cover_nothing_and_nothing_is_cut(curves: tuple[int, ...]):
     assert boxes[0].x0 < 0.05 * width
 
 
-def test_numbers_of_an_axis_do_not_meet():
-    figure = figure_of(blocks(2), [chart(3)])
+def column(high: float) -> Any:
+    """Return one block that is 1 m wide, its left edge at -0.5 m."""
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.block(vertices=[(-0.5, 0.0), (0.5, 0.0), (0.5, high), (-0.5, high)])
+    return builder.build()
+
+
+@pytest.mark.parametrize("set_up", [blocks(2), *map(column, (0.2, 0.6, 1.0, 2.0, 5.0, 12.0))])
+def test_numbers_of_an_axis_do_not_meet(set_up: Any):
+    figure = figure_of(set_up, [chart(3)])
     figure.canvas.draw()
     for axis in (figure.axes[1].xaxis, figure.axes[0].xaxis):
         labels = [one.get_window_extent() for one in axis.get_ticklabels() if one.get_text()]
@@ -68,3 +78,10 @@ def test_of_many_arrows_and_marks_some_are_drawn():
     figure.canvas.draw()
     line = figure.axes[1].lines[0]
     assert isinstance(line.get_markevery(), float)
+
+
+def test_every_one_of_a_few_values_has_its_mark():
+    few = (curve("one", np.array([2.0]), np.array([1.0])), curve("two", np.arange(2.0), np.ones(2)))
+    figure = figure_of(blocks(1), [dataclasses.replace(chart(1), curves=few)])
+    figure.canvas.draw()
+    assert [line.get_markevery() for line in figure.axes[1].lines] == [None, None]

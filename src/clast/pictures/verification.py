@@ -32,8 +32,8 @@ SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
 """Width of the set-up and of a chart, and their height, inches."""
 KEY, LETTER, LINE = 0.5, 0.062, 0.175
 """Width of a line in a legend, width of a letter and height of a line of text, inches."""
-APART = 0.03
-"""Distance of the marks of a curve at least, in diagonals of the axes."""
+APART, FEW = 0.03, 40
+"""Distance of the marks of a curve at least, in diagonals of the axes, and values all marked."""
 ARROWS, MANY = 40, 100
 """Arrows of a set-up at most, and blocks from which their outlines are thin."""
 DOTS = 150
@@ -149,7 +149,8 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
             ms=3.2 + 1.3 * max(0, 3 - k),
             mfc="none",
             mew=1.0,
-            markevery=APART,
+            # marks of a few values would leave the last out, and a single one
+            markevery=APART if len(one.x) > FEW else None,
             label=one.label,
         )
     axes.set_xscale(chart.x_scale)
@@ -204,12 +205,15 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.margins(0.12)
     axes.autoscale_view()
     width, height = np.ptp(model.vertices, axis=0)
-    axes.locator_params(axis="x", nbins=6)
+    # numbers beside each other take more room than above each other
+    axes.locator_params(axis="x", nbins=max(1, min(3, round(3 * width / height))))
     axes.locator_params(axis="y", nbins=max(1, min(6, round(6 * height / width))))
     axes.set_title("set-up (m)", fontsize=TEXT_SIZE, color=INK)
     style(axes)
     if height < 0.1 * width:
         axes.set_yticks([])  # no room for numbers
+    if width < 0.4 * height:
+        axes.set_xticks([])
 
 
 def _loads(model: Model) -> tuple[Floats, Floats]:
