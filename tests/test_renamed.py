@@ -8,10 +8,11 @@ import pytest
 
 from clast import rockmass
 from clast.actions.action import ActionResult
+from clast.actions.relaxation import no_forces
 from clast.case.api import ModelBuilder
 from clast.contact.clipped_spring import clipped_from, table
 from clast.model.state import Ledger
-from clast.results.checkpoints.encode import MOVED
+from clast.results.checkpoints.encode import MOVED, put_together, taken_apart
 from clast.rockmass import BlockRepair
 
 EARLIER = [
@@ -83,3 +84,17 @@ def test_arms_of_springs_and_states_of_actions_are_known_by_their_earlier_names(
         ActionResult(work=0.0, ledger=Ledger(), state=7)
     with pytest.raises(TypeError, match="lacks arms"):
         table(**given)
+
+
+def test_absent_blocks_are_known_as_gone_to_scripts_and_older_checkpoints():
+    builder = ModelBuilder()
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=30.0)
+    builder.block(name="brick", vertices=[(0, 0), (1, 0), (1, 1)])
+    model = builder.build()
+    with pytest.warns(DeprecationWarning, match="gone is called absent now"):
+        assert model.gone is model.absent
+    arrays: list[np.ndarray] = []
+    written = taken_apart(no_forces(np.array([True, False])), arrays)
+    written["with"]["gone"] = written["with"].pop("absent")
+    assert put_together(written, arrays, {}).absent.tolist() == [True, False]
