@@ -28,7 +28,7 @@ MOST_LINES = 24
 """Lines of a panel at most."""
 COMPONENTS = {"x": 0, "y": 1}
 LOST = 4
-"""State of a joint of a lining from which on it bears nothing."""
+"""State of a joint of a lining from which on it carries nothing."""
 
 
 @dataclass(frozen=True)
@@ -207,14 +207,14 @@ def _of_link(results: Recording, name: str) -> list[_Line]:
 def _of_lining(results: Recording, name: str) -> list[_Line]:
     """Return the largest and the least of N, Q and M along a lining."""
     lining = results.lining(name)
-    bears = (lining.state > 0) & (lining.state < LOST)
+    carries = (lining.state > 0) & (lining.state < LOST)
     found = []
     for quantity, unit, values in (
         ("N of linings", "N/m", lining.normal_force),
         ("Q of linings", "N/m", lining.shear_force),
         ("M of linings", "N", lining.moment),
     ):
-        held = np.where(bears, values, 0.0)
+        held = np.where(carries, values, 0.0)
         for said, value in (("most", held.max(axis=1)), ("least", held.min(axis=1))):
             found.append(_Line(quantity, unit, f"{name}, {said}", lining.time, value))
     return found

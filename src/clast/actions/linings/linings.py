@@ -8,9 +8,9 @@ k = 5/6.  At an end that is clamped l is half of the segment.  In plane strain E
 for E.  Segments keep their shape: all of the compliance is in the springs, the sum of which over a
 beam of n segments differs from the integral by 1/(2 n^2) (the trapezoidal rule).
 
-A section yields where N and M reach its strength (sections.py).  N is clipped to what the section
-bears without a moment, M to what it bears with the N of the same step: where a solution does not
-agree with the bounds that it had, the step is solved again with those of its own N.
+A section yields where N and M reach its strength (sections.py).  N is clipped to the strength
+of the section without a moment, M to its strength under the N of the same step: where a solution
+does not agree with the bounds that it had, the step is solved again with those of its own N.
 """
 
 from __future__ import annotations
@@ -98,10 +98,10 @@ class Linings:
         for one in self.each:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
-                bears = one.curve.moment_at(normal)
+                allowed = one.curve.moment_at(normal)
                 # what yields goes on to yield; from others the solution is awaited
-                yields = (np.abs(moment) >= bears - AGREES * one.curve.largest) & (moment != 0.0)
-                bending[one.joints] = np.where(yields, bears, np.inf)
+                yields = (np.abs(moment) >= allowed - AGREES * one.curve.largest) & (moment != 0.0)
+                bending[one.joints] = np.where(yields, allowed, np.inf)
         return self._share(start, state, bending)
 
     def again(
@@ -123,10 +123,12 @@ class Linings:
             if one.curve is None:
                 continue
             normal, _, moment = forces[one.joints].T
-            bears, close = one.curve.moment_at(normal), AGREES * one.curve.largest
+            allowed, close = one.curve.moment_at(normal), AGREES * one.curve.largest
             had, size = bending[one.joints], np.abs(moment)
-            off = (size > bears + close) | ((size >= had - close) & (np.abs(had - bears) > close))
-            bending[one.joints] = np.where(off, bears, had)
+            off = (size > allowed + close) | (
+                (size >= had - close) & (np.abs(had - allowed) > close)
+            )
+            bending[one.joints] = np.where(off, allowed, had)
         if np.array_equal(bending, share.bending):
             return None
         return self._share(start, mine, bending)
@@ -163,7 +165,7 @@ class Linings:
                 raise StepRejected(
                     StepOutcome.NOT_CONVERGED,
                     f"lining '{one.name}' at ({x:.4g}, {y:.4g}): the moment {moment[worst]:.3g} N "
-                    f"is beyond what its section bears with {normal[worst]:.3g} N/m",
+                    f"exceeds the strength of its section under N = {normal[worst]:.3g} N/m",
                     remedy="Lower time.step; a section that is pulled apart needs tension",
                 )
 

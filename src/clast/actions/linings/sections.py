@@ -1,7 +1,7 @@
 """Strength of the section of a lining: the normal forces and moments that it can carry.
 
 A rectangular section of thickness t that has yielded throughout, over a part c of it in compression
-f_c and over the rest in tension f_t, bears
+f_c and over the rest in tension f_t, carries
 
     N = f_t (t - c) - f_c c,    M = (f_c + f_t) c (t - c)/2,    0 <= c <= t
 
@@ -45,15 +45,15 @@ class InteractionCurve:
     def utilisation(self, normal: Floats, moment: Floats) -> Floats:
         """Return the share of the strength that is used, 1 on the curve, shape (k,).
 
-        The moment over that which the section bears with this normal force, or the normal force
-        over that which it bears without a moment, whichever is more.
+        The moment over that which the section carries with this normal force, or the normal force
+        over that which it carries without a moment, whichever is more.
         """
         least, most = self.normal[0], self.normal[-1]
         pressed = np.where(normal < 0.0, normal / least, 0.0)
         pulled = np.where(normal > 0.0, normal / max(most, np.finfo(float).tiny), 0.0)
         # at its ends the curve is steep, and the normal force says how near it is
-        bears = np.maximum(self.moment_at(normal), STEEP * self.largest)
-        return np.maximum(np.abs(moment) / bears, np.maximum(pressed, pulled))
+        carries = np.maximum(self.moment_at(normal), STEEP * self.largest)
+        return np.maximum(np.abs(moment) / carries, np.maximum(pressed, pulled))
 
 
 def interaction_curve(thickness: float, tension: float, compression: float) -> InteractionCurve:

@@ -16,7 +16,7 @@ from clast.results import Recording
 from clast.results.schema import LINK_STATES
 
 BEARS = (1, 4)
-"""First state of a joint of a lining in which it bears, and the first after these."""
+"""First state of a joint of a lining in which it carries, and the first after these."""
 
 
 def supports_of(results: Recording) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def linings_in(results: Recording, numbers: Ints) -> dict[str, str] | None:
         lining = results.lining(name)
         times = results.times[numbers]
         rows = np.abs(lining.time[None, :] - times[:, None]).argmin(axis=1)
-        bears = (lining.state[rows] >= BEARS[0]) & (lining.state[rows] < BEARS[1])
+        carries = (lining.state[rows] >= BEARS[0]) & (lining.state[rows] < BEARS[1])
         for column, values in every.items():
-            values.append(np.where(bears, getattr(lining, column)[rows], np.nan))
+            values.append(np.where(carries, getattr(lining, column)[rows], np.nan))
     return {name: raw(np.concatenate(values, axis=1), "<f4") for name, values in every.items()}

@@ -44,7 +44,7 @@ function ofJoint(run, { joint, frame }) {
   for (const [label, value, unit] of values) {
     rows.push([label, typeof value === "string" ? value : withUnit(value, unit)]);
   }
-  if (!values.length) rows.push(["State", "bears nothing in this frame, or is left out"]);
+  if (!values.length) rows.push(["State", "carries nothing in this frame, or is left out"]);
   return [`Joint of ${one} and ${other}`, rows];
 }
 

@@ -129,7 +129,7 @@ export function valuesOf(run, joint, frame) {
   ];
 }
 
-/** Return the curves of a joint over the frames, with gaps where it bears nothing. */
+/** Return the curves of a joint over the frames, with gaps where it carries nothing. */
 export function curvesOfJoint(run, joint) {
   const rows = run.times.map((_, frame) => rowOf(run, joint, frame));
   const line = (name, values) => ({ name, values: rows.map((k) => (k < 0 ? null : values[k])) });
