@@ -4,13 +4,20 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.block.displacement import basis, displacements, movements, plus_transposed
+from clast.block.displacement import (
+    basis,
+    displacements,
+    movements,
+    plus_transposed,
+    powers_at,
+    weighted_squares,
+)
 from clast.block.elasticity import turned as turned_tensor
 from clast.block.inertia import mass_matrices
 from clast.block.positions import displacements_of, moved_to
 from clast.block.rotation import Exact, Linear, Sine
 from clast.compute.jit import kernel
-from clast.compute.vec6 import put_row, row
+from clast.compute.vec6 import plus_scaled, put_row, row, zeros
 from scenes.quadrature import integral
 from scenes.systems import box, convex, flat, star, turned
 
@@ -76,6 +83,34 @@ def test_two_lines_are_added_by_the_transposed_basis():
     result = np.empty((6, 6))
     with_transposed(lines, *at[0], two, result)
     assert result == pytest.approx(lines + basis(at)[0].T @ two, abs=1e-14)
+
+
+@kernel()
+def with_squares(at, matrices, result):
+    xx, xy, yy = zeros(), zeros(), zeros()
+    for k in range(len(at)):
+        powers = powers_at(at[k, 0], at[k, 1])
+        xx = plus_scaled(xx, matrices[k, 0, 0], powers)
+        xy = plus_scaled(xy, matrices[k, 0, 1], powers)
+        yy = plus_scaled(yy, matrices[k, 1, 1], powers)
+    lines = weighted_squares(xx, xy, yy)
+    put_row(result, 0, lines[0])
+    put_row(result, 1, lines[1])
+    put_row(result, 2, lines[2])
+    put_row(result, 3, lines[3])
+    put_row(result, 4, lines[4])
+    put_row(result, 5, lines[5])
+
+
+@pytest.mark.parametrize("count", [1, 7])
+def test_squares_of_the_basis_are_weighted_by_symmetric_matrices(count):
+    """Those of a contact have components along both axes and across, those of a mass do not."""
+    at = points(count)
+    half = np.random.default_rng(2).normal(size=(count, 2, 2))
+    matrices, result = half @ half.transpose(0, 2, 1), np.zeros((6, 6))
+    with_squares(at, matrices, result)
+    t = basis(at)
+    assert result == pytest.approx(np.einsum("kxi,kxy,kyj->ij", t, matrices, t), abs=1e-13)
 
 
 @pytest.mark.parametrize("rule", RULES)

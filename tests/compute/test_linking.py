@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from clast.compute.jit import kernel
+from clast.compute.linking import Uncalled
 
 SCRIPT = '''
 import numpy as np
@@ -120,3 +121,42 @@ def test_functions_of_others_are_compiled_as_ever() -> None:
 
     assert outer(np.arange(4.0)) == 12.0
     assert inner(3.0) == 6.0
+
+
+def test_numba_knows_a_kernel_once_it_is_called() -> None:
+    @kernel()
+    def inner(x):
+        return 2.0 * x
+
+    @kernel()
+    def outer(values):
+        """Return a sum."""
+        return inner(values[0]) + inner(values[1])
+
+    assert type(inner) is type(outer) is Uncalled
+    assert (outer.__name__, outer.__doc__) == ("outer", "Return a sum.")
+    assert outer(np.arange(2.0)) == 2.0
+    assert type(outer) is not Uncalled
+    assert inner.signatures == []
+    assert inner(3.0) == 6.0
+    assert len(inner.signatures) == 1
+
+
+LOADING = """
+import sys
+from clast.compute.roots import listed
+for root in {root for part in listed().values() for root in part}:
+    root.compile()
+print([name for name in ("numba.np.arraymath", "numba.np.polynomial") if name in sys.modules])
+"""
+
+
+@pytest.mark.slow
+def test_kernels_are_loaded_from_disk_without_what_compiles_them() -> None:
+    """All that are listed, in a process that finds them there."""
+    done = [
+        subprocess.run([sys.executable, "-c", LOADING], capture_output=True, text=True)
+        for _ in range(2)
+    ]
+    assert [one.returncode for one in done] == [0, 0], done[0].stderr
+    assert done[1].stdout == "[]\n"

@@ -9,10 +9,6 @@ it, and wait for each other by spinning for about a millisecond: one that sleeps
 wake, as long as much of the work that is shared.  On a machine with something else to do spinning
 costs more than threads gain, which is why they must be asked for.
 
-numba asks scipy for its BLAS as soon as anything is loaded, and scipy.linalg takes a quarter of a
-second to import.  None of our kernels needs it; one that does (np.dot) asks again when it is
-compiled.
-
 Every iteration needs arrays as large as those that the one before has just given back.  Linux' C
 library would hand them to the system and ask for them again, which costs as much as a third of the
 work on them, and by one thread: it is told to keep them.
@@ -22,7 +18,6 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import importlib
 import os
 import re
 import sys
@@ -34,7 +29,7 @@ from typing import Any
 import numba
 
 from clast.compute.compilation import COMPILATION
-from clast.compute.linking import SETTINGS, Kernel
+from clast.compute.linking import SETTINGS, Uncalled
 
 BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
 """Whether this process has more than one thread: loops that threads share are compiled for it."""
@@ -53,19 +48,6 @@ def keep_memory() -> None:
     if adjust is not None:
         for option, size in KEPT_MEMORY.items():
             adjust(option, size)
-
-
-def load_arrays() -> None:
-    """Load numba's array functions without asking scipy, which clast requires, for a BLAS."""
-    asked = importlib.import_module("numba.np.linalg")
-    usual = getattr(asked, "ensure_blas", None)
-    if usual is None:
-        return
-    try:
-        vars(asked)["ensure_blas"] = lambda: None
-        importlib.import_module("numba.np.arraymath")
-    finally:
-        vars(asked)["ensure_blas"] = usual
 
 
 KEPT_MEMORY = {-1: 2**30, -3: 2**28}
@@ -139,7 +121,6 @@ def folder(file: Path, package: Path = PACKAGE) -> str:
 
 
 keep_memory()
-load_arrays()
 
 
 def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -147,7 +128,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def compiled(function: Callable[..., Any]) -> Any:
         COMPILATION.known += 1
-        made = Kernel(function, targetoptions={"nopython": True, **options})
+        made = Uncalled(function, targetoptions={"nopython": True, **options})
         made.kept_in = folder(Path(function.__code__.co_filename))
         return made
 

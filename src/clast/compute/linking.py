@@ -3,17 +3,23 @@
 numba makes machine code of every function that it compiles, with a way in for Python, keeps it on
 disk, and then optimises it once more within each function that calls it.  Two thirds of our kernels
 are never called from Python: the time to compile all of them falls by half where that is left out.
+
+What is on disk is loaded without what only compilation needs: numba's tables of functions, and the
+BLAS that it asks scipy for, whose import takes a quarter of a second.  None of our kernels needs
+that; one that does (np.dot) asks again when it is compiled.
 """
 
 from __future__ import annotations
 
-from functools import cached_property
+import importlib
+from functools import cached_property, update_wrapper
 from typing import Any
 
 from llvmlite import ir
 from llvmlite.binding import Linkage
-from numba.core import boxing, cgutils, pythonapi, types
+from numba.core import boxing, cgutils, pythonapi, runtime, types
 from numba.core import config as numba_config
+from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.np.numpy_support import as_dtype
@@ -123,6 +129,38 @@ def returned(kind: Any, value: Any, code: Any) -> Any:
 boxing.box_array = pythonapi._boxers.functions[types.Array] = returned
 
 
+def load_arrays() -> None:
+    """Load numba's array functions without asking scipy, which clast requires, for a BLAS."""
+    asked = importlib.import_module("numba.np.linalg")
+    usual = getattr(asked, "ensure_blas", None)
+    if usual is None:
+        return
+    try:
+        vars(asked)["ensure_blas"] = lambda: None
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        vars(asked)["ensure_blas"] = usual
+
+
+class OnDisk(FunctionCache):
+    """Compiled code that is kept on disk.
+
+    numba fills its tables of functions before it loads any, which takes as long as to load thirty
+    kernels.  One that is ready calls none of them, only what keeps its memory.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the code for the types of a call, None where it is not there."""
+        allocator: Any = runtime
+        allocator.rtsys.initialize(target_context)
+        found = None
+        with self._guard_against_spurious_io_errors():
+            found = self._load_overload(sig, target_context)
+        if found is None:
+            load_arrays()
+        return found
+
+
 class Kernel(CPUDispatcher):
     """A compiled function, which Python may call, and which other kernels take in."""
 
@@ -156,7 +194,7 @@ class Kernel(CPUDispatcher):
         usual = SETTINGS.CACHE_DIR
         SETTINGS.CACHE_DIR = kept or usual
         try:
-            self.enable_caching()
+            self._cache = OnDisk(self.py_func)
         finally:
             SETTINGS.CACHE_DIR = usual
 
@@ -176,6 +214,35 @@ class Kernel(CPUDispatcher):
     def get_overload(self, sig: Any) -> Any:
         """Return the entry for the code that another kernel calls."""
         return self.taken_in.get_overload(sig)
+
+
+class Uncalled(Kernel):
+    """A kernel that nobody has called from Python, and numba does not know, until somebody does.
+
+    Most of some 500 never are, and to make them known takes a tenth of a second.
+    """
+
+    def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None) -> None:
+        update_wrapper(self, py_func)
+        self.py_func, self.targetoptions = py_func, targetoptions
+        self._given = py_func, locals, {**(targetoptions or {}), "no_cpython_wrapper": True}
+
+    def known(self) -> Kernel:
+        """Return this kernel, which numba knows from now on."""
+        self.__class__ = Kernel  # type: ignore[assignment]
+        Kernel.__init__(self, self.py_func, None, self.targetoptions)
+        return self
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Return what it returns."""
+        return self.known()(*arguments)
+
+    def compile(self, sig: Any) -> Any:
+        """Return the code for the types of a call, from disk or compiled now."""
+        return self.known().compile(sig)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.known(), name)
 
 
 def _writable(kind: Any) -> Any:

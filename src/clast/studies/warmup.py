@@ -106,6 +106,18 @@ OTHERS: tuple[Trial, ...] = (
         ),
     ),
     SmallCase("impacts", ("geometry.blocks.2.velocity=[-1.0,-1.0,0.0]",)),
+    SmallCase(
+        "bonded blocks round a point",
+        (
+            "joint.default={friction_angle=30.0, cohesion=1e9, tensile_strength=1e9}",
+            "geometry.vertices=[[0,0],[5,0],[3,4],[0,5],[-5,1],[-5,-2],[3,-4]]",
+            "geometry.blocks=[{loop=[1,2,3],rock='granite'},{loop=[1,3,4],rock='granite'},"
+            "{loop=[1,4,5],rock='granite'},{loop=[1,5,6],rock='granite'},"
+            "{loop=[1,6,7],rock='granite'},{loop=[1,7,2],rock='granite'}]",
+            "fixed_point=[{at=[5,0],block='1'},{at=[3,-4],block='6'}]",
+            "measured_point=[]",
+        ),
+    ),
     SmallCase("Shi's entrance lines", ("method.corner_rule=shi", "method.solver=cholesky")),
 )
 
