@@ -68,7 +68,7 @@ MUTATIONS = (
     Mutation("contact/laws.py", "multiplier[c] - p * gap[c]", "multiplier[c] + p * gap[c]"),
     Mutation("contact/laws.py", "rest_force[c] + multiplier[c]", "rest_force[c] - multiplier[c]"),
     Mutation(
-        "contact/laws.py", "n = trial if bears else -tension", "n = trial if bears else tension"
+        "contact/laws.py", "n = trial if carries else -tension", "n = trial if carries else tension"
     ),
     Mutation("contact/clipped_spring.py", "(straight - 0.5 * force)", "(straight + 0.5 * force)"),
     Mutation(

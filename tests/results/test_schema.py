@@ -36,7 +36,10 @@ def test_every_table_has_what_gives_its_rows():
 
 def test_a_table_is_asked_for_by_its_name(falls: clast.Run):
     for name in ("energy", "steps"):
-        np.testing.assert_array_equal(falls.table(name).rows, getattr(falls, name).rows)
+        asked, known = falls.table(name).rows, getattr(falls, name).rows
+        assert asked.dtype == known.dtype
+        for column in known.dtype.names:  # of some columns a dynamic step has none: NaN
+            np.testing.assert_array_equal(asked[column], known[column])
     tip = falls.history("tip")
     np.testing.assert_array_equal(falls.table("history", "tip").rows, tip.rows)
     np.testing.assert_array_equal(falls.table("steps").travel, falls.steps["travel"])
