@@ -200,5 +200,6 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
                 f"{tier}: {count[tier]} tests, {seconds[tier]:.0f} s of processor time"
             )
     for name, taken in files.items():
-        if taken > tiers.LONG_FILE and name not in tiers.LONGEST:
+        in_turn = terminalreporter.config.option.longest_first
+        if in_turn and taken > tiers.LONG_FILE and name not in tiers.LONGEST:
             terminalreporter.write_line(f"{name} took {taken:.0f} s: see LONGEST in tiers.py")
