@@ -151,7 +151,7 @@ def standing(case: Case, by: Reduction) -> Settled:
                 + (f", nor with the factor {2.0 * base:g}" if by.DIVIDES else "")
                 + f": {found.record.hindrance or found.record.outcome}",
                 where=case.file,
-                remedy="see the moving blocks: clast run; where they only need time, raise time.end",
+                remedy="see the moving blocks: clast run; if they only need time, raise time.end",
             )
 
 
