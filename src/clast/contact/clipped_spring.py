@@ -20,7 +20,6 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
 from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
-from clast.contact.spring_rows import put_rows
 from clast.model.model import Floats, Ints
 from clast.read_only import changed
 from clast.renamed import Renamed, earlier_argument
@@ -86,9 +85,10 @@ class Clipped:
 
     def put(self, rows: Rows, others: Clipped) -> Clipped:
         """Return the springs with others in some of their rows."""
-        if isinstance(rows, slice):
-            rows = np.arange(len(self.stiffness))[rows]
-        return clipped_from(*put_rows(self.arrays, rows, others.arrays))
+        result = [one.copy() for one in self.arrays]
+        for into, values in zip(result, others.arrays, strict=True):
+            into[rows] = values
+        return clipped_from(*result)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -212,15 +212,15 @@ def table(
     rows = np.empty(len(order), np.int64)
     rows[order] = np.arange(len(order))
     springs = Springs(
-        vertex_block=np.ascontiguousarray(vertex_block.take(order), np.int64),
-        edge_block=np.ascontiguousarray(edge_block.take(order), np.int64),
-        arms=arms.take(order, axis=0),
+        vertex_block=np.ascontiguousarray(vertex_block[order], np.int64),
+        edge_block=np.ascontiguousarray(edge_block[order], np.int64),
+        arms=np.ascontiguousarray(arms[order]),
         pair=pair,
         pairs=pairs,
-        gap=gap.take(order),
-        slip=slip.take(order),
-        normal=clipped_from(*(one.take(order) for one in normal.arrays)),
-        shear=clipped_from(*(one.take(order) for one in shear.arrays)),
+        gap=gap[order],
+        slip=slip[order],
+        normal=clipped_from(*(one[order] for one in normal.arrays)),
+        shear=clipped_from(*(one[order] for one in shear.arrays)),
     )
     return springs, rows
 
