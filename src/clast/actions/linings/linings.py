@@ -25,7 +25,7 @@ from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.linings.lining_states import LiningStates, OneLining
 from clast.actions.linings.sections import edge_stress
 from clast.actions.links.link_states import LinkRows, LinkStates
-from clast.actions.links.links import Links, LinkShare
+from clast.actions.links.links import Links
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.supports.lining_joints import LiningJoints
@@ -57,7 +57,7 @@ class SectionLimits:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LiningShare(LinkShare):
+class LiningShare(Contribution):
     """The contribution of linings, with the largest moments that it allows."""
 
     bending: Floats = field(default_factory=lambda: np.zeros(0))
@@ -116,7 +116,7 @@ class Linings:
         state = start.state.actions
         mine = next((one for one in state if isinstance(one, LiningStates)), None)
         mine = self.begin(start.model) if mine is None else mine
-        forces = self._within(share.bending).forces_at(start, mine.joints, share, displacement)
+        forces = self._within(share.bending).forces_at(start, mine.joints, displacement)
         forces = self._by_joint(forces)
         bending = share.bending.copy()
         for one in self.each:
@@ -259,10 +259,8 @@ class Linings:
 
     def _share(self, start: StepStart, state: LiningStates, bending: Floats) -> LiningShare:
         """Return the contribution with these bounds of moments (k,)."""
-        share = self._within(bending).share(start, state.joints)
-        return LiningShare(
-            springs=share.springs, active=share.active, places=share.places, bending=bending
-        )
+        springs = self._within(bending).share(start, state.joints).springs
+        return LiningShare(springs=springs, bending=bending)
 
     def _within(self, bending: Floats) -> Links:
         """Return the springs with bounds, those of the moments being given (k,)."""

@@ -97,25 +97,26 @@ class Links:
         )
         return self._installed(model, state, np.zeros(count))
 
-    def share(self, start: StepStart, state: LinkStates) -> LinkShare:
+    def share(self, start: StepStart, state: LinkStates) -> Contribution:
         """Return the springs of all links that carry between blocks that can move."""
         active = self._active(start, state)
         if not len(active.row):
-            return LinkShare(active=active)
-        springs, places = self._springs(start, active)
-        return LinkShare(springs=springs, active=active, places=places)
+            return Contribution()
+        return Contribution(springs=self._springs(start, active)[0])
 
     def finish(
         self, start: StepStart, state: LinkStates, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the links: they store energy, yield, break and damp."""
-        active, rows = self._begun(start, state, share), self.rows
+        active, rows = self._active(start, state), self.rows
         begun = active.state
         work, drag = 0.0, np.zeros(len(rows.link))
         moved = np.zeros(len(rows.link))
         if share.springs is not None:
             work, _ = energy_of_springs(share.springs, solution)
-            moved = self._stretch(start, share, active, solution.displacement)
+            _, order = self._springs(start, active)
+            gap, _ = stretches(share.springs, solution.displacement)
+            moved[active.row] = self._moved(share.springs, gap, order, active)
             drag = -rows.damping * moved / start.step
         pulled = self._stretched(active, begun, active.stretch + moved)
         breaks = pulled.carries & (np.abs(active.stretch + moved - begun.rest) > rows.rupture)
@@ -140,43 +141,27 @@ class Links:
             state=ended,
         )
 
-    def forces_at(
-        self, start: StepStart, state: LinkStates, share: Contribution, displacement: Floats
-    ) -> Floats:
+    def forces_at(self, start: StepStart, state: LinkStates, displacement: Floats) -> Floats:
         """Return the forces (m,) of all rows after d (n, 6), N/m, or moments, N."""
-        return self._pulled(start, state, share, displacement)[0].force
+        return self._pulled(start, state, displacement)[0].force
 
     def settled(
         self, start: StepStart, state: LinkStates, share: Contribution, displacement: Floats
     ) -> LinkStates:
         """Return the links with the forces after d (n, 6) of a solution that moves nothing."""
-        pulled, moved = self._pulled(start, state, share, displacement)
+        pulled, moved = self._pulled(start, state, displacement)
         return replace(pulled, rest=pulled.rest - moved)
 
     def _pulled(
-        self, start: StepStart, state: LinkStates, share: Contribution, displacement: Floats
+        self, start: StepStart, state: LinkStates, displacement: Floats
     ) -> tuple[LinkStates, Floats]:
         """Return the links with the forces after d (n, 6), and by how much it stretches rows."""
-        active = self._begun(start, state, share)
-        moved = self._stretch(start, share, active, displacement)
+        active, moved = self._active(start, state), np.zeros(len(self.rows.link))
+        if len(active.row):
+            springs, order = self._springs(start, active)
+            gap, _ = stretches(springs, displacement)
+            moved[active.row] = self._moved(springs, gap, order, active)
         return self._stretched(active, active.state, active.stretch + moved), moved
-
-    def _begun(self, start: StepStart, state: LinkStates, share: Contribution) -> _Active:
-        """Return the rows that act in a step: those of the share where it knows them."""
-        known = share.active if isinstance(share, LinkShare) else None
-        return self._active(start, state) if known is None else known
-
-    def _stretch(
-        self, start: StepStart, share: Contribution, active: _Active, displacement: Floats
-    ) -> Floats:
-        """Return by how much d (n, 6) stretches the rows, m or rad, shape (m,)."""
-        moved = np.zeros(len(self.rows.link))
-        if share.springs is not None and len(active.row):
-            known = share.places if isinstance(share, LinkShare) else None
-            places = self._springs(start, active)[1] if known is None else known
-            gap, _ = stretches(share.springs, displacement)
-            moved[active.row] = self._moved(share.springs, gap, places, active)
-        return moved
 
     def events(
         self, model: Model, before: LinkStates, after: LinkStates
@@ -383,13 +368,3 @@ class _Active:
     """Stiffness of each row, rigid ones with a number, shape (m,)."""
     arm: float
     """Length of the arms of rows against rotation, m."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LinkShare(Contribution):
-    """The contribution of links, with what its springs were made of: the end needs it again."""
-
-    active: _Active | None = None
-    """Rows that act in the step."""
-    places: Ints | None = None
-    """Which springs come first, second, third of each row that acts, shape (3 r,)."""
