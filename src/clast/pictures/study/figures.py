@@ -328,6 +328,7 @@ def new_axes(
 
 def save_axes(axes: Axes, path: Path) -> Path:
     """Save the figure of axes; return its path."""
+    canvas.label_logarithms(axes)
     return canvas.save(axes.get_figure(root=True), path)  # type: ignore[arg-type]
 
 

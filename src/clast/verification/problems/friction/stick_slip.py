@@ -111,8 +111,8 @@ def examine(variant: Variant) -> Outcome:
         x_label="time, s",
         y_label="force, N/m",
         curves=(
-            exact_curve("mu_s N", (0.0, END), (first, first)),
-            exact_curve("(2 mu_k - mu_s) N", (0.0, END), (first - fall,) * 2),
+            exact_curve("μₛ N", (0.0, END), (first, first)),
+            exact_curve("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2),
             curve(variant.name, time[::4], force[::4]),
         ),
     )
