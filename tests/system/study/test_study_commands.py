@@ -57,6 +57,7 @@ def test_parts_of_an_array_are_collected():
     assert 0.0 <= chance["low"] <= chance["value"] <= chance["high"] <= 1.0
     report = Path("out/report.html").read_text(encoding="utf-8")
     assert "Worst run" in report and "<iframe" in report
+    assert f'<td class="text">{PHI}, °</td>' in report
     good("check", "out/runs/0000/00000003/case.toml")
 
 

@@ -7,10 +7,37 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
 from itertools import pairwise
 
 from pydantic import BaseModel
+
+UNITS = (
+    "m/s2",
+    "m/s and rad/s",
+    "m/s",
+    "kg/m3",
+    "N/m per metre of thickness",
+    "N per metre of thickness",
+    "N/m per m",
+    "N/m",
+    "N per rad",
+    "N s/m2",
+    "N s",
+    "N",
+    "Pa/m",
+    "Pa",
+    "degrees/s",
+    "degrees",
+    "1/s",
+    "m2",
+    "m",
+    "s",
+    "-",
+)
+"""Units as the meanings of keys name them: after a comma, before a stop, comma or semicolon."""
+UNIT = re.compile(r", (" + "|".join(map(re.escape, UNITS)) + r")(?=[.,;])")
 
 
 def field_docstrings(table: type) -> dict[str, str]:

@@ -60,6 +60,14 @@ class Bar:
     """Value where it is largest."""
     ends: tuple[float, float]
     """Least and largest values of the parameter."""
+    unit: str = ""
+    """Unit of the parameter; "" where it has none."""
+
+    @property
+    def caption(self) -> str:
+        """Its name, and below it the values of the parameter."""
+        space = " " if self.unit not in ("", "°") else ""
+        return f"{short_label(self.label)}\n{' to '.join(map(_short, self.ends))}{space}{self.unit}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,10 +170,8 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
         sides = sorted(((bar.low, BLUE), (bar.high, RED)), key=lambda one: -abs(one[0] - middle))
         for value, colour in sides:
             axes.barh(row, value - middle, left=middle, height=0.6, color=colour)
-    labels = [
-        f"{short_label(bar.label)}\n{' to '.join(map(_short, bar.ends))}" for bar in reversed(bars)
-    ]
-    axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
+    captions = [canvas.literal(bar.caption) for bar in reversed(bars)]
+    axes.set_yticks(range(len(bars)), captions)
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
     axes.set_ylim(-0.6, len(bars) - 0.4)
