@@ -47,6 +47,7 @@ LONGEST = (
     *EACH_BY_ITSELF,
     "run/test_forged_checkpoints.py",
     "system/study/test_fit.py",
+    "system/study/test_runs.py",
     "system/actions/test_motions.py",
     "system/contact/test_seams.py",
     "contact/test_joint_stiffness.py",
