@@ -101,7 +101,9 @@ def test_every_one_of_a_few_values_has_its_mark():
     assert [line.get_markevery() for line in figure.axes[1].lines] == [None, None]
 
 
-@pytest.mark.parametrize("span", [(50.0, 100.0), (2e8, 2e9), (1e-7, 2e-6), (3.0, 4.5), (1e-3, 1e5)])
+@pytest.mark.parametrize(
+    "span", [(50.0, 100.0), (2e8, 2e9), (1e-7, 2e-6), (250.0, 6000.0), (3.0, 4.5), (1e-3, 1e5)]
+)
 @pytest.mark.parametrize("scales", [("log", "linear"), ("linear", "log"), ("log", "log")])
 def test_numbers_of_logarithmic_axes_are_few_and_as_small_as_others(span: Any, scales: Any):
     line = curve("one", np.geomspace(*span, 5), np.geomspace(*span, 5))

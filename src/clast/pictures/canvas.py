@@ -255,8 +255,8 @@ def style(axes: Axes) -> None:
         spine.set_visible(name in ("left", "bottom"))
 
 
-FEW_DECADES, DECADES = 0.7, 1.5
-"""Powers of ten up to which a logarithmic axis has round numbers, and then 1, 2 and 5 of each."""
+FEW_DECADES = 0.7
+"""Powers of ten up to which a logarithmic axis has round numbers, as a linear one."""
 
 
 def label_logarithms(axes: Axes) -> None:
@@ -274,14 +274,14 @@ def label_logarithms(axes: Axes) -> None:
             continue
         axis.set_minor_locator(ticker.LogLocator(subs="auto"))
         axis.set_minor_formatter(ticker.NullFormatter())
-        decades = np.log10(high / low)
-        if decades >= DECADES:
+        first, last = np.log10((low, high))
+        if np.floor(last) - np.ceil(first) >= 1:
             axis.set_major_formatter(ticker.LogFormatterMathtext())
             continue
         axis.set_major_formatter(ticker.FuncFormatter(_power))
         axis.set_major_locator(
             ticker.MaxNLocator(4, steps=[1, 2, 5, 10])
-            if decades < FEW_DECADES
+            if last - first < FEW_DECADES
             else ticker.LogLocator(subs=(1.0, 2.0, 5.0))
         )
 
