@@ -9,6 +9,8 @@ import { drawLinks, drawReactions, layerOfDiagram, legendOfLinks, legendOfReacti
 const PULLED = "#b2182b";
 const PRESSED = "#2166ac";
 const FORCE = "#5b2a86";
+/** Width of a letter of a name, pixels. */
+const LETTER = 7;
 const MOST_CROSSES = 4000;
 /** Slip and opening beside the colours of blocks: as wide as they are large. */
 const FACES = { slip: "#8e24aa", opening: "#00695c", water: "#1f6fb4" };
@@ -346,7 +348,10 @@ function drawPoints(pen, { run, view, frame, theme }) {
   run.points.forEach(({ name, x: xs, y: ys }) => {
     const [x, y] = [xs[frame], ys[frame]];
     pen.circle(view.screenX(x), view.screenY(y), 4, theme.paper, theme.ink);
-    pen.text(view.screenX(x) + 8, view.screenY(y) - 8, name, theme.ink, theme.paper);
+    // where there is no room on its right a name stands on its left
+    const right = view.screenX(x) + 8;
+    const [at, anchor] = right + LETTER * name.length < view.width ? [right, "start"] : [right - 16, "end"];
+    pen.text(at, view.screenY(y) - 8, name, theme.ink, theme.paper, anchor);
   });
 }
 
