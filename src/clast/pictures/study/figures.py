@@ -66,8 +66,8 @@ class Bar:
     @property
     def caption(self) -> str:
         """Its name, and below it the values of the parameter."""
-        space = " " if self.unit not in ("", "°") else ""
-        return f"{short_label(self.label)}\n{' to '.join(map(_short, self.ends))}{space}{self.unit}"
+        ends = " to ".join(map(_short, self.ends))
+        return f"{short_label(self.label)}\n{ends}{behind_number(self.unit)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -341,6 +341,11 @@ def save_axes(axes: Axes, path: Path) -> Path:
 def _short(value: float) -> str:
     """Return a number with four digits, up to a million without an exponent."""
     return f"{float(f'{value:.4g}'):g}"
+
+
+def behind_number(unit: str) -> str:
+    """Return a unit as it stands behind a number: after a space, but for the sign of degrees."""
+    return f" {unit}" if unit not in ("", "°") else unit
 
 
 def short_label(label: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.pictures.html_files import write_html
 from clast.pictures.study import fit_figures
+from clast.pictures.study.figures import behind_number
 from clast.study.fitting.back_analysis import Fit
 from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
 from clast.study.folder import StudyFolder
@@ -48,7 +49,7 @@ def _parameters(page: Page, folder: StudyFolder, found: Fit) -> None:
     units = parameter_units(folder)
     numbers = zip(found.parameter, found.value, found.low, found.high, strict=True)
     for name, value, low, high in numbers:
-        answer = f"{name} = {value:.5g} {units[name]}".rstrip()
+        answer = f"{name} = {value:.5g}{behind_number(units[name])}"
         page.say(f"{answer} ({100 * CONFIDENCE:g} %: {low:.5g} to {high:.5g})", "answer")
     if found.remark:
         page.say(found.remark[0].upper() + found.remark[1:])
