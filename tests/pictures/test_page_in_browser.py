@@ -220,6 +220,7 @@ def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp
     contacts = results.contacts(-1)
     most = np.hypot(*contacts.force.T).max()
     assert f"contact force, up to {most / 1e3:.3g} kN/m" in text
+    assert f"contact force as width, up to {most / 1e3:.3g} kN/m" in text
     for part in ("Stress σyy", "bed", "head", "compression, up to", "tension, up to", "fixed"):
         assert part in text, part
     with page.expect_download() as taken:

@@ -35,7 +35,7 @@ export const LAYERS = {
     legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
   },
   contacts: { label: "Contact forces", draw: drawContacts, legend: (seen) => legendOfForces(seen, 1.2) },
-  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5) },
+  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5, "contact force as width") },
   crosses: { label: "Principal stresses", draw: drawCrosses, legend: legendOfCrosses },
   excavated: {
     label: "Excavated blocks",
@@ -200,10 +200,10 @@ function eachContact(run, frame, call) {
   }
 }
 
-function legendOfForces({ run, frame }, width) {
+function legendOfForces({ run, frame }, width, name = "contact force") {
   let largest = 0;
   eachContact(run, frame, (_, size) => (largest = Math.max(largest, size)));
-  const text = `contact force, up to ${withUnit(largest, "N/m", 3)}`;
+  const text = `${name}, up to ${withUnit(largest, "N/m", 3)}`;
   return largest > 0 ? [line(FORCE, width, text)] : [];
 }
 
