@@ -166,10 +166,11 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     for colour, said in ((BLUE, "least"), (RED, "largest")):
         axes.barh(0, 0.0, left=middle, color=colour, label=f"parameter {said}")
     for row, bar in enumerate(reversed(bars)):
-        # the longer one first, so that neither hides the other where both lie on one side
-        sides = sorted(((bar.low, BLUE), (bar.high, RED)), key=lambda one: -abs(one[0] - middle))
-        for value, colour in sides:
-            axes.barh(row, value - middle, left=middle, height=0.6, color=colour)
+        # on one side each has half of the height, so that neither hides the other
+        both = (bar.low - middle) * (bar.high - middle) > 0.0
+        height, away = (0.3, 0.15) if both else (0.6, 0.0)
+        for value, colour, place in ((bar.low, BLUE, row + away), (bar.high, RED, row - away)):
+            axes.barh(place, value - middle, left=middle, height=height, color=colour)
     captions = [canvas.literal(bar.caption) for bar in reversed(bars)]
     axes.set_yticks(range(len(bars)), captions)
     axes.axvline(middle, color=INK, lw=0.8)
