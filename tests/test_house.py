@@ -28,6 +28,7 @@ COMMANDS = {"bench", "film", "fit", "fos", "import_", "montecarlo", "plot", "res
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",
     "inputs/declaring/alternatives.py": "types of the parts of a method, and keys of their tables",
+    "inputs/declaring/field_docs.py": "docstrings of a class are those of its file",
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""
