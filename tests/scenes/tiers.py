@@ -45,6 +45,10 @@ EACH_BY_ITSELF = (
 LONGEST = (
     "long/run/test_threads.py",
     *EACH_BY_ITSELF,
+    "pictures/test_page_in_browser.py",
+    "run/test_in_situ.py",
+    "system/study/test_runs.py",
+    "system/study/test_factors.py",
     "run/test_forged_checkpoints.py",
     "system/study/test_fit.py",
     "system/study/test_runs.py",
