@@ -24,7 +24,7 @@ SLIP = re.compile(r"[^A-Za-z]*([A-Za-z][^A-Za-z]*){0,3}")
 def mistyped(text: str) -> str:
     """Return in quotes the text in the place of a number, or a note that it is not shown.
 
-    A path may name any file: messages repeat nothing of it that is no slip in a number.
+    A path may name any file: of its text, messages repeat mistyped numbers alone.
     """
     if len(text) <= 40 and SLIP.fullmatch(text):
         return f"'{text}'"
@@ -74,9 +74,9 @@ class StepOutcome(Enum):
 
     ACCEPTED = "the step was accepted"
     TRAVELLED_TOO_FAR = "a vertex moved further than max_displacement"
-    TUNNELLED = "a vertex jumped into a block unseen by any contact"
+    TUNNELLED = "a vertex entered a block without any contact detecting it"
     ROTATED_TOO_FAR = "a block turned further in one step than the linearised equations allow"
-    NOT_FINITE = "the equations gave a displacement that is not a number"
+    NOT_FINITE = "the equations gave NaN displacements"
     SINGULAR = "the equations have no unique solution"
     ENERGY_CREATED = "the blocks hold more energy than gravity, loads and the start gave them"
     NOT_CONVERGED = "the step did not meet its tolerance"

@@ -10,7 +10,7 @@ from typing import Any
 
 def warn_of(earlier: str, name: str, depth: int = 3) -> None:
     """Warn that ``earlier`` is called ``name`` now; ``depth`` frames above is who used it."""
-    text = f"{earlier} is called {name} now; the earlier name will go in the next version"
+    text = f"{earlier} is called {name} now; the earlier name will be removed in the next version"
     warnings.warn(text, DeprecationWarning, stacklevel=depth)
 
 

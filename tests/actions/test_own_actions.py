@@ -214,7 +214,7 @@ def assert_closed(run: clast.Run) -> None:
 
 @pytest.mark.parametrize("nonsense", [3.0, Tether, object()])
 def test_what_is_no_action_is_refused(nonsense: object):
-    with pytest.raises(ModelError, match="no action"):
+    with pytest.raises(ModelError, match="not an action"):
         swinging(nonsense).build()
 
 

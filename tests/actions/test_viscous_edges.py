@@ -163,7 +163,7 @@ REFUSED: dict[str, tuple[Callable[[clast.ModelBuilder], None], str]] = {
     "no side": (lambda b: b.viscous_boundary(side="below"), "'below' is not known here"),
     "within": (
         lambda b: b.viscous_boundary(edges=[((1, 0), (1, 1))]),
-        "has another block behind it",
+        "borders on another block",
     ),
     "no edge": (lambda b: b.viscous_boundary(edges=[((5, 0), (6, 0))]), "no edge lies on"),
     "no length": (lambda b: b.viscous_boundary(edges=[((0, 0), (0, 0))]), "no length"),
@@ -219,7 +219,7 @@ def test_a_wave_needs_edges_that_face_down():
         builder.ground_motion = wave
         if side:
             builder.viscous_boundary(side=side)
-        with pytest.raises(ModelError, match="the wave has to come in, but"):
+        with pytest.raises(ModelError, match="the wave needs a boundary to enter through, but"):
             builder.build()
 
 
@@ -283,7 +283,7 @@ def test_dashpots_may_begin_with_a_stage(tmp_path):
     [
         ({"stage": "quke"}, "did you mean 'quake'"),
         ({"stage": "quake", "begins": 1.0}, "begins or stage"),
-        ({"stage": ""}, "no name of a stage"),
+        ({"stage": ""}, "not the name of a stage"),
     ],
 )
 def test_a_stage_that_does_not_come_is_refused(key: dict[str, object], what: str):

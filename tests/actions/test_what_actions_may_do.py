@@ -192,14 +192,14 @@ SHARES: dict[str, tuple[Any, str]] = {
     "vectors": (Contribution(block=np.array([1]), force=np.zeros((1, 2))), "force of shape (1, 2)"),
     "nan": (
         Contribution(block=np.array([1]), force=FORCE * np.nan),
-        "force with a value that is no finite",
+        "force with a value that is not a finite",
     ),
     "stiff": (
         Contribution(block=np.array([1]), force=FORCE, stiffness=np.zeros((1, 3, 3))),
         "stiffness of shape (1, 3, 3), not (1, 6, 6)",
     ),
     "weight": (Contribution(acceleration=np.zeros(3)), "acceleration of shape (3,), not (2,)"),
-    "slowed": (Contribution(carried=-0.5), "carried = -0.5, which is no share"),
+    "slowed": (Contribution(carried=-0.5), "carried = -0.5, which is not a valid share"),
     "nothing": (None, "share() gives a NoneType, not a Contribution"),
     "links": (springs(vertex_block=np.array([5])), "springs with vertex_block 5, and there are"),
     "pairs": (springs(pairs=np.array([[0, 9]])), "springs with pairs 9"),
@@ -219,7 +219,7 @@ def test_shares_that_no_step_can_use(name: str):
 
 DONE: dict[str, tuple[Any, str]] = {
     "nothing": (None, "finish() gives a NoneType, not an ActionResult"),
-    "nan": (ActionResult(work=np.nan, ledger=Ledger()), "work = nan, which is no finite number"),
+    "nan": (ActionResult(work=np.nan, ledger=Ledger()), "work = nan, which is not a finite number"),
     "text": (ActionResult(work="all", ledger=Ledger()), "work = 'all', which is no"),
     "ledger": (ActionResult(work=0.0, ledger=0.0), "a float as its ledger, not a Ledger"),
     "entry": (ActionResult(work=0.0, ledger=Ledger(loads=np.inf)), "a ledger with an entry"),

@@ -50,7 +50,7 @@ GROUTED = {"anchorage": "grouted", "free_length": 0.1}
         ({**GROUTED, "end": (0.7, 0.6)}, "crosses no joint: all of it is in block 1 'a'"),
         ({**GROUTED, "start": (-2, 0.5)}, "start lies outside every block; .* 'a', 2 m away"),
         ({**GROUTED, "start": (1, 0.1), "end": (1, 0.9)}, "runs along the joint between"),
-        ({**GROUTED, "blocks": ["a", "b"]}, "moves with all blocks that it runs through"),
+        ({**GROUTED, "blocks": ["a", "b"]}, "is bonded to every block along it"),
         ({**GROUTED, "free_length": -1.0}, "must be above 0"),
     ],
 )
@@ -173,7 +173,7 @@ def test_a_pattern_is_radial_and_as_far_apart_as_it_says(excavated: str):
     [
         ('opening = "heading"', 'opening = "headin"', "no opening 'headin'\n.*'heading'"),
         ("length = 3.0", "length = 12.0", "bolt 1 at 32.8 degrees, .*its end lies in no block"),
-        ("from = 20", "from = 170", "is no part of an outline"),
+        ("from = 20", "from = 170", "is not part of an outline"),
         ("from = 20", 'stage = "later"', r"\[\[bolt_pattern\]\] 1 stage: there is no stage"),
         ("pretension = 5e4", "pretension = -5e4", "must be 0 or more"),
         ("stiffness = 2e7", "stifness = 2e7", "did you mean 'stiffness'"),

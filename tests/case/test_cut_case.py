@@ -117,7 +117,7 @@ def test_a_joint_of_a_set_that_has_no_edges_is_no_error():
     assert "fault" in [one.name for one in model.joint_table.joints]
     assert "fault" not in edges(model)
     assert any("border no block were taken out" in note for note in model.notes)
-    with pytest.raises(ModelError, match="belongs to no contact"):
+    with pytest.raises(ModelError, match="is assigned to no contact"):
         Case.from_toml(text).model()
 
 

@@ -157,7 +157,7 @@ def test_a_bad_line_is_named(tmp_path, line):
 def test_a_moving_base_needs_fixed_points():
     text = CASE.replace("ACTS", "base").replace("PROCESS", "convex")
     text = text.replace("[[fixed_point]]\nat = [-2, -1]\n[[fixed_point]]\nat = [3, -1]\n", "")
-    with pytest.raises(CaseError, match="nothing is held by it"):
+    with pytest.raises(CaseError, match="nothing is attached to it"):
         Case.from_toml(text).model()
 
 

@@ -90,13 +90,13 @@ def test_laws_that_hold(law):
         ("normal_stiffness", 0.5, "normal_stiffness is not"),
         ("normal_stiffness", -1.0, "normal_stiffness is not"),
         ("shear_stiffness", 2.0, "shear_stiffness is not"),
-        ("energy", 0.9, "energy does not belong to normal_force"),
+        ("energy", 0.9, "energy is inconsistent with normal_force"),
         ("normal_force", -1.0, "pull"),
         ("shear_force", 1.1, "exceeds N tan"),
         ("shear_force", 0.9, r"carry only 0\.9 of N tan"),
         ("shear_force", -1.0, "T must be"),
         ("dissipation", 0.0, "T must be"),
-        ("dissipation", -1.0, "friction gives energy"),
+        ("dissipation", -1.0, "friction would create energy"),
         ("coupling", 0.0, "coupling is not"),
         ("energy", np.nan, "energy is not finite"),
     ],
@@ -117,7 +117,7 @@ def test_memory_that_is_changed():
 
 
 def test_answers_of_the_wrong_shape():
-    assert check_law(OfOneNumber())[0].startswith("energy has the shape ()")
+    assert check_law(OfOneNumber())[0].startswith("energy has shape ()")
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ BROKEN = {
     "end is infinite": (["pressure.1.end=[0, inf]"], ["[[pressure]] 1 end", "finite"]),
     "value of three": (["pressure.1.value=[1, 2, 3]"], ["[[pressure]] 1 value", "3 items"]),
     "value of words": (["pressure.1.value=much"], ["[[pressure]] 1 value", "number", "Pa"]),
-    "value is no pressure": (["pressure.1.value=[1, inf]"], ["[[pressure]] 1 value", "finite"]),
+    "value is not a pressure": (["pressure.1.value=[1, inf]"], ["[[pressure]] 1 value", "finite"]),
     "between two blocks": (
         ["pressure.1.end=[1, 0]"],
         ["pressure 1", "'base'", "'wall'", "(0, 0)", 'block = "base"'],
@@ -90,7 +90,7 @@ Change = Callable[[clast.ModelBuilder], object]
 REFUSED: dict[str, tuple[Change, list[str]]] = {
     "table twice": (
         lambda b: (b.add_amplitude("a", [0, 1], [0, 1]), b.add_amplitude("a", [0, 1], [0, 1])),
-        ["two amplitudes of that name", "'a'"],
+        ["two amplitudes with that name", "'a'"],
     ),
     "table of pairs": (
         lambda b: b.add_amplitude("a", [(0, 1)], [1]),

@@ -73,20 +73,20 @@ def test_names_go_on_and_may_not_be_given_twice():
     builder.measured_point("A", (0.5, 0.5), block="1")
     assert builder.build().measured_points.block.tolist() == [0]
     builder.blocks(vertices=TRIANGLE[None] + 5.0, rock="marl", names=["2"])
-    with pytest.raises(ModelError, match="two blocks of that name"):
+    with pytest.raises(ModelError, match="two blocks with that name"):
         builder.build()
 
 
 FAULTS = {
-    "shape": ({"vertices": SQUARES[0]}, r"vertices: have the shape \(4, 2\)"),
-    "words": ({"vertices": [[["a", "b"]]]}, "are no arrays of numbers"),
+    "shape": ({"vertices": SQUARES[0]}, r"vertices: have shape \(4, 2\)"),
+    "words": ({"vertices": [[["a", "b"]]]}, "are not arrays of numbers"),
     "start": ({"vertices": TRIANGLE, "start": [0, 4]}, "does not run from 0"),
     "names": ({"names": ["a"]}, "1 names are given for 3 blocks"),
     "fixed": ({"fixed": np.array([True])}, "one truth value"),
     "velocity": ({"velocity": (1.0, 2.0)}, "velocity: give 3 finite numbers"),
     "stress": ({"initial_stress": np.full((3, 3), np.nan)}, "initial_stress: give 3 finite"),
     "rock": ({"rock": "granit"}, "did you mean 'granite'?"),
-    "no rock": ({"rock": None}, "does not say which rock"),
+    "no rock": ({"rock": None}, "names no rock"),
     "moving": ({"fixed": True, "velocity": (1, 0, 0)}, "block 1, velocity: a fixed block"),
     "overlap": ({"vertices": SQUARES[[0, 0, 1]]}, "block 1: overlaps block 2 to a depth"),
     "nan": ({"vertices": np.where(SQUARES == 5.0, np.nan, SQUARES)}, "block 3, vertex 2"),
@@ -125,7 +125,7 @@ def test_clockwise_loops_are_turned_round_and_said():
     for block, loop in enumerate(clockwise):
         assert model.polygon(block).tolist() == [loop[0].tolist(), *loop[:0:-1].tolist()]
     (note,) = model.notes
-    assert note == "3 loops run clockwise and were turned round: block 1, block 2, block 3"
+    assert note == "3 loops run clockwise and were reversed: block 1, block 2, block 3"
 
 
 def test_every_block_may_have_a_rock_of_its_own():
@@ -150,7 +150,7 @@ def test_every_block_may_have_a_rock_of_its_own():
     [
         (["granite"], "1 rocks are given for 2 blocks"),
         (["granite", "marble"], "no rock 'marble'"),
-        (["granite", 3], "3 is no name of a rock"),
+        (["granite", 3], "3 is not a valid rock name"),
     ],
 )
 def test_rocks_of_blocks_that_are_none(rocks, words):

@@ -218,7 +218,7 @@ def test_objects_are_taken_in_the_place_of_names():
     nested = builder.case(process={"name": "modified", "friction": LaggedFriction()})
     assert isinstance(nested.method().process.friction, LaggedFriction)
     assert "Own(inner=" in case.text
-    with pytest.raises(CaseError, match="object of a script, which no case file can hold"):
+    with pytest.raises(CaseError, match="object of a script, which a case file cannot hold"):
         case.to_toml()
     assert 'friction = "lagged"' in nested.to_toml()
 
@@ -229,8 +229,11 @@ def test_objects_are_taken_in_the_place_of_names():
         ({"stap": 1e-3}, "did you mean 'step'"),
         ({"step": -1.0}, r"\[time\] step: must be above 0"),
         ({"process": "convx"}, "did you mean 'convex'"),
-        ({"process": Penalty()}, "Penalty is no process: it has no step, advice, stiffness"),
-        ({"contact_law": Penalty}, r"Penalty is a class, not an object\n  give Penalty\(...\)"),
+        (
+            {"process": Penalty()},
+            "Penalty is not a valid process: it has no step, advice, stiffness",
+        ),
+        ({"contact_law": Penalty}, r"Penalty is a class, not an instance\n  give Penalty\(...\)"),
         ({"contact_law": 7}, "must be a name or a table"),
         ({"end": 0.01, "step": 0.1}, "longer than the whole run"),
         ({"end": "1"}, r"script: \[time\] end: must be a number"),
@@ -254,15 +257,15 @@ def test_bad_blocks_are_answered_by_the_case_too():
     builder = two_bricks()
     builder.block(vertices=[(5, 0), (6, 0), (6, 1)], name="brick")
     for call in (builder.case, builder.to_toml, partial(clast.simulate, builder)):
-        with pytest.raises(ModelError, match="two blocks of that name"):
+        with pytest.raises(ModelError, match="two blocks with that name"):
             call(step=1e-3)
-    with pytest.raises(ModelError, match="two rocks of that name"):
+    with pytest.raises(ModelError, match="two rocks with that name"):
         builder.add_rock("brick", young=1e9, poisson=0.2, density=1000.0)
 
 
 def test_only_models_are_simulated():
     for wrong in (two_bricks().case(), "incline.toml", None):
-        with pytest.raises(CaseError, match="is no model"):
+        with pytest.raises(CaseError, match="is not a model"):
             clast.simulate(wrong)
 
 

@@ -91,7 +91,7 @@ REFUSED = {
     "radians": ("joint = {bedding = {friction_angle = 0.5}}", "radians", "28.6"),
     "unknown opening": ('excavate = ["bix"]', "'bix'", "did you mean 'box'"),
     "unknown bolt": ('install = ["swellex"]', "'swellex'", "there is no"),
-    "time without time": ('until = "time"', "time", "how long"),
+    "time without time": ('until = "time"', "time", "duration"),
     "relax without excavate": ("relax = 0.3", "excavates nothing", "excavate ="),
     "relax never": ('excavate = ["box"]\nrelax = 0.3', "relax_time", "above 0"),
     "relax too long": (
@@ -106,7 +106,7 @@ REFUSED = {
     "unknown damping": ('damping = "magic"', "magic", "damping"),
     "damping out of range": ('damping = {name = "adaptive", ratio = -1}', "ratio", "0"),
     "unknown number": ('damping = {name = "kinetic", ratio = 1.0}', "ratio", ""),
-    "twice the same load": ('loads = ["pool", "pool"]', "acts already", "name it once"),
+    "twice the same load": ('loads = ["pool", "pool"]', "already acts", "name it once"),
     "unknown key": ("reset = true", "reset", "reset_displacement"),
 }
 
@@ -125,11 +125,11 @@ PAIRS = {
     "same name": ('[[stage]]\nname = "a"\n[[stage]]\nname = "a"\n', "'a'"),
     "excavated twice": (
         '[[stage]]\nname = "a"\nexcavate = ["box"]\n[[stage]]\nname = "b"\nexcavate = ["box"]\n',
-        "has been excavated already since stage 'a'",
+        "was already excavated in stage 'a'",
     ),
     "load twice": (
         '[[stage]]\nname = "a"\nloads = ["rise"]\n[[stage]]\nname = "b"\nloads = ["rise"]\n',
-        "acts already since stage 'a'",
+        "already acts in stage 'a'",
     ),
 }
 
@@ -142,14 +142,14 @@ def test_stages_that_do_not_go_together_are_refused(name: str):
 
 
 def test_a_ground_motion_that_acts_in_no_stage_is_refused():
-    with pytest.raises(CaseError, match="acts in no stage"):
+    with pytest.raises(CaseError, match="is used in no stage"):
         sane('\n[[stage]]\nname = "a"\n', GROUND)
     sane('\n[[stage]]\nname = "a"\nground_motion = true\n', GROUND)
 
 
 def test_a_name_of_a_load_and_a_table_is_refused():
     both = CASE.replace("[amplitude.rise]", "[amplitude.pool]")
-    with pytest.raises(CaseError, match="of loads and of a table"):
+    with pytest.raises(CaseError, match="both a load and a table"):
         Case.from_toml(f'{both}\n[[stage]]\nname = "a"\nloads = ["pool"]\n').examine()
 
 

@@ -66,7 +66,7 @@ def test_what_are_no_stages(stages: Any):
         lambda: clast.simulate(shaken(), stages=stages, **KEYS),
         lambda: shaken().case(stages=stages, **KEYS),
     ):
-        with pytest.raises(CaseError, match=r"(?s)stages: .* is no stage.*clast\.Stage"):
+        with pytest.raises(CaseError, match=r"(?s)stages: .* is not a stage.*clast\.Stage"):
             give()
 
 
@@ -80,7 +80,7 @@ def test_what_are_no_blocks(blocks: Any):
     model = shaken().build()
     run = clast.simulate(model, **KEYS)
     method = shaken().case(**KEYS).method()
-    with pytest.raises(ModelError, match=r"blocks: (.* are no numbers of|there is no block)"):
+    with pytest.raises(ModelError, match=r"blocks: (.* are not block numbers|there is no block)"):
         excavated(model, method, run.state, blocks)
     left, _ = excavated(model, method, run.state, [1, 2])
     np.testing.assert_array_equal(np.flatnonzero(left.absent), [1, 2])

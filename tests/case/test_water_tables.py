@@ -31,9 +31,9 @@ BROKEN = {
     "two surfaces": (["water.1.line=[[0, 1], [1, 1]]"], ["[[water]] 1", "both level and line"]),
     "no function": (
         ["water.1={line=[[0, 1], [2, 1], [1, 2]]}"],
-        ["water 1, line", "goes back at (1, 2)", "order the points by x"],
+        ["water 1, line", "x decreases at (1, 2)", "order the points by x"],
     ),
-    "falls upright": (["water.1={line=[[0, 1], [1, 1], [1, 0]]}"], ["goes back at (1, 0)"]),
+    "falls upright": (["water.1={line=[[0, 1], [1, 1], [1, 0]]}"], ["x decreases at (1, 0)"]),
     "one point": (["water.1={line=[[0, 1]]}"], ["water 1, line", "has 1 points", "a level"]),
     "below everything": (
         ["water.1.level=-3"],
@@ -43,25 +43,31 @@ BROKEN = {
     "level is nan": (["water.1.level=nan"], ["[[water]] 1 level", "finite"]),
     "t/m3": (["water.1.density=1.025"], ["[[water]] 1 density", "t/m3", "write 1025"]),
     "kN/m3": (["water.1.density=9.81"], ["[[water]] 1 density", "kN/m3", "write 1000"]),
-    "a gas": (["water.1.density=50"], ["[[water]] 1 density", "no liquid"]),
-    "negative density": (["water.1.density=-1000"], ["[[water]] 1 density", "no density"]),
+    "a gas": (["water.1.density=50"], ["[[water]] 1 density", "not the density of a liquid"]),
+    "negative density": (["water.1.density=-1000"], ["[[water]] 1 density", "not a valid density"]),
     "unknown joint": (
         ['water.1.joints=["bedd"]'],
         ["water 1, joints", "no joint 'bedd'", "mean 'bed'"],
     ),
-    "joint of nothing": (['water.1.joints=["default"]'], ["no two blocks lie along", "'default'"]),
+    "joint of nothing": (
+        ['water.1.joints=["default"]'],
+        ["no two blocks share a face", "'default'"],
+    ),
     "joints of faces": (
         ['water.1.joints=["bed"]', "water.1.acts_on=faces"],
-        ["[[water]] 1", "outer faces alone", 'acts_on = "joints"'],
+        ["[[water]] 1", "outer faces only", 'acts_on = "joints"'],
     ),
     "unknown table": (["water.1.amplitude=rmap"], ["water 1, amplitude", "'rmap'", "mean 'ramp'"]),
     "table beyond one": (["water.1.amplitude=wild"], ["water 1, amplitude", "goes from 0 to 2"]),
-    "share beyond one": (["water.1.amplitude=1.5"], ["[[water]] 1 amplitude", "1.5 is no share"]),
+    "share beyond one": (
+        ["water.1.amplitude=1.5"],
+        ["[[water]] 1 amplitude", "1.5 is not a valid share"],
+    ),
     "drain beside": (
         ["water.1.drained_at=[[0.5, 0.3]]"],
-        ["water 1, drained_at, point 1", "(0.5, 0.3) is on no joint", "0.3 m away"],
+        ["water 1, drained_at, point 1", "(0.5, 0.3) is not on a joint", "0.3 m away"],
     ),
-    "no weight": (["gravity=[0, 0]"], ["water 1", "no level", "-9.81"]),
+    "no weight": (["gravity=[0, 0]"], ["water 1", "a water level needs gravity", "-9.81"]),
     "gravity aslant": (["gravity=[1, -9]"], ["water 1", "[1, -9]", "ground_motion"]),
     "nothing wet": (
         ["water.1.level=-0.5", "water.1.acts_on=joints"],
@@ -91,7 +97,7 @@ SCRIPTS = {
     "no number": ({"level": "high"}, ["level", "'high'"]),
     "no points": ({"level": None, "line": 3.0}, ["line", "list in brackets"]),
     "no list of joints": ({"joints": "bed"}, ["joints", "list in brackets"]),
-    "no share": ({"amplitude": None}, ["amplitude", "number"]),
+    "not a valid share": ({"amplitude": None}, ["amplitude", "number"]),
 }
 
 
@@ -116,7 +122,7 @@ def test_scripts_are_told_as_well(name: str):
 def test_two_waters_of_one_name_are_refused():
     builder = script(name="pool")
     builder.water(1.0, name="pool")
-    with pytest.raises(ModelError, match="two waters of that name"):
+    with pytest.raises(ModelError, match=r"two \[\[water\]\] tables"):
         builder.build()
 
 

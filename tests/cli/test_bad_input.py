@@ -156,7 +156,7 @@ TEXTS = {
     ),
     "stiffness of nothing": (
         changed("normal_stiffness=1e9", "normal_stiffness=1e-308"),
-        ["1e-308 N/m per m is too small to be meant", "at least"],
+        ["1e-308 N/m per m is too small to be intended", "at least"],
     ),
     "end of all times": (
         changed("end = 1.0", "end = 1e308"),
@@ -169,7 +169,7 @@ TEXTS = {
     "step of no length": (changed("step = 1e-3", "step = 1e-308"), ["[time] step", "small"]),
     "frames without time between": (
         changed("every = 0.01", "every = 1e-310"),
-        ["[output] every", "too small to be meant"],
+        ["[output] every", "too small to be intended"],
     ),
     "huge critdis": (changed("critdis = 0.005", "critdis = 1e308"), ["critdis", "too large"]),
     "tiny critdis": (changed("critdis = 0.005", "critdis = 1e-308"), ["critdis", "at least 1e-12"]),
@@ -182,7 +182,7 @@ TEXTS = {
     "huge velocity": (changed("[0,0,0]", "[1e200,0,0]"), ["velocity 1", "too large", "m/s"]),
     "tolerance of nothing": (
         changed('name="modified", friction="lagged", passes=1', 'name="convex", tolerance=1e-300'),
-        ["[method] process.tolerance", "too small to be meant"],
+        ["[method] process.tolerance", "too small to be intended"],
     ),
     "passes without end": (changed("passes=1", "passes=1000000000"), ["passes", "1000 or less"]),
     "coordinates without bounds": (
@@ -233,8 +233,11 @@ TEXTS = {
     "key of many letters": (INCLINE + "x" * 9000 + " = 3\n", ["[output] xxx", "no such key"]),
     "line of many letters": (INCLINE + "'" + "x" * 9000 + "\n", ["is not TOML"]),
     "directory for a record": (INCLINE + RECORD.format("."), ["is a directory", "text file"]),
-    "NUL in the name of a record": (INCLINE + RECORD.format("a\\u0000b"), ["no name of a file"]),
-    "endless record": (INCLINE + RECORD.format("/dev/zero"), ["/dev/zero", "no regular file"]),
+    "NUL in the name of a record": (
+        INCLINE + RECORD.format("a\\u0000b"),
+        [("not a valid file name")],
+    ),
+    "endless record": (INCLINE + RECORD.format("/dev/zero"), ["/dev/zero", "not a regular file"]),
     "schema of the future": (changed("schema = 1", "schema = 2"), ["schema", "2 is not known"]),
     "no blocks": (changed("[geometry]", "[geometry_]"), ["mean 'geometry'"]),
     "no TOML": (changed("[rock.granite]", "[rock.granite"), ["line 12", "is not TOML"]),
@@ -273,7 +276,7 @@ def test_several_faults_are_said_at_once(tmp_path):
 @pytest.mark.parametrize(
     ("setting", "phrase"),
     [
-        ("=3", "sets nothing"),
+        ("=3", "sets no value"),
         ("time..step=1", "no such key"),
         ("geometry.blocks.0.fixed=true", "entries 1 to 2, not '0'"),
         ("geometry.blocks.²=true", "entries 1 to 2, not '²'"),
@@ -281,7 +284,7 @@ def test_several_faults_are_said_at_once(tmp_path):
         ("title=" + "[" * 5000, "nested too deeply"),
         ("rock.granite.young=" + "9" * 5000, "too many digits"),
         ("x" * 10_000 + "=1", "no such key"),
-        ("x" * 10_000, "sets nothing"),
+        ("x" * 10_000, "sets no value"),
         ("time.end=" + "x" * 10_000, "must be a number, not 'xxx"),
         ("method.process={name='convex'", "there is no process"),
         ("time=\x1b[31m", "must be a table"),
@@ -345,7 +348,7 @@ def test_pipes_and_devices_are_not_waited_for(tmp_path):
     case.write_text(INCLINE + RECORD.format("pipe"), encoding="utf-8")
     for path in (case, tmp_path / "pipe", Path("/dev/zero")):
         message = run_with(path, tmp_path / "out.vtkhdf")
-        assert "is no regular file but a pipe, a socket or a device" in message
+        assert "is a pipe, a socket or a device, not a regular file" in message
 
 
 @pytest.mark.parametrize(
@@ -372,13 +375,13 @@ def test_a_link_to_itself(tmp_path):
 
 
 RECORDS = {
-    "decimal commas": ("0;0,1\n1;0,2\n", ["line 1: '0;0,1'", "decimals have a point"]),
-    "decimal commas and tabs": ("0\t0,1\n1\t0,2\n", ["line 1", "decimals have a point"]),
+    "decimal commas": ("0;0,1\n1;0,2\n", ["line 1: '0;0,1'", "write decimals with a point"]),
+    "decimal commas and tabs": ("0\t0,1\n1\t0,2\n", ["line 1", "write decimals with a point"]),
     "a slip in the first row": ("t,a\n0.O,0\n1,1\n", ["line 2: '0.O,0'"]),
     "not a number": ("0,0\n1,nan\n", ["line 2: '1,nan'"]),
     "infinite": ("0,0\n1,1e999\n", ["line 2: '1,1e999'"]),
     "immense": ("0,0\n1,1e300\n2,0\n", ["values of up to 1e+300 are far too large"]),
-    "endless word": ("0,0\n1," + "x" * 10_000, ["line 2", "no line of an accelerogram"]),
+    "endless word": ("0,0\n1," + "x" * 10_000, ["line 2", "not a line of an accelerogram"]),
     "five columns": ("PEER\n.1 .2 .3 .4 .5\n", ["line 2"]),
     "nothing": ("", ["holds no numbers"]),
     "one instant": ("0,0\n", ["at least 2 instants"]),
@@ -401,17 +404,17 @@ def test_bad_records(name, tmp_path):
 @pytest.mark.parametrize(
     ("name", "phrase"),
     [
-        ("", "no name of a case"),
-        (".", "no name of a case"),
-        ("..", "no name of a case"),
-        ("/", "no name of a case"),
-        (" ", "no name of a case"),
-        (".toml", "no name of a case"),
-        ("a/", "no name of a case"),
-        ("a\nb", "no name of a case"),
+        ("", "not a valid case name"),
+        (".", "not a valid case name"),
+        ("..", "not a valid case name"),
+        ("/", "not a valid case name"),
+        (" ", "not a valid case name"),
+        (".toml", "not a valid case name"),
+        ("a/", "not a valid case name"),
+        ("a\nb", "not a valid case name"),
         ("a/b/c", "the folder a/b does not exist"),
         ("x" * 300, "too long a name"),
-        ("old", "exists already"),
+        ("old", "already exists"),
     ],
 )
 def test_names_of_no_new_case(name, phrase, tmp_path, monkeypatch):
@@ -459,7 +462,7 @@ def test_output_in_a_directory_that_is_not(tmp_path, incline):
 
 def test_output_over_something_else(tmp_path, incline):
     message = run_with(incline, incline)
-    assert "is no result file" in message
+    assert "is not a clast result file" in message
     assert incline.read_text(encoding="utf-8") == INCLINE
 
 

@@ -78,7 +78,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
         sets("seed = 7", 'rock = "granit"'),
         ["[domain] rock", "no rock 'granit'", "'granite'"],
     ),
-    "which rock": (tunnel('rock = "granite"\n', ""), ["[domain] rock", "which rock", "shale"]),
+    "which rock": (tunnel('rock = "granite"\n', ""), ["[domain] rock", "names no rock", "shale"]),
     "seed below 0": (sets("seed = 7", "seed = -1"), ["[domain] seed", "0 or more"]),
     "seed of a text": (sets("seed = 7", 'seed = "a"'), ["[domain] seed", "whole number"]),
     "tolerance 0": (sets("seed = 7", "tolerance = 0.0"), ["[domain] tolerance", "above 0"]),
@@ -90,7 +90,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     "no blocks at all": (sets("seed = 7", "most_blocks = 0"), ["[domain] most_blocks", "1 or"]),
     "too many blocks": (
         sets("seed = 7", "most_blocks = 10"),
-        ["joint_set", "spacing", "10 are allowed", "would do", "most_blocks"],
+        ["joint_set", "spacing", "than the 10 allowed", "would do", "most_blocks"],
     ),
     "unknown side": (
         sets("seed = 7", 'fixed_sides = ["botom"]'),
@@ -130,11 +130,11 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     ),
     "dip above 90": (
         cross('dip = 95\ndip_direction = 90\nspacing = 1\nspacing_is = "true"\n'),
-        ["joint_set 'cross', dip", "95 is no dip"],
+        ["joint_set 'cross', dip", "95 is not a valid dip"],
     ),
     "which spacing": (
         cross("dip = 30\ndip_direction = 90\nspacing = 1\n"),
-        ["joint_set 'cross', spacing_is", "in space or in the section"],
+        ["joint_set 'cross', spacing_is", "true (in space) or apparent"],
     ),
     "unknown spacing": (cross(CROSS + 'spacing_is = "real"\n'), ["spacing_is", "apparent"]),
     "section along the set": (
@@ -160,7 +160,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     ),
     "std below 0": (
         spacing('{distribution = "lognormal", mean = 2.0, std = -0.3}'),
-        ["joint_set 'bedding', spacing, std", "no standard deviation"],
+        ["joint_set 'bedding', spacing, std", "not a standard deviation"],
     ),
     "std of an exponential": (
         spacing('{distribution = "exponential", mean = 2.0, std = 0.3}'),
@@ -210,7 +210,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     "unknown region": (cross(CROSS + 'within = "here"\n'), ["'cross', within", "no region 'here'"]),
     "within nothing": (
         cross(CROSS + "within = [[90, 0], [91, 0], [91, 1]]\n"),
-        ["joint_set 'cross', within", "outside of the domain"],
+        ["joint_set 'cross', within", "outside the domain"],
     ),
     "within a number": (cross(CROSS + "within = 3\n"), ["'cross' within", "list in brackets"]),
     "scatter twice": (
@@ -249,7 +249,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     "layer without file": (TRACE + 'points = [[0,0],[1,1]]\nlayer = "A"\n', ["layer", "no file"]),
     "welded by name": (
         sets("[joint.bedding]", "[joint.welded]").replace('"bedding"\nangle', '"welded"\nangle'),
-        ["joint_set 'bedding', joint", "stands for edges that are welded"],
+        ["joint_set 'bedding', joint", "is reserved for welded edges"],
     ),
     # openings, regions, masonry
     "opening without shape": (tunnel(CIRCLE, ""), ["[[opening]] 1 'heading'", "neither shape"]),
@@ -275,7 +275,7 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     ),
     "region outside": (
         tunnel("[[0, 0], [20, 0], [20, 5], [0, 5]]", "[[0, -9], [20, -9], [20, -5]]"),
-        ["region 'shale bed'", "outside of the domain"],
+        ["region 'shale bed'", "outside the domain"],
     ),
     "brick of no height": (
         wall("[0.4, 0.2]", "[0.4, 0.0]"),

@@ -210,7 +210,7 @@ def test_new(template, tmp_path, monkeypatch):
     assert clast.load("mine.toml").model().block_count >= 2
     result = clast_command("new", "mine", "--template", template)
     assert result.exit_code == 2
-    assert "exists already" in result.stderr
+    assert "already exists" in result.stderr
 
 
 def test_new_from_an_unknown_template(tmp_path, monkeypatch):

@@ -59,9 +59,9 @@ def test_some_tables(result: Path):
         (["--to", "vtu", "--tables", "steps"], ["--tables", "--to csv"]),
         (["--to", "csv", "--tables", "step"], ["no table 'step'", "'steps'"]),
         (["--to", "csv", "-o", "taken.dxf"], ["taken.dxf", "folder"]),
-        (["--to", "dxf", "-o", "taken.dxf"], ["taken.dxf", "exists already"]),
+        (["--to", "dxf", "-o", "taken.dxf"], ["taken.dxf", "already exists"]),
         (["--to", "dxf", "-o", "missing/a.dxf"], ["missing/a.dxf", "folder does not exist"]),
-        (["--to", "vtu", "-o", "a.vtu"], ["a.vtu", "end in .pvd"]),
+        (["--to", "vtu", "-o", "a.vtu"], ["a.vtu", "ending in .pvd"]),
     ],
 )
 def test_one_message_where_nothing_can_be_written(result: Path, arguments: list, said: list):

@@ -111,11 +111,11 @@ def test_import_of_a_drawing(tmp_path: Path):
     text = done(*words, "--blocks", str(blocks))
     assert "outline of the domain 1, traces 1" in text and "cm" in text
     assert "left out: " in text and "TITLE" in text
-    assert 'give the numbers that are "to be given" there' in text
+    assert 'fill in the values marked "to be given" there' in text
     content = tomllib.loads(target.read_text("utf-8"))
     assert content["domain"]["boundary"][2] == [20.0, 10.0]
     assert read_blocks_npz(blocks).count == 2
-    assert "exists already" in refused(*words)
+    assert "already exists" in refused(*words)
 
 
 def test_import_of_legacy_files_with_their_analysis(tmp_path: Path):
@@ -155,12 +155,12 @@ def test_import_of_finished_blocks(ending: str, tmp_path: Path):
     assert "taken over: 22 blocks; rocks granite" in text
     assert text.count("repair: ") == 3 and "became one: (" in text
     assert "tolerance 0.003 m: no vertex moved by more than 0.00" in text
-    assert "1 blocks ran clockwise and were turned round: 2" in text
+    assert "1 blocks ran clockwise and were reversed: 2" in text
     blocks = read_blocks_npz(tmp_path / "case-blocks.npz")
     assert blocks.count == 22
     case = Case.from_toml(target, GIVEN)
     assert len(case.model().overlaps.pair) == 0
-    assert "exists already" in refused(*words)
+    assert "already exists" in refused(*words)
 
 
 def test_import_of_finished_blocks_as_json(tmp_path: Path):
@@ -184,7 +184,7 @@ def test_check_says_what_was_repaired(tmp_path: Path):
     path = tmp_path / "wall.toml"
     path.write_text(f"{head}{rock}{table}[repair]\ntolerance = 3e-3\n", encoding="utf-8")
     text = done("check", str(path))
-    assert "repairs" in text and "became one: (" in text and "turned round" in text
+    assert "repairs" in text and "became one: (" in text and "reversed" in text
     content = json.loads(done("check", str(path), "--json"))
     assert content["repairs"][0]["count"] > 10 and len(content["repairs"][0]["places"]) == 5
     assert not any("overlap" in one for one in content["warnings"])
@@ -194,7 +194,7 @@ def test_check_says_what_was_repaired(tmp_path: Path):
     ("words", "said"),
     [
         (("wall.csv", "-o", "a.toml", "--tolerance", "0.3"), "median edge"),
-        (("wall.csv", "-o", "a.toml", "--tolerance", "0"), "no distance"),
+        (("wall.csv", "-o", "a.toml", "--tolerance", "0"), "not a valid distance"),
         (("site.dxf", "-o", "a.toml", "--as", "drawing"), "--as blocks"),
         (("none.npz", "-o", "a.toml"), "no such file"),
         (("traces.csv", "-o", "a.toml", "--tolerance", "1e-3"), "[domain] has a tolerance"),
@@ -213,12 +213,12 @@ def test_blocks_that_cannot_be_imported(words, said, tmp_path: Path, monkeypatch
     ("words", "said"),
     [
         (("none.dxf", "-o", "a.toml"), "no such file"),
-        (("site.csv", "-o", "a.txt"), "let it end in .toml"),
+        (("site.csv", "-o", "a.txt"), "use a name ending in .toml"),
         (("site.csv", "-o", "none/a.toml"), "its folder does not exist"),
         (("site.csv", "-o", "a.toml", "--blocks", "b.svg"), ".dxf, .csv, .npz"),
         (("site.csv", "-o", "a.toml", "--blocks", "b.npz"), "no outline of the domain"),
         (("site.geo", "-o", "a.toml", "--mass-unit", "-1"), "mass"),
-        (("site.dxf", "-o", "a.toml", "--unit", "furlong"), "no unit"),
+        (("site.dxf", "-o", "a.toml", "--unit", "furlong"), "not a valid unit"),
     ],
 )
 def test_what_cannot_be_imported(words, said, tmp_path: Path, monkeypatch):

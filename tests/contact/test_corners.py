@@ -57,7 +57,7 @@ def test_on_the_bisector_the_remembered_edge_stays():
     assert edges_of_tip(corner) == [RIGHT]  # the lower index where nothing is remembered
     for edge in (RIGHT, TOP):
         assert edges_of_tip(corner, memory=remembering(edge)) == [edge]
-    # memory of another vertex, another block or an edge that is no candidate does not count
+    # memory of another vertex, another block or an edge that is not a candidate does not count
     for other in (remembering(TOP, vertex=5), remembering(TOP, block=1), remembering(3)):
         assert edges_of_tip(corner, memory=other) == [RIGHT]
 

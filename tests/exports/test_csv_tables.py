@@ -174,10 +174,10 @@ def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path):
     (tmp_path / "file").write_text("mine")
     (tmp_path / "blocks.csv").write_text("mine")
     for path, tables, said in (
-        (tmp_path, None, "blocks.csv: exists already"),
+        (tmp_path, None, "blocks.csv: already exists"),
         (tmp_path / "file", None, "cannot be the folder of tables"),
         (tmp_path / "missing" / "a", None, "cannot be the folder of tables"),
-        (tmp_path / "a.csv", None, "is no name of a folder"),
+        (tmp_path / "a.csv", None, "is not a valid folder name"),
         (tmp_path / "a", ["vertex"], "there is no table 'vertex'"),
     ):
         with pytest.raises(CaseError, match=said) as caught:

@@ -94,7 +94,7 @@ def test_a_rock_called_as_the_layer_of_contacts_is_refused(tmp_path: Path):
     builder.add_rock("CONTACTS", young=5e9, poisson=0.2, density=2500.0)
     builder.block(vertices=[(0, 0), (1, 0), (1, 1)], rock="CONTACTS")
     kept = record_start(builder)
-    with pytest.raises(CaseError, match="would be one layer"):
+    with pytest.raises(CaseError, match="would be the same layer"):
         write_dxf(kept, tmp_path / "a.dxf")
     assert list(tmp_path.iterdir()) == []
 
@@ -115,8 +115,8 @@ def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path, mon
     kept = record(three_blocks()).run
     (tmp_path / "there.dxf").write_text("mine")
     for path, frames, said in (
-        (tmp_path / "a.dwg", [1], "is no name of a drawing"),
-        (tmp_path / "there.dxf", [1], "exists already"),
+        (tmp_path / "a.dwg", [1], "is not a valid name for a drawing"),
+        (tmp_path / "there.dxf", [1], "already exists"),
         (tmp_path / "a.dxf", [-9], "no frame -9"),
     ):
         with pytest.raises(CaseError, match=said) as caught:

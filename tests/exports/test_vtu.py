@@ -109,10 +109,10 @@ def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path):
     refused(tmp_path / "a.pvd", [1], "mesh of one frame")
     refused(tmp_path / "a.vtu", [1, 2], "several frames")
     refused(tmp_path / "a.vtu", [7], "no frame 7")
-    refused(tmp_path / "a.vtu", [], "no frame is named")
+    refused(tmp_path / "a.vtu", [], "no frame is given")
     refused(tmp_path / "missing" / "a.vtu", [1], "folder does not exist")
     (tmp_path / "a-0002.vtu").touch()
-    refused(tmp_path / "a.pvd", None, "a-0002.vtu: exists already")
+    refused(tmp_path / "a.pvd", None, "a-0002.vtu: already exists")
     damaged = dataclasses.replace(written, path=tmp_path / "gone.vtkhdf")
     with pytest.raises(clast.CaseError, match="no such file"):
         write_vtu(damaged, tmp_path / "b.vtu", [1])

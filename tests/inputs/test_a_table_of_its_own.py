@@ -78,7 +78,7 @@ class Spring(Table):
     blocks: tuple[StrictStr, StrictStr] | None = None
     """Blocks of both ends; needed only where blocks touch."""
     stiffness: Annotated[Positive, within(ranges.STIFFNESS)]
-    """Force by elongation, N/m per m."""
+    """Force per elongation, N/m per m."""
 
     @classmethod
     def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:

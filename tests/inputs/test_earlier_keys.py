@@ -44,7 +44,7 @@ EARLIER = (
 )
 NOW = (
     "table is called amplitude, gravity_factor is called gravity_amplitude, "
-    "factor is called amplitude now; the earlier names will go in the next version"
+    "factor is called amplitude now; the earlier names will be removed in the next version"
 )
 
 

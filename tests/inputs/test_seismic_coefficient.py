@@ -36,7 +36,7 @@ def test_water_keeps_its_level():
     assert pushed.weight == pytest.approx(9.8e3)
     made = builder(gravity=(2.0, -9.6))
     made.water(1.5)
-    with pytest.raises(ModelError, match="no level") as refused:
+    with pytest.raises(ModelError, match="a water level needs gravity") as refused:
         made.build()
     assert "seismic_coefficient" in refused.value.remedy
 

@@ -64,7 +64,7 @@ def test_a_script_reads_a_record_and_writes_it(tmp_path: Path, monkeypatch: pyte
         ("in_situ", {"stres": [0, 0, 0]}, r"\[in_situ\] stres: .*did you mean 'stress'\?"),
         ("in_situ", {"vertical": "overburden"}, r"\[in_situ\]: .*k0 belong together"),
         ("in_situ", {"stress": [0, 0]}, r"\[in_situ\] stress: number 3 is missing"),
-        ("in_situ", 5, "in_situ: 5 is no stress in the rock"),
+        ("in_situ", 5, "in_situ: 5 is not a valid in-situ stress"),
         ("in_situ", clast.Overburden(k0=-1.0), r"\[in_situ\] k0: must be 0 or more"),
         ("in_situ", clast.Overburden(k0=1.0, held="roller"), r"\[in_situ\] held"),
         ("ground_motion", {"acts": "base"}, r"\[ground_motion\]: there is no accelerogram"),
@@ -91,7 +91,7 @@ def test_blocks_that_are_put_together_come_back_from_a_file():
     again = clast.Case.from_toml(by_keys.to_toml()).model()
     assert again.vertices.tobytes() == by_keys.build().vertices.tobytes()
     assert again.vertices.tobytes() != apart().build().vertices.tobytes()
-    for wrong, said in (({"tolerance": -1}, "above 0"), (7, "7 puts no blocks together")):
+    for wrong, said in (({"tolerance": -1}, "above 0"), (7, "7 does not describe a repair")):
         with pytest.raises(ModelError, match=rf"repair\]?.*{said}"):
             apart(repair=wrong)
     with pytest.raises(ModelError, match=r"\[repair\] tolerance: must be a number"):

@@ -193,7 +193,7 @@ def test_a_gif_is_not_faster_than_browsers_show_it(wall, tmp_path):
 
 def test_a_part_without_blocks_is_refused(wall, tmp_path):
     look = FilmLook(zoom=(50.0, 50.0, 60.0, 60.0))
-    with pytest.raises(CaseError, match="no block in this part"):
+    with pytest.raises(CaseError, match="no block lies in this area"):
         write_film(wall(1, 2), tmp_path / "film.gif", look=look)
 
 

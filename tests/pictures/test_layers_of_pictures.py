@@ -99,7 +99,7 @@ def test_what_is_no_layer_and_no_frame(parted, tmp_path):
         Look(layers=("chain",))
     with pytest.raises(CaseError, match="frame"):
         plot_two_frames(parted, tmp_path / "a.png", (0, 99))
-    with pytest.raises(CaseError, match="no block in this part"):
+    with pytest.raises(CaseError, match="no block lies in this area"):
         plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(zoom=(50, 50, 60, 60)))
 
 

@@ -391,9 +391,9 @@ def test_the_commands_give_the_address_of_the_page(tmp_path):
 
 def test_an_address_that_cannot_be_had(tmp_path):
     taken = socket.create_server(("127.0.0.1", 0))
-    with pytest.raises(CaseError, match="no page can be served at"):
+    with pytest.raises(CaseError, match="the page cannot be served at"):
         LivePage(tmp_path / "run.vtkhdf", f"127.0.0.1:{taken.getsockname()[1]}")
-    with pytest.raises(CaseError, match="no page can be served at"):
+    with pytest.raises(CaseError, match="the page cannot be served at"):
         LivePage(tmp_path / "run.vtkhdf", "256.1.1.1:0")
     taken.close()
 

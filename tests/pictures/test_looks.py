@@ -210,7 +210,7 @@ def test_a_frame_without_contacts_says_so(wall: Wall, tmp_path: Path):
 @pytest.mark.parametrize(
     ("wishes", "said"),
     [
-        ({"limits": (2.0, 1.0)}, "limits: from 2 to 1 is no range"),
+        ({"limits": (2.0, 1.0)}, "limits: from 2 to 1 is not a valid range"),
         ({"limits": (0.0, float("nan"))}, "limits: must be finite"),
         ({"zoom": (0.0, 0.0, 0.0, 1.0)}, "zoom: .* has no area"),
         ({"size": (2.0,)}, "2 cm is too small"),
@@ -227,6 +227,6 @@ def test_looks_that_cannot_be(wishes, said):
 def test_looks_that_leave_no_room(wall: Wall, tmp_path: Path):
     with pytest.raises(CaseError, match=r"leave no room\n  give .* cm or more"):
         plot_results(wall(4, 3), tmp_path / "a.png", look=Look(size=(6.0, 6.0)))
-    with pytest.raises(CaseError, match=r"no block in this part\n  the blocks lie between"):
+    with pytest.raises(CaseError, match=r"no block lies in this area\n  the blocks lie between"):
         plot_results(wall(4, 3), tmp_path / "a.png", look=Look(zoom=(50, 50, 60, 60)))
     assert not (tmp_path / "a.png").exists()

@@ -68,7 +68,7 @@ def test_wheel_and_drag_move_what_is_under_the_pointer(opened, wall):
     page.mouse.up()
     settled(page)
     assert page.evaluate(place, [x - 60, y + 25])[:2] == pytest.approx(after[:2], abs=1e-6)
-    assert page.evaluate("clastPage.state.chosen") == -1  # a drag is no click
+    assert page.evaluate("clastPage.state.chosen") == -1  # a drag is not a click
 
 
 def test_whoever_wants_less_motion_sees_few_frames(opened, wall):

@@ -316,9 +316,9 @@ def test_page_of_cells(tmp_path: Path):
 def test_what_cannot_be_drawn_is_refused(wall: Cut, tmp_path: Path):
     with pytest.raises(CaseError, match="did you mean 'rock'"):
         plot_cut(wall, tmp_path / "a.png", by="rocks")
-    with pytest.raises(CaseError, match="no limits"):
+    with pytest.raises(CaseError, match="limits do not apply"):
         plot_cut(wall, tmp_path / "a.png", look=Look(limits=(0.0, 1.0)))
-    with pytest.raises(CaseError, match="no block in this part"):
+    with pytest.raises(CaseError, match="no block lies in this area"):
         plot_cut(wall, tmp_path / "a.png", look=Look(zoom=(5, 5, 6, 6)))
     with pytest.raises(CaseError, match="leave no room"):
         plot_cut(wall, tmp_path / "a.png", look=Look(size=(6, 6)))

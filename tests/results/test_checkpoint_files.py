@@ -132,7 +132,7 @@ def test_numbers_of_numpy_stay_such(value: Any, tmp_path: Path):
 
 @pytest.mark.parametrize("value", [iter([]), object(), lambda: 1, np.array([object()]), {1, 2}])
 def test_what_is_not_plain_is_refused_with_its_place(value: Any, tmp_path: Path):
-    with pytest.raises(CaseError, match=r"^run\.values\[1\]: no checkpoint can hold a "):
+    with pytest.raises(CaseError, match=r"^run\.values\[1\]: a checkpoint cannot hold a "):
         there_and_back(Held((1, value)), tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -141,7 +141,7 @@ def test_classes_of_scripts_must_be_handed_in(tmp_path: Path):
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Held(1)))
     with pytest.raises(
-        CaseError, match=r"(?s)holds data unknown to this clast: Held.*model=\.\.\."
+        CaseError, match=r"(?s)holds data unknown to this version: Held.*model=\.\.\."
     ):
         read_checkpoint(path, {})
 
@@ -151,7 +151,7 @@ def test_a_file_makes_nothing_but_dataclasses(name: str, tmp_path: Path, monkeyp
     monkeypatch.setattr("clast.results.checkpoints.encode.name_of", lambda kind: name)
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Ledger()))
-    with pytest.raises(CaseError, match="holds data unknown to this clast"):
+    with pytest.raises(CaseError, match="holds data unknown to this version"):
         read_checkpoint(path, {})
 
 
@@ -178,7 +178,7 @@ def test_every_truncated_checkpoint_is_refused(whole: Path):
     lengths = {0, 1, 7, 8, 100, len(content) - 1, *range(48, len(content), len(content) // 40)}
     for length in sorted(lengths):
         whole.write_bytes(content[:length])
-        with pytest.raises(CaseError, match=r"is damaged|is no checkpoint"):
+        with pytest.raises(CaseError, match=r"is damaged|is not a (clast )?checkpoint"):
             read_checkpoint(whole, {})
 
 
@@ -186,7 +186,7 @@ def test_every_changed_byte_is_seen(whole: Path):
     content = whole.read_bytes()
     for at in range(0, len(content), len(content) // 60):
         whole.write_bytes(content[:at] + bytes([content[at] ^ 0x10]) + content[at + 1 :])
-        with pytest.raises(CaseError, match=r"is damaged|is no checkpoint"):
+        with pytest.raises(CaseError, match=r"is damaged|is not a (clast )?checkpoint"):
             read_checkpoint(whole, {})
 
 
@@ -195,7 +195,7 @@ def test_other_things_are_no_checkpoints(tmp_path: Path):
     result = tmp_path / "a.vtkhdf"
     record(three_blocks(), result)
     for path, words in {
-        tmp_path / "case.toml": "is no checkpoint of clast",
+        tmp_path / "case.toml": "is not a clast checkpoint",
         tmp_path: "is a directory",
         tmp_path / "none.checkpoint.h5": "there is no such file",
         result: r"(?s)is a result file, not a checkpoint.*a\.checkpoint\.h5",
@@ -208,7 +208,9 @@ def test_a_newer_layout_is_named(whole: Path, monkeypatch):
     monkeypatch.setattr(checkpoint_files, "LAYOUT", 2)
     write_checkpoint(whole, holding(1))
     monkeypatch.setattr(checkpoint_files, "LAYOUT", 1)
-    with pytest.raises(CaseError, match=r"(?s)was written by a newer clast \(1\).*update clast"):
+    with pytest.raises(
+        CaseError, match=r"(?s)was written by a newer version of clast \(1\).*update clast"
+    ):
         read_checkpoint(whole, {})
 
 
@@ -231,7 +233,7 @@ def test_what_is_no_checkpoint_is_not_written_over(tmp_path: Path):
     path = tmp_path / "a.checkpoint.h5"
     path.write_text("mine")
     for write in (lambda: check_place(path), lambda: write_checkpoint(path, holding(1))):
-        with pytest.raises(CaseError, match="it is not written over"):
+        with pytest.raises(CaseError, match="it is not overwritten"):
             write()
     assert path.read_text() == "mine"
     assert not is_checkpoint(path)

@@ -83,7 +83,7 @@ def test_a_curve_of_a_point(run: clast.Run, tmp_path: Path):
     assert "Velocity" not in frame.read_text("utf-8")
     for options, words in {
         ("--point", "B"): "there is no measured point 'B'",
-        ("--point", "A", "--bolt", "one"): "ask for one at a time",
+        ("--point", "A", "--bolt", "one"): "give one at a time",
     }.items():
         result = clast_command("plot", run.output, *options, "-o", tmp_path / "none.png")
         assert result.exit_code == 2

@@ -41,7 +41,7 @@ def test_a_pipe_or_a_socket_is_not_written_over(tmp_path, make):
     except OSError:
         pytest.skip("it cannot be made here")
     before = path.lstat()
-    assert "is not written over" in refused(path)
+    assert "is not overwritten" in refused(path)
     assert os.path.samestat(before, path.lstat())
     with pytest.raises(CaseError, match="no result file"):
         read_results(path)
@@ -51,7 +51,7 @@ def test_a_pipe_or_a_socket_is_not_written_over(tmp_path, make):
 @posix
 @pytest.mark.parametrize("device", ["/dev/null", "/dev/zero"])
 def test_a_device_is_not_written_over(device):
-    assert "is not written over" in refused(device)
+    assert "is not overwritten" in refused(device)
 
 
 @pytest.mark.parametrize("other", ["another group", "groups of the same names", "text", "cut"])
@@ -69,7 +69,7 @@ def test_a_file_of_another_program_is_not_written_over(tmp_path, other):
                 file.create_group("VTKHDF").attrs["Type"] = "ImageData"
                 file.create_group("model")
     before = path.read_bytes()
-    assert "is not written over" in refused(path)
+    assert "is not overwritten" in refused(path)
     assert path.read_bytes() == before
     assert os.listdir(tmp_path) == [path.name]
 
@@ -99,7 +99,7 @@ def test_links_that_lead_nowhere_or_to_a_device(tmp_path):
     (tmp_path / "round").symlink_to(tmp_path / "round")
     (tmp_path / "null").symlink_to("/dev/null")
     refused(tmp_path / "round")
-    assert "is not written over" in refused(tmp_path / "null")
+    assert "is not overwritten" in refused(tmp_path / "null")
 
 
 @pytest.mark.parametrize("name", ["o" * 300, "o" * 252, "o\0o"])
@@ -254,7 +254,7 @@ def test_points_of_any_name_are_read_back(tmp_path):
 @pytest.mark.parametrize("title", ["a\0b", "\ud800"])
 def test_texts_that_no_file_can_hold(tmp_path, title):
     model = dataclasses.replace(three_blocks(), title=title)
-    with pytest.raises(CaseError, match="cannot hold"):
+    with pytest.raises(CaseError, match="cannot store"):
         RunRecorder(model, output=tmp_path / "out.vtkhdf")
     assert os.listdir(tmp_path) == []
 
@@ -320,9 +320,7 @@ def test_what_is_in_the_place_of_a_hidden_file_stays(tmp_path: Path, how: str):
     victim.write_text("precious")
     part = hidden(output)
     in_the_way(part, victim, how)
-    with pytest.raises(
-        CaseError, match="is in the place of the temporary file of results, and no run"
-    ):
+    with pytest.raises(CaseError, match="has the name of the temporary result file, but does not"):
         claimed(output)
     assert victim.read_text() == "precious"
     assert part.is_symlink() == (how == "link")

@@ -132,7 +132,7 @@ def test_tables_and_runs_survive_being_sent_to_another_process(both):
 def test_a_file_that_holds_another_run_now_is_refused(both, tmp_path):
     _, written = both
     record(three_blocks(), written.output, steps=3)
-    with pytest.raises(CaseError, match="holds another run now"):
+    with pytest.raises(CaseError, match="now holds another run"):
         written.field("stress")
 
 

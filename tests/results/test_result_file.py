@@ -364,7 +364,7 @@ def test_output_that_cannot_be(tmp_path: Path, place: str):
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs permissions that bind")
 def test_output_without_permission(tmp_path: Path):
     tmp_path.chmod(0o500)
-    with pytest.raises(CaseError, match="may not be written"):
+    with pytest.raises(CaseError, match="cannot be written: permission denied"):
         RunRecorder(three_blocks(), output=tmp_path / "out.vtkhdf")
     tmp_path.chmod(0o700)
 
@@ -382,7 +382,7 @@ def test_directory_instead_of_a_file(tmp_path: Path):
 def test_text_instead_of_a_result_file(tmp_path: Path):
     path = tmp_path / "text.vtkhdf"
     path.write_text("schema = 1\n" * 100)
-    with pytest.raises(CaseError, match="no result file of clast"):
+    with pytest.raises(CaseError, match="not a clast result file"):
         read_results(path)
 
 
@@ -390,14 +390,14 @@ def test_foreign_hdf5(tmp_path: Path):
     path = tmp_path / "other.h5"
     with h5py.File(path, "w") as file:
         file["data"] = 1.0
-    with pytest.raises(CaseError, match="no result file of clast"):
+    with pytest.raises(CaseError, match="not a clast result file"):
         read_results(path)
 
 
 def test_file_of_a_newer_layout(recorded: Recorded):
     with h5py.File(recorded.run.output, "r+") as file:
         file["model"].attrs["format"] = 99
-    with pytest.raises(CaseError, match="newer clast"):
+    with pytest.raises(CaseError, match="newer version"):
         read_results(recorded.run.output)
 
 

@@ -48,17 +48,17 @@ def test_what_expands_without_end_is_refused_at_once(tmp_path: Path):
                 for _ in range(16):
                     file.write(zeros)
     assert path.stat().st_size < 10_000_000
-    refused(path, r"has arrays of 1.07e\+09 bytes, more than blocks can be meant to need")
+    refused(path, r"has arrays of 1.07e\+09 bytes, more than blocks should need")
 
 
 def test_an_array_that_says_more_than_it_has(tmp_path: Path):
     path = tmp_path / "long.npz"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("vertices.npy", claiming(SQUARE, "(9**9,),"))
-    refused(path, "is no archive of blocks, or a damaged one")
+    refused(path, "is not an archive of blocks, or a damaged one")
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("vertices.npy", claiming(SQUARE, "(9999,2)"))
-    refused(path, r"(the array vertices does not match its header|is no archive)")
+    refused(path, r"(the array vertices does not match its header|is not an archive)")
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_an_array_that_says_more_than_it_has(tmp_path: Path):
         ("vertices", SQUARE * 1j, "the array vertices does not hold numbers"),
         ("vertices", SQUARE.astype("U4"), "the array vertices does not hold numbers"),
         ("block_start", np.array([0.0, 4.0]), "the array block_start does not hold numbers"),
-        ("rock", np.array([1]), "the array rock is no list of texts"),
+        ("rock", np.array([1]), "the array rock is not a list of texts"),
     ],
 )
 def test_arrays_hold_numbers_and_names(tmp_path: Path, name: str, array: Any, words: str):

@@ -449,7 +449,7 @@ def test_an_opening_is_cut_out_of_a_region_of_one_block():
 
 def test_two_regions_of_one_block_cannot_overlap():
     other = Region(name="sill", polygon=[(1, 0.7), (2, 0.7), (2, 0.9), (1, 0.9)], one_block=True)
-    with pytest.raises(ModelError, match="overlaps region 'sill', and both are one block"):
+    with pytest.raises(ModelError, match="overlaps region 'sill', and both have one_block"):
         cut(Domain(boundary=WALL.outline()), regions=[lintel(), other], patterns=[WALL])
     beside = Region(name="sill", polygon=[(1, 0.8), (2, 0.8), (2, 1), (1, 1)], one_block=True)
     found = cut(Domain(boundary=WALL.outline()), regions=[lintel(), beside], patterns=[WALL])

@@ -46,7 +46,7 @@ def test_clockwise_blocks_are_turned_and_said(tmp_path, ending):
     found = read_blocks(path)
     np.testing.assert_array_equal(found.vertices, VERTICES)
     assert found.edge_joint == EDGE_JOINT
-    assert "1 blocks ran clockwise and were turned round: 1" in found.notes
+    assert "1 blocks ran clockwise and were reversed: 1" in found.notes
     assert counter_clockwise(found) is found
 
 
@@ -72,7 +72,7 @@ def test_a_table_by_hand(tmp_path):
             "block,x,y\n1,0,0\n1,1,0\n1,1,1\n2,5,5\n2,6,5\n2,6,6\n1,0,1\n",
             "line 8, column block: goes on with block 1",
         ),
-        ("block,x,y\n1,0,0\n1,1,0\n1,1,one\n", "line 4, column y: 'one' is no number"),
+        ("block,x,y\n1,0,0\n1,1,0\n1,1,one\n", "line 4, column y: 'one' is not a number"),
     ],
 )
 def test_tables_that_are_none(tmp_path, text, said):

@@ -146,9 +146,9 @@ def test_arrays_that_do_not_belong_together(tmp_path, suffix, change, message):
     ("rocks", "message"),
     [
         (("a", "b:c"), "':'"),
-        (("a", " "), "cannot be the name"),
-        (("a", "A"), "do not tell capitals"),
-        (("a", "x\ny"), "cannot be the name"),
+        (("a", " "), "cannot be used as the name"),
+        (("a", "A"), "layer names ignore case"),
+        (("a", "x\ny"), "cannot be used as the name"),
     ],
 )
 def test_names_that_no_layer_can_have(tmp_path, rocks, message):
@@ -165,12 +165,12 @@ def damaged(path: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (lambda path: path.write_text("x1,y1"), "no archive of blocks"),
-        (lambda path: path.write_bytes(b""), "no archive of blocks"),
-        (lambda path: path.write_bytes(path.read_bytes()[:200]), "no archive of blocks"),
-        (damaged, "no archive of blocks"),
+        (lambda path: path.write_text("x1,y1"), "not an archive of blocks"),
+        (lambda path: path.write_bytes(b""), "not an archive of blocks"),
+        (lambda path: path.write_bytes(path.read_bytes()[:200]), "not an archive of blocks"),
+        (damaged, "not an archive of blocks"),
         (lambda path: np.savez(path, vertices=VERTICES), "no array block_start, rock, edge_joint"),
-        (lambda path: np.savez(path, **dict.fromkeys(NAMES, np.zeros(3))), "no list of texts"),
+        (lambda path: np.savez(path, **dict.fromkeys(NAMES, np.zeros(3))), "not a list of texts"),
         (
             lambda path: np.savez(path, **{n: np.array([None], object) for n in NAMES}),
             "the array vertices does not match its header",

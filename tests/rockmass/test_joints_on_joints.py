@@ -169,7 +169,7 @@ def test_sets_that_end_at_sets_that_end_at_sets(seed, tolerance):
     at = site(domain, [], [])
     lines = np.concatenate([one.ends for one in set_lines(at, sets, [], 0)])
     found = cut(domain, sets)
-    # What is thinner than four cells is no block.
+    # What is thinner than four cells is not a block.
     merged = found.report.merged.count
     assert found.block_count == faces_and_holes(lines, at.window.polygon) - merged
     assert merged <= 3

@@ -81,7 +81,7 @@ def outer_edges(found: Repaired) -> np.ndarray:
 
 
 def neck(at: np.ndarray, start: np.ndarray) -> float:
-    """Return the least distance of a corner from an edge of its own block that it is no end of."""
+    """Return the least distance of a corner from an edge of its own block that it does not end."""
     least = np.inf
     for first, last in pairwise(start):
         loop = at[first:last]
@@ -259,8 +259,8 @@ BESIDE = [(10, 0), (14, 0), (14, 4), (10, 4)]
             "cross or touch itself",
         ),
         ([BESIDE], 0.5, "median edge"),
-        ([BESIDE], 0.0, "no distance"),
-        ([BESIDE], np.nan, "no distance"),
+        ([BESIDE], 0.0, "not a valid distance"),
+        ([BESIDE], np.nan, "not a valid distance"),
     ],
 )
 def test_what_cannot_be_put_together(loops, tolerance, said):

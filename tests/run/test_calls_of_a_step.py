@@ -57,7 +57,7 @@ def test_a_step_makes_few_calls_however_many_blocks(
     scene: Callable[[], tuple[Model, Method]], most: int
 ) -> None:
     model, method = scene()
-    calls(model, method, 3)  # what is loaded or kept from then on is no part of a step
+    calls(model, method, 3)  # what is loaded or kept from then on is not part of a step
     few, more = 4, 12
     of_a_step = (calls(model, method, more) - calls(model, method, few)) / (more - few)
     assert of_a_step <= most

@@ -144,7 +144,7 @@ main()
     assert differences(whole, tmp_path / "a.vtkhdf") == []
 
 
-# a full disk, a folder that may not be written --------------------------------------------------
+# a full disk, a folder that cannot be written -----------------------------------------------------
 
 LIMITED = """
 import resource, sys
@@ -213,12 +213,12 @@ def test_what_stands_in_the_place_of_a_checkpoint_stays(case: clast.Case, tmp_pa
     output = tmp_path / "a.vtkhdf"
     path = checkpoint_path(output)
     path.write_text("mine")
-    with pytest.raises(CaseError, match="is no checkpoint of clast"):
+    with pytest.raises(CaseError, match="is not a clast checkpoint"):
         with_settings(case, "output.checkpoint_every=1").run(output=output)
     assert not output.exists()
     run = case.run(output=output, progress=pressed_at(3))
     assert run.checkpoint is None
-    assert any("it is not written over" in text for text in run.report.warnings)
+    assert any("it is not overwritten" in text for text in run.report.warnings)
     assert path.read_text() == "mine"
 
 
@@ -251,7 +251,7 @@ def refused(words: str, *arguments: object) -> None:
 def test_settings_that_would_have_changed_what_was_done(part: Path):
     before = part.with_name("part.vtkhdf").read_bytes()
     refused(
-        "'joint.default.friction_angle' would have changed the run before its checkpoint",
+        "'joint.default.friction_angle' would change the run before its checkpoint",
         part,
         "--set",
         "joint.default.friction_angle=20",
@@ -302,7 +302,7 @@ def shorter(path: Path) -> None:
         (broken, "is damaged"),
         (of_another_run, "its frames are those of another, later run"),
         (of_other_blocks, "it has other blocks"),
-        (shorter, "frames, the checkpoint goes on from"),
+        (shorter, "frames, the checkpoint continues from"),
     ],
 )
 def test_a_result_file_that_does_not_fit_stays(
@@ -364,7 +364,7 @@ def test_a_script_gives_its_model_again(tmp_path: Path):
     bare = clast.simulate(
         shaken(), output=tmp_path / "c.vtkhdf", contact_law=law, progress=pressed_at(3), **keys
     )
-    refused("must give again the objects that no text can hold", bare.checkpoint)
+    refused("must give again the objects that a file cannot hold", bare.checkpoint)
     refused("clast.resume('c.checkpoint.h5', model=...)", bare.checkpoint)
     other = shaken()
     other.actions.append(Closer("falls", 1e3))

@@ -408,7 +408,11 @@ def test_frames_mark_gone_blocks(tmp_path):
 
 @pytest.mark.parametrize(
     ("relax", "time", "what"),
-    [(1.5, 0.0, "1.5 is no share"), (np.nan, 0.0, "nan"), (0.5, -1.0, "no time that passes")],
+    [
+        (1.5, 0.0, "1.5 is not a valid share"),
+        (np.nan, 0.0, "nan"),
+        (0.5, -1.0, "not a valid duration"),
+    ],
 )
 def test_refuses_shares_and_times_out_of_range(relax: float, time: float, what: str):
     model = propped()

@@ -104,7 +104,7 @@ def test_a_new_run_makes_older_checkpoints_unusable(part: Path):
     shutil.copy(part, older)
     the_case("9e6").run(output=output)  # its ends of stages replace those of before
     refused("its frames are those of another, later run", older)
-    refused("is of another run than older.checkpoint.h5", older, "--stage", "push")
+    refused("belongs to another run than older.checkpoint.h5", older, "--stage", "push")
     assert clast.resume(checkpoint_path(output, "rest")).report.finished
 
 
@@ -155,13 +155,13 @@ def test_outputs_keep_their_own_checkpoints(tmp_path: Path):
 def test_only_ends_of_stages_are_gone_back_to(part: Path):
     end = checkpoint_path(part.with_name("a.vtkhdf"), "rest")
     shutil.copy(part, end)
-    refused("is no checkpoint of the end of stage 'rest'", part, "--stage", "push")
+    refused("is not a checkpoint of the end of stage 'rest'", part, "--stage", "push")
 
     def pretended(written: Any, arrays: Any) -> None:
         written["with"]["stage"] = "rest"
 
     forge(part, end, pretended)
-    refused("is no checkpoint of the end of stage 'rest'", end, "--stage", "push")
+    refused("is not a checkpoint of the end of stage 'rest'", end, "--stage", "push")
 
 
 # what else it names -----------------------------------------------------------------------------
@@ -213,7 +213,7 @@ def test_results_elsewhere_are_never_cut_back(part: Path):
         refused("a result file that does not lie beside it", forged)
     link = part.with_name("link.vtkhdf")
     link.symlink_to(foreign)
-    refused("is no regular file", forge(part, part.with_name("f.h5"), other_file("link.vtkhdf")))
+    refused("is not a regular file", forge(part, part.with_name("f.h5"), other_file("link.vtkhdf")))
     assert foreign.read_bytes() == before
     # a run of the same case that is not the checkpoint's
     the_case().run(output=part.with_name("mine.vtkhdf"))
@@ -308,7 +308,7 @@ def test_only_data_of_a_run_are_made(part: Path):
         def change(written: Any, arrays: Any, name: str = name) -> None:
             written["with"]["run"] = {"is": name, "with": {}}
 
-        refused("holds data unknown to this clast", forge(part, part, change))
+        refused("holds data unknown to this version", forge(part, part, change))
 
 
 def array_of(written: Any, *keys: str) -> str:

@@ -25,7 +25,7 @@ FAR = [
 
 DOUBTS = {
     "gravity upwards": (["gravity=[0,9.8]"], ["(0, 9.8) m/s2", "gravity = [0, -9.8]"]),
-    "no gravity": (["gravity=[0,0]"], ["all zero: nothing sets the blocks in motion"]),
+    "no gravity": (["gravity=[0,0]"], ["all zero: nothing moves the blocks"]),
     "gravity in g": (["gravity=[0,-0.01]"], ["gravity is 0.01 m/s2", "-9.8"]),
     "geometry far away": (FAR, ["1e+15 m are rounded to 0.12 m", "common offset"]),
     "all blocks fixed": (
@@ -223,6 +223,6 @@ def test_a_loop_that_was_turned_round_is_said_by_check_and_run(tmp_path):
     output = ["-o", str(tmp_path / "out.vtkhdf"), "--set", "time.end=0.002"]
     for command in (["check", str(case)], ["run", str(case), *output]):
         shown = CliRunner().invoke(app, command)
-        assert "1 loop runs clockwise and was turned round: block 2 'slider'" in shown.stdout
+        assert "1 loop runs clockwise and was reversed: block 2 'slider'" in shown.stdout
         listed = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)
         assert any("turned round" in note for note in listed["notes"])

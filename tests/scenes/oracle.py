@@ -2,7 +2,7 @@
 
 A vertex P of one block is a candidate for an edge AB of another where
 
-- P is no re-entrant vertex (its interior angle is at most 183 degrees);
+- P is not a re-entrant vertex (its interior angle is at most 183 degrees);
 - the signed distance of P to the line AB lies between -depth and front;
 - the block of P, as seen from P, lies in front of AB: no direction into it points more than
   3 degrees behind the edge, and its middle points to the front;

@@ -93,7 +93,7 @@ def test_slip_goes_round_a_corner():
 
 
 def test_slip_begins_with_the_step_that_makes_the_contact():
-    """A brick in flight lands: what it has flown before is no slip."""
+    """A brick in flight lands: what it has flown before is not slip."""
     ground, brick = systems.box(-4.0, -1.0, 9.0, 1.0), systems.box(0.0, 0.01, 1.0, 0.5)
     model = systems.system([ground, brick], fixed=[0], gravity=(0.0, 0.0))
     velocity = np.zeros((2, 6))

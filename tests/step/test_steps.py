@@ -279,7 +279,7 @@ def test_step_is_rejected_where_a_block_turns_too_far(process):
     model = system([box(0, 0, 1e-2, 1e-2)], velocity={0: (0.0, 0.0, 500.0)})
     how = method(process=PROCESSES[process], max_displacement=1.0)
     assert outcome_of(model, how, 1e-3).outcome is StepOutcome.ROTATED_TOO_FAR
-    # sin r0 = 2 is no rotation at all
+    # sin r0 = 2 is not a rotation at all
     assert outcome_of(model, how, 4e-3).outcome is StepOutcome.ROTATED_TOO_FAR
 
 

@@ -233,18 +233,18 @@ def test_sizes():
 REFUSED = {
     "scene": (["walls"], "did you mean 'wall'?"),
     "network": (["persistant"], "did you mean 'persistent'?"),
-    "no number": (["--size", "ten"], "is no number of blocks"),
-    "half a block": (["--size", "10.5"], "is no number of blocks"),
+    "no number": (["--size", "ten"], "is not a valid number of blocks"),
+    "half a block": (["--size", "10.5"], "is not a valid number of blocks"),
     "size 0": (["--size", "0"], "give a number of blocks from"),
     "negative step": (["--step", "-1e-3"], "--step: -0.001 must be above 0"),
-    "no steps": (["--steps", "0"], "--steps: 0 is no number of steps"),
+    "no steps": (["--steps", "0"], "--steps: 0 is not a valid number of steps"),
     "both": (["--steps", "1", "--end", "1"], "--steps and --end"),
-    "negative settle": (["--settle", "-1"], "--settle: -1 is no number of steps"),
+    "negative settle": (["--settle", "-1"], "--settle: -1 is not a valid number of steps"),
     "negative end": (["--end", "-1"], "--end"),
     "stiffness": (["--stiffness", "nan"], "--stiffness"),
     "solver": (["--solver", "cholesk"], "did you mean 'cholesky'?"),
     "folder": (["-o", "nowhere/bench.json"], "its folder does not exist"),
-    "results": (["--results", "nowhere"], "is no folder"),
+    "results": (["--results", "nowhere"], "is not a folder"),
 }
 
 

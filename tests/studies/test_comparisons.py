@@ -149,7 +149,7 @@ def test_pages(incline, tmp_path):
         (["convx"], ["penalty"], "no process 'convx'"),
         (["convex"], ["penality"], "no contact law 'penality'"),
         ([], ["penalty"], "no process to compare"),
-        (["convex", "convex"], ["penalty"], "named twice"),
+        (["convex", "convex"], ["penalty"], "listed twice"),
     ],
 )
 def test_names_are_checked_first(processes, laws, message):
@@ -193,15 +193,15 @@ def test_two_objects_of_a_class_are_told_apart():
         "Renamed(normal_stiffness=1000000000.0)",
         "penalty",
     ]
-    with pytest.raises(CaseError, match="named twice"):
+    with pytest.raises(CaseError, match="listed twice"):
         studies.combinations(["convex"], [Renamed(1e8), Renamed(1e8)])
 
 
 def test_objects_that_are_no_law_are_refused_before_anything_runs():
     case = Case.from_toml(INCLINE, [END])
-    with pytest.raises(CaseError, match="Convex is no contact_law: it has no respond"):
+    with pytest.raises(CaseError, match="Convex is not a valid contact_law: it has no respond"):
         studies.compare(case, ["convex"], ["penalty", Convex()])
-    with pytest.raises(CaseError, match=r"'convex' is no list\n  give one: \[\"convex\"\]"):
+    with pytest.raises(CaseError, match=r"'convex' is not a list\n  give one: \[\"convex\"\]"):
         studies.compare(case, "convex")
 
 

@@ -86,11 +86,11 @@ def test_a_discrete_value_has_its_share() -> None:
         ("normal(35, 1, low=90, high=95)", "no probability"),
         ("normal(35, 5, lo=3)", "no 'lo'"),
         ("normal(35, 5, 1, 2, 3)", "has 5 numbers"),
-        ("normal(35, 5", "is no distribution"),
+        ("normal(35, 5", "is not a valid distribution"),
         ("gauss(35, 5)", "no distribution 'gauss'"),
         ("lognormal(-1, 2)", "not positive"),
         ("uniform(3, 1)", "goes from 3 to 1"),
-        ("uniform(1, inf)", "is no number"),
+        ("uniform(1, inf)", "is not a number"),
         ("triangular(1, 5, 4)", "mode outside"),
         ("beta(0, 1)", "not positive"),
         ("discrete([])", "has 0 values"),
@@ -103,7 +103,7 @@ def test_a_discrete_value_has_its_share() -> None:
         ("numbered(-1)", "no whole number"),
         ("__import__('os')", "no distribution"),
         ("values({})", "needs a list"),
-        ("", "is no distribution"),
+        ("", "is not a valid distribution"),
     ],
 )
 def test_what_is_no_distribution_is_refused(written: str, what: str) -> None:

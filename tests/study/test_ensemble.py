@@ -58,5 +58,5 @@ def test_members_that_fail_are_left_out_and_half_of_them_are_too_many() -> None:
     how = FitSettings(method=ENSEMBLE, members=200).checked()
     few = smoothed(Linear(np.array([1.0, -3.0, 2.0]), failing=6.0), parameters_of(VARY), how)  # type: ignore[arg-type]
     assert "of 200 members" in few.remark and np.isfinite(few.value).all()
-    with pytest.raises(CaseError, match="members cannot be run"):
+    with pytest.raises(CaseError, match="members cannot be completed"):
         smoothed(Linear(np.array([1.0, -3.0, 2.0]), failing=0.0), parameters_of(VARY), how)  # type: ignore[arg-type]

@@ -86,7 +86,7 @@ def test_point_estimates_have_the_moments_of_what_they_stand_for() -> None:
     [
         (LatinHypercube(1, replicates=7), 100, "cannot be divided"),
         (LatinHypercube(1, replicates=0), 100, "cannot be divided"),
-        (Sobol(1), 100, "no power of two"),
+        (Sobol(1), 100, "not a power of two"),
         (PointEstimate(), 1, "combinations"),
     ],
 )

@@ -26,7 +26,7 @@ def test_processes_and_laws_narrow_the_table():
     [
         (["--process", "convx"], "did you mean 'convex'?"),
         (["--law", "penality"], "did you mean 'penalty'?"),
-        (["spin", "--process", "convex"], "nothing is run with this choice"),
+        (["spin", "--process", "convex"], "this selection contains no runs"),
     ],
 )
 def test_choices_that_make_no_sense(arguments, said):

@@ -96,7 +96,7 @@ class Rayleigh:
 
 @dataclass(frozen=True)
 class Adaptive:
-    """Mass damping with the ratio ``ratio`` of the frequency in which the blocks move just now.
+    """Mass damping with the ratio ``ratio`` at the current frequency of the blocks.
 
     c = 2 ratio w, w^2 = d.K d / d.M d with K d the change of all forces in the last step (Underwood
     1983): a block that falls or slides freely changes no forces and is not damped.  Velocities
@@ -134,7 +134,7 @@ class Adaptive:
 
 @dataclass(frozen=True)
 class Kinetic:
-    """All velocities to zero where the kinetic energy has passed a peak (Cundall 1982).
+    """Sets all velocities to zero after each peak of the kinetic energy (Cundall 1982).
 
     Between two stops nothing is damped.
     """

@@ -35,6 +35,6 @@ class HoldingForces:
     def finish(
         self, start: StepStart, state: Any, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return their work, which is numerical: they are no forces of the system."""
+        """Return their work, which is numerical: they are not forces of the system."""
         work, _ = energy_of_linear(share, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(), state=state)

@@ -48,15 +48,15 @@ def checked_share(action: Action, share: Any, start: StepStart) -> Contribution:
 
 
 def checked_done(action: Action, done: Any) -> ActionResult:
-    """Return the result of an action; raises ActionFault where it is no ActionResult."""
+    """Return the result of an action; raises ActionFault where it is not an ActionResult."""
     if not isinstance(done, ActionResult):
         fault = f"a {type(done).__name__}, not an ActionResult"
     elif not _is_number(done.work):
-        fault = f"work = {done.work!r:.40}, which is no finite number"
+        fault = f"work = {done.work!r:.40}, which is not a finite number"
     elif not isinstance(done.ledger, Ledger):
         fault = f"a {type(done.ledger).__name__} as its ledger, not a Ledger"
     elif not all(map(_is_number, vars(done.ledger).values())):
-        fault = "a ledger with an entry that is no finite number"
+        fault = "a ledger with an entry that is not a finite number"
     else:
         return done
     raise ActionFault(f"finish() gives {fault}", where=_name(action), remedy=HELP)
@@ -83,7 +83,7 @@ def _of_share(share: Any, blocks: int) -> Iterator[str]:
     if share.acceleration is not None:
         yield from _of_numbers("acceleration", share.acceleration, (2,))
     if not _is_number(share.carried) or not 0.0 <= share.carried <= 1.0:
-        yield f"carried = {share.carried!r:.40}, which is no share from 0 to 1"
+        yield f"carried = {share.carried!r:.40}, which is not a valid share from 0 to 1"
     if share.springs is not None:
         yield from _of_springs(share.springs, blocks)
 
@@ -109,7 +109,7 @@ def _of_numbers(
     elif values.shape != shape:
         yield f"{name} of shape {values.shape}, not {shape}"
     elif np.isnan(values).any() or (limit == 0.0 and not np.isfinite(values).all()):
-        yield f"{name} with a value that is no finite number"
+        yield f"{name} with a value that is not a finite number"
 
 
 def _of_springs(springs: Any, blocks: int) -> Iterator[str]:

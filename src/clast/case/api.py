@@ -82,7 +82,7 @@ class ModelBuilder(model_builder.InputBuilder):
         the blocks, the end is 1 s; ``stages`` are the parts of the run.  Raises CaseError and
         ModelError, naming place and remedy.
         """
-        # what cannot be built is no case either, be it two rocks of one name
+        # what cannot be built is not a case either, be it two rocks of one name
         tables = _with_time(_tables(keys), self.build())
         parts = {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
         return Case.validated({**self._content(), **tables, **parts}, "script")
@@ -222,7 +222,7 @@ def simulate(
     model = model.build() if isinstance(model, model_builder.InputBuilder) else model
     if not isinstance(model, Model):
         raise CaseError(
-            f"a {type(model).__name__} is no model",
+            f"a {type(model).__name__} is not a model",
             remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
         )
     tables = _tables(keys)
@@ -317,7 +317,7 @@ def _plane_name(plane: Plane) -> str:
 
 def _no_name(key: str, value: Any) -> CaseError:
     return CaseError(
-        f"{type(value).__name__} is an object of a script, which no case file can hold",
+        f"{type(value).__name__} is an object of a script, which a case file cannot hold",
         where=key,
         remedy="run the model itself: clast.simulate(builder.build())",
     )

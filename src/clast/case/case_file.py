@@ -98,9 +98,9 @@ class Case(BaseModel):
     gravity_amplitude: StrictStr | None = None
     """Amplitude over time by which gravity is multiplied; constant if absent."""
     seismic_coefficient: tuple[Share, Share] = (0.0, 0.0)
-    """Push on all blocks [x, y] that lasts, as a share of their weight; water is not pushed."""
+    """Pseudo-static force on all blocks [x, y], as a share of their weight; not on water."""
     time: TimeTable
-    """When to simulate: [time] with step and end."""
+    """Duration and step: [time] with step and end."""
     rock: dict[str, Rock]
     """Rocks by name: [rock.granite] with young, poisson and density."""
     joint: dict[str, Joint] = {}
@@ -112,17 +112,17 @@ class Case(BaseModel):
     block_file: list[BlockFileTable] = []
     """Blocks of files beside the case file."""
     repair: RepairTable | None = None
-    """Blocks put together that were drawn a little apart."""
+    """Repair of blocks that were drawn slightly apart."""
     domain: DomainTable | None = None
     """Rock mass that is cut into blocks."""
     joint_set: list[JointSetTable] = []
     """Joints that cut the domain, by statistics."""
     trace: list[TraceTable] = []
-    """Joints that cut the domain, as they were drawn."""
+    """Joints that cut the domain, as mapped."""
     opening: list[OpeningTable] = []
     """Openings in the domain, and blocks that are excavated together."""
     region: list[RegionTable] = []
-    """Rocks of the domain by place."""
+    """Regions of the domain with another rock."""
     block_pattern: list[BlockPatternTable] = []
     """Masonry in the domain."""
     amplitude: dict[str, Amplitude] = {}
@@ -152,9 +152,9 @@ class Case(BaseModel):
     water: list[Water] = []
     """Water on outer faces and in joints."""
     viscous_boundary: list[ViscousBoundary] = []
-    """Outer edges through which waves leave."""
+    """Absorbing (viscous) outer edges."""
     in_situ: InSituTable | None = None
-    """Stress in the rock before anything is dug."""
+    """Stress in the rock before excavation."""
     ground_motion: GroundMotionTable | None = None
     """Earthquake or shaking table."""
     measured_point: list[MeasuredPoint] = []
@@ -164,16 +164,16 @@ class Case(BaseModel):
     measured_reaction: list[MeasuredReaction] = []
     """Reactions of supports recorded every step, beside the totals."""
     reference: list[Reference] = []
-    """Displacements known from elsewhere; clast run and clast compare print the error."""
+    """Known displacements; clast run and clast compare print the error."""
     stage: list[StageTable] = []
-    """Parts of the run, one after the other."""
+    """Stages of the run, in order."""
     damping: Damping = "none"
     """Damping, which takes energy from all blocks: "none", "adaptive", "kinetic", or a table:
     [damping] with mass and stiffness is Rayleigh's."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
-    """How to simulate."""
+    """Numerical method."""
     output: OutputTable = Field(default_factory=OutputTable)
-    """How often to keep a frame, and the content of frames."""
+    """Interval and content of frames."""
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)

@@ -29,9 +29,9 @@ from clast.rockmass.drawings.drawing import (
     Segment,
 )
 
-HELD = "each block that it crosses is held at one point of it: [[fixed_point]] once blocks are cut"
-ROCK = "every block that it crosses is of its rock: draw a [[region]] round them"
-HOLE = "the block with this point in it is removed: draw an [[opening]] round it"
+HELD = "each block that it crosses is held at one point: add [[fixed_point]] after cutting"
+ROCK = "every block that it crosses has its rock: draw a [[region]] around them"
+HOLE = "the block around this point is removed: draw an [[opening]] around it"
 
 
 def case_text(drawing: Drawing) -> str:
@@ -126,7 +126,7 @@ def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
     yield from _unsaid_of_rocks(drawing.analysis)
     if drawing.orientations is not None:
         what = f"{len(drawing.orientations.dip)} orientations in space"
-        reason = "they are no lines: describe them by [[joint_set]] with dip and dip_direction"
+        reason = "they are not lines: describe them by [[joint_set]] with dip and dip_direction"
         yield LeftOut(what=what, place=drawing.file, reason=reason)
 
 
@@ -155,7 +155,7 @@ def _unsaid_of_rocks(analysis: Analysis) -> Iterator[LeftOut]:
     for rock in analysis.rocks:
         if any(rock.velocity):
             what = f"velocity {rock.velocity} of {rock.name}"
-            reason = "velocities belong to blocks, which are not cut yet"
+            reason = "velocities belong to blocks, which do not exist before cutting"
             yield LeftOut(what=what, place=rock.place, reason=reason)
         due = rock.density * (gravity if gravity is not None else 0.0)
         if gravity is not None and abs(rock.weight - due) > 1e-6 * max(abs(due), 1.0):
@@ -163,7 +163,7 @@ def _unsaid_of_rocks(analysis: Analysis) -> Iterator[LeftOut]:
             reason = f"a case has one gravity, {gravity:g} m/s2, which makes it {due:g} N/m3"
             yield LeftOut(what=what, place=rock.place, reason=reason)
     if analysis.rotation == "linear":
-        reason = "it makes blocks grow as they turn: write [method] rotation if it is meant"
+        reason = "it makes blocks grow as they turn: add [method] rotation if you want it"
         yield LeftOut(what="linear rotation", place="Rotation", reason=reason)
 
 

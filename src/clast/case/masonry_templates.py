@@ -127,7 +127,7 @@ SHAKEN_WALL = """\
 #   peak      = {peak:<6g} m/s2 the largest acceleration, at {middle:g} s
 #   frequency = {frequency:<6g} Hz
 #   a = peak (1 - 2 q) exp(-q), q = (pi frequency (t - {middle:g} s))^2
-# It is no record of an earthquake; the ground ends where it began, and at rest.
+# It is not a record of an earthquake; the ground ends where it began, and at rest.
 # Try:
 #   ground_motion.scale       2.0: the pier to the left of the window is shaken apart
 #   ground_motion             file = "record.at2" in place of the two lists: a record of your own

@@ -54,14 +54,14 @@ def stage_before(
         raise CaseError(
             f"there is no checkpoint of the end of stage '{shortened(names[at - 1])}'",
             where=str(before),
-            remedy="put it beside the one that is named, or run the case again",
+            remedy="put it beside the named one, or run the case again",
         )
     found = _at_its_end(read_checkpoint(before, known), before, names[:at])
     runs = [(one.recorded.lineage, one.recorded.frames) for one in (found, checkpoint)]
     (first, frames), (second, later) = runs
     if not belongs(first, frames, second) and not belongs(second, later, first):
         raise CaseError(
-            f"is of another run than {path.name}",
+            f"belongs to another run than {path.name}",
             where=str(before),
             remedy="name a checkpoint of the run that wrote the result file last, or run the case "
             "again",
@@ -75,7 +75,7 @@ def _at_its_end(checkpoint: Checkpoint, path: Path, names: Sequence[str]) -> Che
     at_end = checkpoint.stage == names[-1] and position is not None and position.over
     if not at_end or len(position.starts) != len(names):
         raise CaseError(
-            f"is no checkpoint of the end of stage '{shortened(names[-1])}'",
+            f"is not a checkpoint of the end of stage '{shortened(names[-1])}'",
             where=str(path),
             remedy="run the case again",
         )
@@ -102,7 +102,7 @@ def check_fits(
     for was, now in zip(_stages(source.schedule), _stages(schedule), strict=False):
         if digest(was) != digest(now):
             raise CaseError(
-                f"the settings change stage '{was.name}', which is over",
+                f"the settings change stage '{was.name}', which has already finished",
                 where="--set",
                 remedy=remedy,
             )
@@ -110,7 +110,7 @@ def check_fits(
             break
     if not _same_things(state, model, stiffness):
         raise CaseError(
-            "the settings add or remove loads, supports or other things that act",
+            "the settings add or remove loads, supports or other actions",
             where="--set",
             remedy=remedy,
         )
@@ -123,7 +123,7 @@ def not_as_before(checkpoint: Checkpoint, now: Mapping[str, str]) -> Iterator[st
     if other:
         yield (
             f"the stages until '{checkpoint.stage}' were run with other numbers of "
-            f"{', '.join(other)}: run the case again if they are to be changed there, too"
+            f"{', '.join(other)}: run the case again if they should change there too"
         )
 
 

@@ -87,7 +87,7 @@ def resume(
     ``method`` where that holds objects of its own.  ``progress`` and ``warn`` are those of
     ``Case.run``.
 
-    Raises CaseError for a file that is no checkpoint, for a model that has changed, and for a
+    Raises CaseError for a file that is not a checkpoint, for a model that has changed, and for a
     result file that does not fit; RunStopped where the run cannot go on.
     """
     path = Path(path)
@@ -130,7 +130,7 @@ def resume(
 def result_file(path: str | Path, output: str | Path | None = None) -> Path:
     """Return the result file in which a checkpoint goes on: ``output``, or that of its run.
 
-    Raises CaseError for a file that is no checkpoint.
+    Raises CaseError for a file that is not a checkpoint.
     """
     if output is not None:
         return Path(output)
@@ -174,7 +174,7 @@ def _prepared_again(
     """
     if source.gives != TEXT:
         raise CaseError(
-            "comes from a script, in which stages are run again from the start",
+            "comes from a script, where a stage cannot be run again by itself",
             where=str(path),
             remedy="write the model as a case file (builder.to_toml), or run the script again",
         )
@@ -200,7 +200,7 @@ def _prepared_again(
 def _known(case: Case | None) -> Case:
     """Return a case that is there."""
     if case is None:
-        raise RuntimeError("give the parts that come from a script again")
+        raise RuntimeError("pass the parts that come from a script again")
     return case
 
 
@@ -231,8 +231,9 @@ def _of_case_file(source: Source) -> Iterator[str]:
     now = print_of_text_in(Path(source.file), LARGEST_NAMED)
     if now and source.file_text and now != source.file_text:
         yield (
-            f"{source.file} has changed since the run began: the run goes on with the case in "
-            "its checkpoint. To use the changed file, run it again: clast run"
+            f"{source.file} has changed since the run began: the run continues with the case in "
+            "its checkpoint"
+            ". To use the changed file, run it again: clast run"
         )
 
 
@@ -291,7 +292,7 @@ def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
     if missing:
         wanted = ", ".join(f"{name}=..." for name in missing)
         raise CaseError(
-            "comes from a script, which must give again the objects that no text can hold",
+            "comes from a script: the objects that a file cannot hold must be given again",
             where=str(path),
             remedy=f"in the script: clast.resume('{path.name}', {wanted})",
         )
@@ -304,9 +305,9 @@ def _check_settings(settings: Sequence[str]) -> None:
         key = key.strip()
         if key and equals and key not in LATER:
             raise CaseError(
-                f"'{shortened(key)}' would have changed the run before its checkpoint",
+                f"'{shortened(key)}' would change the run before its checkpoint",
                 where="--set",
-                remedy="a run that goes on may change time.end and output.checkpoint_every; with "
+                remedy="a resumed run may change time.end and output.checkpoint_every; with "
                 "--stage NAME a stage is run again with other numbers; else run the case again",
             )
 
@@ -365,8 +366,7 @@ def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> N
     if other:
         more = f" and {len(other) - NAMED} more" if len(other) > NAMED else ""
         raise CaseError(
-            "is the checkpoint of another run: these parts have changed: "
-            f"{', '.join(other[:NAMED])}{more}",
+            f"is the checkpoint of another run; changed parts: {', '.join(other[:NAMED])}{more}",
             where=str(path),
             remedy=f"give the model and the method of that run (clast {checkpoint.version}), or "
             "run the case again",

@@ -44,15 +44,15 @@ BLOCK_WRITERS: dict[str, Callable[[Path, Arrays], None]] = {
 def writer(
     path: Path, writers: Mapping[str, Callable[[Path, Found], None]]
 ) -> Callable[[Path, Found], None]:
-    """Return the writer for a file of that name; CaseError where there is none."""
+    """Return the writer for a file with that name; CaseError where there is none."""
     found = writers.get(path.suffix.casefold())
     if found is None:
         ending = shortened(path.suffix) or "nothing"
         raise CaseError(
-            f"ends in {ending}, for which there is no form",
+            f"ends in {ending}, which is not a known format",
             where=str(path),
-            remedy=f"let it end in {', '.join(writers)}",
+            remedy=f"use a name ending in {', '.join(writers)}",
         )
     if not path.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
+        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
     return found

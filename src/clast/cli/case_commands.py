@@ -101,7 +101,7 @@ def _shown(
 
 def _way_on(run: Run) -> str:
     """Return how a run that has ended before its time goes on."""
-    return f"; clast resume {run.checkpoint} goes on" if run.checkpoint else ""
+    return f"; clast resume {run.checkpoint} continues it" if run.checkpoint else ""
 
 
 def resume(
@@ -133,7 +133,7 @@ def resume(
 
     if stage is not None and not stage.strip():
         raise CaseError(
-            "is no name of a stage",
+            "is not the name of a stage",
             where="--stage",
             remedy="name the stage that is to be run again, or leave it out",
         )
@@ -213,17 +213,17 @@ def _check_new(name: str, path: Path) -> None:
     where = shortened(name, 100) or "the name"
     last = name.replace(os.sep, "/").rpartition("/")[2].removesuffix(".toml")
     if not last.strip(" .") or visible(name) != name or "\n" in name:
-        raise CaseError("is no name of a case", where=where, remedy="e.g. clast new mywall")
+        raise CaseError("is not a valid case name", where=where, remedy="e.g. clast new mywall")
     if not path.parent.is_dir():
         raise CaseError(
             f"the folder {shortened(str(path.parent), 100)} does not exist",
             where=where,
-            remedy="make it first, or choose a name without a folder",
+            remedy="create it first, or choose a name without a folder",
         )
     if len(os.fsencode(path.name)) > LONGEST_FILE_NAME:
         raise CaseError("is too long a name", where=where, remedy="choose a shorter one")
     if path.exists() or path.is_symlink():
-        raise CaseError("exists already", where=where, remedy="choose another name")
+        raise CaseError("already exists", where=where, remedy="choose another name")
 
 
 def schema() -> None:

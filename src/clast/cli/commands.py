@@ -134,7 +134,7 @@ def main() -> None:
 def _spare_the_collector() -> None:
     """Let the garbage collector look seldom, and not at all at the end.
 
-    It would go through all that has been loaded, which is no garbage, again and again: a tenth of
+    It would go through all that has been loaded, which is not garbage, again and again: a tenth of
     the time until the first step, and as long as a fifth of it when all is done.  Steps leave no
     garbage.
     """

@@ -13,23 +13,27 @@ from clast.cli.terminal import compiling, json_text, print_json, print_table, st
 from clast.cli.terminal_tables import print_benchmark, verification_table
 from clast.errors import CaseError
 
+Problems = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="PROBLEM", help="Names of problems or groups; all if none is named."),
+]
+Quick = Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")]
+ProcessNames = Annotated[
+    str, typer.Option(metavar="NAME,...", help="Only these processes, separated by commas.")
+]
+LawNames = Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")]
+ReportFolder = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
+]
+
 
 def verify(
-    problems: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="PROBLEM", help="Names of problems or groups; all if none is named."
-        ),
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
-    process: Annotated[
-        str, typer.Option(metavar="NAME,...", help="Only these processes, separated by commas.")
-    ] = "",
-    law: Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")] = "",
-    report: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
-    ] = None,
+    problems: Problems = None,
+    quick: Quick = False,
+    process: ProcessNames = "",
+    law: LawNames = "",
+    report: ReportFolder = None,
     as_json: AsJson = False,
 ) -> None:
     """Run the verification problems and compare with their closed-form answers."""
@@ -49,7 +53,7 @@ def verify(
     rows = [row for found in findings for row in found.rows]
     if not rows:
         raise CaseError(
-            "nothing is run with this choice", remedy="leave out --quick, --process or --law"
+            "this selection contains no runs", remedy="leave out --quick, --process or --law"
         )
     missed = verification.misses(rows)
     if report:
@@ -62,60 +66,69 @@ def verify(
             if own:
                 print_table(verification_table(problem.title, own))
         for known in verification.fixed_failures(findings):
-            typer.echo(f"fails no longer: {known.quantity}, {known.variant.name}: {known.reason}")
+            typer.echo(f"no longer fails: {known.quantity}, {known.variant.name}: {known.reason}")
         typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
     if missed:
         raise typer.Exit(MISSED)
 
 
+Scenes = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="SCENE",
+        help="wall, stack, heap, slope; all of these if none is named; "
+        "whole: scenes from beginning to end, or one of them, rest, collapse, dominoes, slide; "
+        "cut: networks of joints that are only cut, or one of them, persistent or baecher.",
+    ),
+]
+Sizes = Annotated[
+    str | None,
+    typer.Option(
+        metavar="N,...",
+        help="Numbers of blocks, separated by commas; 100,1000 if absent, whole: 100, cut: 100000.",
+    ),
+]
+Step = Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")]
+Steps = Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")]
+End = Annotated[
+    float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
+]
+Settle = Annotated[int, typer.Option(metavar="K", help="Steps run beforehand and not counted.")]
+Stiffness = Annotated[
+    float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
+]
+SolverName = Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")]
+JsonFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FILE", help="Also write JSON to this file."),
+]
+StatesFolder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER", help="Keep the first and last state of every run in this folder."
+    ),
+]
+
+
 def bench(
-    scenes: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="SCENE",
-            help="wall, stack, heap, slope; all of these if none is named; "
-            "whole: scenes from beginning to end, or one of them, rest, collapse, dominoes, slide; "
-            "cut: networks of joints that are only cut, or one of them, persistent or baecher.",
-        ),
-    ] = None,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="N,...",
-            help="Numbers of blocks, separated by commas; 100,1000 if absent, whole: 100, cut: "
-            "100000.",
-        ),
-    ] = None,
-    step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
-    steps: Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")] = None,
-    end: Annotated[
-        float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
-    ] = None,
-    settle: Annotated[
-        int, typer.Option(metavar="K", help="Steps run beforehand and not counted.")
-    ] = 0,
-    stiffness: Annotated[
-        float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
-    ] = 1.0,
-    solver: Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")] = "auto",
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Also write JSON to this file."),
-    ] = None,
-    results: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER", help="Keep the first and last state of every run in this folder."
-        ),
-    ] = None,
+    scenes: Scenes = None,
+    size: Sizes = None,
+    step: Step = 1e-3,
+    steps: Steps = None,
+    end: End = None,
+    settle: Settle = 0,
+    stiffness: Stiffness = 1.0,
+    solver: SolverName = "auto",
+    output: JsonFile = None,
+    results: StatesFolder = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Benchmark scenes of any size: time by stage, iterations, accuracy, memory.
 
-    Of scenes from beginning to end: time of the processor by stage, share of impacts, steps,
-    iterations, overlap, energy lost unaccounted; they have a step and a stiffness of their own.
-    Of networks that are only cut: time by stage, memory, and how well areas add up.
+    Of scenes from beginning to end: processor time by stage, share of impacts, steps,
+    iterations, overlap, unaccounted energy; they have their own step and stiffness.
+    Of networks that are only cut: time by stage, memory, and the error of the total area.
     """
     from clast.studies.bench import SCENES, BenchSettings, benchmark, sizes_in
 
@@ -131,7 +144,7 @@ def bench(
         results=results,
     )
     if output is not None and not output.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+        raise CaseError("its folder does not exist", where=str(output), remedy="create it first")
     with status() as say:
         measured = benchmark(wanted, say)
     if output is not None:

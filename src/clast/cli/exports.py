@@ -64,7 +64,9 @@ def export(
     form = FORMS[to]
     named = any(one is not None for one in (frame, time, stage))
     if named and every:
-        raise CaseError("one frame or all, not both", where="--all", remedy="leave one of them out")
+        raise CaseError(
+            "a frame and --all are both given", where="--all", remedy="leave one of them out"
+        )
     if tables and to != "csv":
         raise CaseError(
             f"{to} has no tables", where="--tables", remedy="leave it out: --to csv has"

@@ -20,50 +20,57 @@ if TYPE_CHECKING:
     from clast.rockmass.read_drawing import Reading
 
 
+Drawing = Annotated[
+    Path,
+    typer.Argument(metavar="FILE", help="Drawing or blocks: .dxf, .csv, .npz, .xml, Shi's text."),
+]
+NewCase = Annotated[
+    Path, typer.Option("-o", "--output", help="Case file to write; it must not exist yet.")
+]
+AnalysisFile = Annotated[
+    Path | None,
+    typer.Option("--analysis", metavar="FILE", help="Analysis file of the geometry."),
+]
+DrawingUnit = Annotated[
+    str,
+    typer.Option(metavar="UNIT", help="Unit of a DXF: m, cm, mm, km, in, ft, or its length in m."),
+]
+MassUnit = Annotated[float, typer.Option(metavar="KG", help="Unit of mass, kg: 1000 for t and kN.")]
+BlockFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Write the blocks: .dxf, .csv or .npz. A drawing is cut for it; finished blocks "
+        "go to an .npz beside the case if absent.",
+    ),
+]
+TakenAs = Annotated[
+    Literal["drawing", "blocks"] | None,
+    typer.Option(
+        "--as",
+        help="Meaning of closed lines: outlines of a drawing to cut, or finished blocks "
+        "(archives and tables of blocks always are).",
+    ),
+]
+RepairDistance = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        help="Repair distance, m: corners and edges of blocks, and ends of outlines in a "
+        "DXF, within it are joined.",
+    ),
+]
+
+
 def import_(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE", help="Drawing or blocks: .dxf, .csv, .npz, .xml, Shi's text."
-        ),
-    ],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Case file to write; it must not exist yet.")
-    ],
-    analysis: Annotated[
-        Path | None,
-        typer.Option("--analysis", metavar="FILE", help="Analysis that goes with a geometry."),
-    ] = None,
-    unit: Annotated[
-        str, typer.Option(metavar="UNIT", help="Unit of a DXF: m, cm, mm, km, in, ft, or metres.")
-    ] = "",
-    mass_unit: Annotated[
-        float, typer.Option(metavar="KG", help="Unit of mass, kg: 1000 for t and kN.")
-    ] = 1.0,
-    blocks: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Write the blocks: .dxf, .csv or .npz. A drawing is cut for it; finished blocks "
-            "go to an .npz beside the case if absent.",
-        ),
-    ] = None,
-    taken_as: Annotated[
-        Literal["drawing", "blocks"] | None,
-        typer.Option(
-            "--as",
-            help="Meaning of closed lines: outlines of a drawing to cut, or finished blocks "
-            "(archives and tables of blocks always are).",
-        ),
-    ] = None,
-    tolerance: Annotated[
-        float | None,
-        typer.Option(
-            metavar="M",
-            help="Repair distance, m: corners and edges of blocks, and ends of outlines in a "
-            "DXF, within it are joined.",
-        ),
-    ] = None,
+    file: Drawing,
+    output: NewCase,
+    analysis: AnalysisFile = None,
+    unit: DrawingUnit = "",
+    mass_unit: MassUnit = 1.0,
+    blocks: BlockFile = None,
+    taken_as: TakenAs = None,
+    tolerance: RepairDistance = None,
     as_json: AsJson = False,
 ) -> None:
     """Make a case file from a drawing, from finished blocks, or from another program's file."""
@@ -192,7 +199,7 @@ def _next(text: str, output: Path) -> str:
     from clast.case.comments import TO_BE_GIVEN
 
     if f'"{TO_BE_GIVEN}"' in text.partition("[")[2]:
-        return f'give the numbers that are "{TO_BE_GIVEN}" there, then clast check {output}'
+        return f'fill in the values marked "{TO_BE_GIVEN}" there, then clast check {output}'
     return f"clast check {output}"
 
 
@@ -208,16 +215,18 @@ def _check_target(path: Path) -> None:
     """Refuse to write over a case, and into folders that are not there."""
     _check_new(path)
     if not path.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
+        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
     if path.suffix.casefold() != ".toml":
-        raise CaseError("is no name of a case file", where=str(path), remedy="let it end in .toml")
+        raise CaseError(
+            "is not a valid case file name", where=str(path), remedy="use a name ending in .toml"
+        )
 
 
 def _check_tolerance(file: Path, tolerance: float | None) -> None:
     """Refuse a tolerance for drawings in which nothing is put together by one."""
     if tolerance is not None and file.suffix.casefold() != ".dxf":
         raise CaseError(
-            f"{file.name} is a drawing without outlines of single lines",
+            f"{file.name} is a drawing, and --tolerance is for outlines drawn as separate lines",
             where="--tolerance",
             remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
             "imported with --as blocks",
@@ -227,4 +236,4 @@ def _check_tolerance(file: Path, tolerance: float | None) -> None:
 def _check_new(path: Path) -> None:
     """Refuse a file that is there already."""
     if path.exists() or path.is_symlink():
-        raise CaseError("exists already", where=str(path), remedy="choose another name")
+        raise CaseError("already exists", where=str(path), remedy="choose another name")

@@ -58,9 +58,9 @@ def _address(written: str) -> str:
     host, colon, port = (written or HERE).rpartition(":")
     if not (colon and host and port.isdecimal() and int(port) < 2**16):
         raise CaseError(
-            f"'{shortened(written)}' is no address",
+            f"'{shortened(written)}' is not a valid address",
             where="--live-at",
-            remedy="write host and port, e.g. 127.0.0.1:8080; others than this machine can look "
-            "on where it is one of their network",
+            remedy="write host and port, e.g. 127.0.0.1:8080; for viewers on other machines "
+            "give the address of this one in their network",
         )
     return f"{host}:{port}"

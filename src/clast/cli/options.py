@@ -95,7 +95,7 @@ def frame_asked(
     given = [option for option, value in asked.items() if value is not None]
     if len(given) > 1:
         raise CaseError(
-            "a frame is asked for by its number, its time or its stage",
+            "a frame is chosen by number, time or stage, only one of them",
             where=given[-1],
             remedy="leave one of them out",
         )

@@ -28,6 +28,7 @@ from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
     from clast.model.stages.records import Event
+    from clast.pictures.plot import Look
     from clast.results import Results
 
 
@@ -101,73 +102,80 @@ def _first(events: Sequence[Event]) -> str:
     return "\n".join([*lines, f"and {more} more: clast info --json has all"] if more > 0 else lines)
 
 
+PictureFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
+]
+ColourField = Annotated[
+    str,
+    typer.Option(
+        help="Quantity that colours the blocks; joint: their edges; slip, opening, "
+        "mobilised, sliding, worn: state of the joints."
+    ),
+]
+ContactArrows = Annotated[bool, typer.Option(help="Draw contact forces as arrows.")]
+ReactionArrows = Annotated[
+    bool, typer.Option("--reactions", help="Draw the reactions of supports as arrows.")
+]
+PictureSize = Annotated[
+    str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
+]
+DotsPerInch = Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")]
+Layers = Annotated[
+    str,
+    typer.Option(
+        metavar="A,B",
+        help="Draw as well: chains, crosses, vectors, levels, scale, gravity; of linings "
+        "normal-forces, shear-forces, moments.",
+    ),
+]
+FramePair = Annotated[
+    str, typer.Option(metavar="A,B", help="Draw two frames side by side, in one scale.")
+]
+HistoryNames = Annotated[
+    str,
+    typer.Option(
+        metavar="A,B",
+        help="Draw histories over time: of points, bolts, contacts, reactions, links, linings, "
+        "energy, steps.",
+    ),
+]
+Abscissa = Annotated[str, typer.Option(metavar="NAME", help="Abscissa of histories: time, or A:x.")]
+PointName = Annotated[
+    str, typer.Option(metavar="NAME", help="Draw the movement of this measured point over time.")
+]
+BoltName = Annotated[
+    str, typer.Option(metavar="NAME", help="Draw the force of this bolt over time.")
+]
+LiningName = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="Draw N and M of this lining with its interaction curve."),
+]
+
+
 def plot(
     file: ResultFile,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
-    ] = None,
+    output: PictureFile = None,
     frame: FrameNumber = None,
     time: FrameTime = None,
     stage: StageName = None,
-    field: Annotated[
-        str,
-        typer.Option(
-            help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-            "mobilised, sliding, worn: state of the joints."
-        ),
-    ] = "displacement",
-    contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
-    reactions: Annotated[
-        bool, typer.Option("--reactions", help="Draw the reactions of supports as arrows.")
-    ] = False,
+    field: ColourField = "displacement",
+    contacts: ContactArrows = True,
+    reactions: ReactionArrows = False,
     limits: Limits = "",
     zoom: Zoom = "",
-    size: Annotated[
-        str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
-    ] = "",
-    dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
-    layers: Annotated[
-        str,
-        typer.Option(
-            metavar="A,B",
-            help="Draw as well: chains, crosses, vectors, levels, scale, gravity; of "
-            "linings "
-            "normal-forces, shear-forces, moments.",
-        ),
-    ] = "",
-    compare_frames: Annotated[
-        str, typer.Option(metavar="A,B", help="Draw two frames side by side, in one scale.")
-    ] = "",
-    history: Annotated[
-        str,
-        typer.Option(
-            metavar="A,B",
-            help="Draw these over time: points, bolts, contacts, reactions, links, linings, "
-            "energy, steps.",
-        ),
-    ] = "",
-    against: Annotated[
-        str, typer.Option(metavar="NAME", help="What histories are drawn against: time, or A:x.")
-    ] = "time",
-    point: Annotated[
-        str, typer.Option(metavar="NAME", help="Draw how this measured point moved over time.")
-    ] = "",
-    bolt: Annotated[
-        str, typer.Option(metavar="NAME", help="Draw the force of this bolt over time.")
-    ] = "",
-    interaction: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME", help="Draw N and M of this lining with its interaction curve."
-        ),
-    ] = "",
+    size: PictureSize = "",
+    dpi: DotsPerInch = None,
+    layers: Layers = "",
+    compare_frames: FramePair = "",
+    history: HistoryNames = "",
+    against: Abscissa = "time",
+    point: PointName = "",
+    bolt: BoltName = "",
+    interaction: LiningName = "",
 ) -> None:
     """Draw a frame of a result file, or the history of a point or a bolt."""
-    from clast.pictures.histories import plot_histories
-    from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
-    from clast.pictures.side_by_side.compared_frames import plot_two_frames
-    from clast.pictures.supports.interaction import plot_interaction
+    from clast.pictures.plot import Look, plot_results
     from clast.results import read_results
 
     look = Look(
@@ -179,53 +187,74 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-
-    def several(results: Results, target: Path, names: str) -> object:
-        return plot_histories(results, target, words(names), against)
-
-    def two(results: Results, target: Path, pair: str) -> object:
-        first, second = numbers("--compare-frames", pair, 2)
-        for number in (first, second):
-            if number != int(number):
-                raise CaseError(
-                    f"{number:g} is no number of a frame",
-                    where="--compare-frames",
-                    remedy="give two whole numbers, e.g. 0,-1",
-                )
-        frames = int(first), int(second)
-        return plot_two_frames(results, target, frames, field=field, look=look)
-
-    def of_lining(results: Results, target: Path, name: str) -> object:
-        number = frame_asked(results, frame, time, stage)
-        return plot_interaction(results, target, name, frame=number)
-
-    curves: dict[str, tuple[str, Callable[[Results, Path, str], object]]] = {
-        "--point": (point, plot_history),
-        "--bolt": (bolt, plot_bolt_history),
-        "--history": (history, several),
-        "--interaction": (interaction, of_lining),
-        "--compare-frames": (compare_frames, two),
+    others = _other_pictures(look, field, against, lambda: frame_asked(results, frame, time, stage))
+    asked = {
+        "--point": point,
+        "--bolt": bolt,
+        "--history": history,
+        "--interaction": interaction,
+        "--compare-frames": compare_frames,
     }
-    asked = {option: one for option, one in curves.items() if one[0]}
-    if len(asked) > 1:
+    given = [option for option, value in asked.items() if value]
+    if len(given) > 1:
         raise CaseError(
-            "each is a picture of its own", where=", ".join(asked), remedy="ask for one at a time"
+            "each of these is a separate picture",
+            where=", ".join(given),
+            remedy="give one at a time",
         )
-    for name, draw in asked.values():
-        draw(results, target, name)
-        tell(f"picture: {target}")
-        return
-    number = frame_asked(results, frame, time, stage)
-    plot_results(
-        results,
-        target,
-        frame=number,
-        field=field,
-        contacts=contacts,
-        reactions=reactions,
-        look=look,
-    )
+    for option in given:
+        others[option](results, target, asked[option])
+    if not given:
+        plot_results(
+            results,
+            target,
+            frame=frame_asked(results, frame, time, stage),
+            field=field,
+            contacts=contacts,
+            reactions=reactions,
+            look=look,
+        )
     tell(f"picture: {target}")
+
+
+def _other_pictures(
+    look: Look, field: str, against: str, number: Callable[[], int]
+) -> dict[str, Callable[[Results, Path, str], object]]:
+    """Return the pictures other than that of a frame, by their options; each takes its value.
+
+    ``number`` finds the frame of an interaction curve.
+    """
+    from clast.pictures.histories import plot_histories
+    from clast.pictures.plot import plot_bolt_history, plot_history
+    from clast.pictures.side_by_side.compared_frames import plot_two_frames
+    from clast.pictures.supports.interaction import plot_interaction
+
+    return {
+        "--point": plot_history,
+        "--bolt": plot_bolt_history,
+        "--history": lambda results, target, names: plot_histories(
+            results, target, words(names), against
+        ),
+        "--interaction": lambda results, target, name: plot_interaction(
+            results, target, name, frame=number()
+        ),
+        "--compare-frames": lambda results, target, pair: plot_two_frames(
+            results, target, _two_frames(pair), field=field, look=look
+        ),
+    }
+
+
+def _two_frames(pair: str) -> tuple[int, int]:
+    """Return the two frame numbers of an option, as "0,-1"."""
+    first, second = numbers("--compare-frames", pair, 2)
+    for number in (first, second):
+        if number != int(number):
+            raise CaseError(
+                f"{number:g} is not a frame number",
+                where="--compare-frames",
+                remedy="give two whole numbers, e.g. 0,-1",
+            )
+    return int(first), int(second)
 
 
 def page(
@@ -236,7 +265,7 @@ def page(
     ] = None,
     budget: Annotated[
         str,
-        typer.Option(metavar="SIZE", help="Memory for contacts and joints before compression."),
+        typer.Option(metavar="SIZE", help="Limit of contact and joint data before compression."),
     ] = "12MB",
 ) -> None:
     """Write a page that plays a run in a browser: one file, no network needed."""
@@ -257,6 +286,8 @@ def _bytes(option: str, written: str) -> float:
     found = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", written.upper())
     if found is None or found[2] not in SIZES or float(found[1]) <= 0.0:
         raise CaseError(
-            f"'{shortened(written)}' is no size", where=option, remedy="write e.g. 12MB or 500kB"
+            f"'{shortened(written)}' is not a valid size",
+            where=option,
+            remedy="write e.g. 12MB or 500kB",
         )
     return float(found[1]) * SIZES[found[2]]

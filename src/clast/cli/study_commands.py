@@ -276,9 +276,10 @@ def collect(
     there = StudyFolder.opened(folder)
     if there.study.kind in (COLLAPSE, FIT):
         raise CaseError(
-            "is a search, whose runs follow from each other: it has an answer when it is over",
+            "is a search, in which each run depends on the one before: there is no report until "
+            "it has finished",
             where=str(folder),
-            remedy=f"clast study resume {folder}: it finds what is done, and writes the report",
+            remedy=f"clast study resume {folder}: it uses the finished runs and writes the report",
         )
     print_collected(there, parquet, as_json, quiet)
 
@@ -316,7 +317,7 @@ def _pairs(option: str, given: Sequence[str] | None, example: str) -> Iterator[t
         name = name.strip()
         if not equals or not name or not value.strip():
             raise CaseError(
-                f"'{shortened(one)}' says nothing", where=option, remedy=f'e.g. "{example}"'
+                f"'{shortened(one)}' is not understood", where=option, remedy=f'e.g. "{example}"'
             )
         if name in seen:
             remedy = "give each name once"
@@ -332,7 +333,7 @@ def _correlation(text: str) -> tuple[str, str, float]:
         return first, second, float(value)
     except ValueError:
         raise CaseError(
-            f"'{shortened(text)}' is no correlation of two parameters",
+            f"'{shortened(text)}' is not a valid correlation of two parameters",
             where="--correlate",
             remedy='write "joint.a.cohesion,joint.a.friction_angle,-0.4"',
         ) from None
@@ -360,14 +361,16 @@ def _how(workers: int | None, scheduler: str, array: str, retry: bool = False) -
         whole = slash and first.strip().isdecimal() and count.strip().isdecimal()
         if not whole or not 1 <= int(first) <= int(count):
             raise CaseError(
-                f"'{shortened(array)}' is no part of an array",
+                f"'{shortened(array)}' is not part of an array",
                 where="--array",
                 remedy="write e.g. 3/10: every tenth run, from the third on",
             )
         part = (int(first), int(count))
     if scheduler and part:
         raise CaseError(
-            "an array has no scheduler", where="--scheduler", remedy="leave one of them out"
+            "--array and --scheduler exclude each other",
+            where="--scheduler",
+            remedy="leave one of them out",
         )
     return HowMade(workers=workers, array=part, retry=retry, scheduler=scheduler)
 

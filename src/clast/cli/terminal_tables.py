@@ -96,7 +96,7 @@ def _entries_text(ledger: Ledger, names: Sequence[str]) -> str:
 
 
 def _counts_text(report: Report) -> str:
-    """Return the counts of the process, with the number per step where it is no whole one."""
+    """Return the counts of the process, with the number per step where it is not a whole one."""
     steps = max(1, report.steps)
     texts = []
     for name, number in {"passes": report.passes, **report.counts}.items():

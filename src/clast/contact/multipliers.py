@@ -54,7 +54,7 @@ def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
     if gain >= 1.0:
         return ()
     return (
-        f'multipliers = "carried" swings up where n p h2/(2 m) is below 1; it is {gain:.2g} for '
+        f'multipliers = "carried" oscillates where n p h2/(2 m) is below 1; it is {gain:.2g} for '
         f"the heaviest block. Use normal_stiffness >= {law.normal_stiffness / gain:.2g}, more "
         'solves, or multipliers = "reset".',
     )

@@ -41,7 +41,9 @@ def write_csv(
     """
     folder = Path(folder)
     if folder.suffix.casefold() == ".csv":
-        raise CaseError("is no name of a folder", where=str(folder), remedy="leave out the .csv")
+        raise CaseError(
+            "is not a valid folder name", where=str(folder), remedy="leave out the .csv"
+        )
     chosen = frames_in(results, frames)
     for name in tables or ():
         if name not in TABLES:
@@ -65,7 +67,7 @@ def write_csv(
 
 
 def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
-    """Make the folder; raise CaseError where that cannot be, or where a file exists already."""
+    """Make the folder; raise CaseError where that cannot be, or where a file already exists."""
     check_free(path for path in paths if folder.is_dir())
     try:
         folder.mkdir(exist_ok=True)
@@ -86,7 +88,7 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
         if one.of is not None and not results.names_of(one):
             yield one.csv or one.name, one.without
         elif results.lacks(one):
-            yield one.csv or one.name, f"an earlier clast wrote it, without {one.since}"
+            yield one.csv or one.name, f"it is from an older version of clast, without {one.since}"
     if not results.stages:
         yield "stages", "it has no stages, or did not come to its end"
     if not results.events:

@@ -16,7 +16,7 @@ def frames_in(results: Recording, wanted: Sequence[int] | None) -> list[int]:
     if wanted is None:
         return list(range(len(results.times)))
     if not len(wanted):
-        raise CaseError("no frame is named", remedy="name one, or leave frames out for all")
+        raise CaseError("no frame is given", remedy="give one, or leave frames out for all")
     return list(dict.fromkeys(results.frame(int(number)).number for number in wanted))
 
 

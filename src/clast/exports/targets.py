@@ -11,7 +11,11 @@ from clast.errors import CaseError
 def check_ending(path: Path, ending: str, what: str) -> None:
     """Raise CaseError unless the name of a file has an ending."""
     if path.suffix.casefold() != ending:
-        raise CaseError(f"is no name of {what}", where=str(path), remedy=f"let it end in {ending}")
+        raise CaseError(
+            f"is not a valid name for {what}",
+            where=str(path),
+            remedy=f"use a name ending in {ending}",
+        )
 
 
 def numbered(path: Path, frames: Iterable[int], ending: str) -> list[Path]:
@@ -24,7 +28,7 @@ def check_free(paths: Iterable[Path]) -> None:
     for path in paths:
         if path.exists() or path.is_symlink():
             raise CaseError(
-                "exists already", where=str(path), remedy="choose another name, or remove it"
+                "already exists", where=str(path), remedy="choose another name, or remove it"
             )
         if not path.absolute().parent.is_dir():
-            raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
+            raise CaseError("its folder does not exist", where=str(path), remedy="create it first")

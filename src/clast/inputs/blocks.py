@@ -47,7 +47,7 @@ class Properties(Table):
     initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
     edge_joint: list[StrictStr] | None = None
-    """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
+    """Joint of the edge from each vertex to the next, one name per vertex; "" for none."""
 
 
 class BlockTable(Properties, Corners):
@@ -76,7 +76,7 @@ class GeometryTable(Table):
     vertices: Loop
     """Coordinates [x, y] of all vertices, m; the first is number 1."""
     blocks: list[LoopTable]
-    """Blocks as counter-clockwise loops of vertex numbers; others are turned round."""
+    """Blocks as counter-clockwise loops of vertex numbers; clockwise ones are reversed."""
 
     @model_validator(mode="after")
     def _vertices_exist(self) -> Self:
@@ -103,7 +103,7 @@ class GeometryTable(Table):
             shown = ", ".join(map(str, idle[:SHOWN])) + (", ..." if len(idle) > SHOWN else "")
             yield (
                 f"[geometry] {len(idle)} of {len(self.vertices)} vertices belong to no block: "
-                f"{shown}. Is a loop missing?"
+                f"{shown}. Check for a missing loop."
             )
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
@@ -117,14 +117,15 @@ class BlockFileTable(Table):
     """Blocks of a file beside the case file."""
 
     file: StrictStr
-    """Archive (.npz), table (.csv with block, x, y, and joint and rock if wanted), drawing (.dxf: a
-    closed line a block), or a block file of Shi's programs."""
+    """Archive (.npz), table (.csv with block, x, y, and joint and rock if wanted), drawing (.dxf:
+    one closed line per block), or a block file of Shi's programs.
+    """
     layer: StrictStr | None = None
-    """Layer of a DXF drawing on which the blocks are; all but JOINTS if absent, as their rocks."""
+    """Layer of a DXF drawing with the blocks; if absent, all but JOINTS, which name the rocks."""
     unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
     rock: StrictStr | None = None
-    """Rock of all of them; those that the file names if absent."""
+    """Rock of all of them; the rocks named in the file if absent."""
     fixed: list[Annotated[StrictInt, Field(ge=1)]] = Field([])
     """Numbers in the file, from 1, of blocks that cannot move at all."""
 
@@ -168,11 +169,12 @@ class BlockFileTable(Table):
 
 
 class RepairTable(Table):
-    """All blocks, whichever table brings them, put together where they are meant to touch."""
+    """Repair of blocks, from whichever table, that were drawn slightly apart."""
 
     tolerance: Length
-    """Largest distance by which corners and edges that belong together were drawn apart, m:
-    vertices within it become one, or go onto the edge of another block; none moves further."""
+    """Largest gap or overlap of corners and edges that should coincide, m: vertices within it are
+    merged, or moved onto the edge of another block; none moves further.
+    """
 
     @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
@@ -189,7 +191,7 @@ class RepairTable(Table):
             record_of(cls, keys, (key,))
         elif not callable(value) or isinstance(value, type):
             raise ModelError(
-                f"{shortened(repr(value))} puts no blocks together",
+                f"{shortened(repr(value))} does not describe a repair",
                 where=key,
                 remedy="give the keys of [repair], or clast.rockmass.BlockRepair(tolerance=1e-3)",
             )

@@ -29,7 +29,7 @@ class BoltKind(Table):
     NAMED: ClassVar[bool] = True
 
     stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
-    """Force by elongation, N/m per m."""
+    """Force per elongation, N/m per m."""
     young: Annotated[Positive, within(ranges.MODULUS)] | None = None
     """Young's modulus of the bolt, Pa; with area and out_of_plane_spacing in place of stiffness."""
     area: Positive | None = None
@@ -39,11 +39,11 @@ class BoltKind(Table):
     yield_force: Annotated[Positive, within(ranges.FORCE)] | None = None
     """Force at which it yields, N per metre of thickness; it is elastic if absent."""
     rupture_elongation: Length | None = None
-    """Elongation, plastic one included, at which it breaks for good, m; never if absent."""
+    """Elongation, plastic part included, at which it breaks, m; never if absent."""
     rupture_strain: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """The same as a share of its length, -."""
     pretension: BoltForce = 0.0
-    """Force that it is installed with, N per metre of thickness."""
+    """Force at installation, N per metre of thickness."""
     compression: StrictBool = False
     """True for bars, which carry compression; cables carry none."""
 
@@ -71,7 +71,7 @@ class BoltKind(Table):
                 f"a pretension of {self.pretension:g} N/m is above yield_force, "
                 f"{self.yield_force:g} N/m"
             )
-            remedy = "lower it: a bolt that yields holds no pretension"
+            remedy = "lower it: a bolt cannot be tensioned beyond its yield force"
             raise refusal(Fault(place=("pretension",), what=what, remedy=remedy))
         if self.rupture_elongation is not None and self.rupture_strain is not None:
             what = "rupture_elongation and rupture_strain are both given"
@@ -115,16 +115,17 @@ class Bolt(Table):
     """Length on each side of a joint along which a grouted bolt is free, m."""
     pretension_is: Literal["initial", "jacked"] = "initial"
     """initial: changes with movement from the start; jacked: a jack holds it until a later stage
-    begins, without stages to the end."""
+    begins, or to the end of the run.
+    """
     stage: StrictStr | None = None
-    """Stage that installs it; it is there from the start if absent."""
+    """Stage that installs it; it exists from the start if absent."""
 
     @model_validator(mode="after")
     def _is_a_line(self) -> Self:
         check_length(self.start, self.end)
         if self.anchorage == "grouted" and self.blocks is not None:
-            what = "a grouted bolt moves with all blocks that it runs through"
-            remedy = 'leave blocks out; only anchorage = "ends" may need them'
+            what = "a grouted bolt is bonded to every block along it"
+            remedy = 'leave blocks out; they are for anchorage = "ends"'
             raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
         check_free_length(self)
         return self
@@ -139,7 +140,7 @@ class BoltPattern(Table):
     """Bolts round an opening, radial from its centroid."""
 
     name: StrictStr | None = None
-    """Name of the pattern, from which its bolts have theirs; that of the opening if absent."""
+    """Name of the pattern and its bolts; that of the opening if absent."""
     opening: Annotated[
         Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
         Discriminator(_kind_of_opening),
@@ -152,7 +153,7 @@ class BoltPattern(Table):
     from_: Degrees = Field(0.0, alias="from")
     """First direction, degrees, counter-clockwise from +x."""
     to: Degrees = 360.0
-    """Last direction, degrees; the remainder of the spacing is left at both ends alike."""
+    """Last direction, degrees; both ends keep half of the remaining spacing."""
     kind: StrictStr
     """Kind: [bolt_kind.NAME]."""
     anchorage: Literal["ends", "grouted"] = "ends"
@@ -161,14 +162,15 @@ class BoltPattern(Table):
     """Length on each side of a joint along which a grouted bolt is free, m."""
     pretension_is: Literal["initial", "jacked"] = "initial"
     """initial: changes with movement from the start; jacked: a jack holds it until a later stage
-    begins, without stages to the end."""
+    begins, or to the end of the run.
+    """
     stage: StrictStr | None = None
-    """Stage that installs it; it is there from the start if absent."""
+    """Stage that installs it; it exists from the start if absent."""
 
     @model_validator(mode="after")
     def _is_part_of_an_outline(self) -> Self:
         if not 0.0 < self.to - self.from_ <= 360.0:
-            what = f"from {self.from_:g} to {self.to:g} degrees is no part of an outline"
+            what = f"from {self.from_:g} to {self.to:g} degrees is not part of an outline"
             remedy = "give from below to, counter-clockwise from +x, at most 360 degrees apart"
             raise refusal(Fault(what=what, remedy=remedy))
         check_free_length(self)
@@ -189,12 +191,12 @@ def check_free_length(bolt: Bolt | BoltPattern) -> None:
     """Refuse a grouted bolt without a free length, and one of another kind with it."""
     if bolt.anchorage == "grouted" and bolt.free_length is None:
         remedy = (
-            "say how long the bolt is free on each side of a joint, m, e.g. a few of its "
-            "diameters: free_length = 0.1"
+            "give the free length on each side of a joint, m, e.g. a few diameters: "
+            "free_length = 0.1"
         )
         raise refusal(Fault(what="free_length is missing", remedy=remedy))
     if bolt.anchorage == "ends" and bolt.free_length is not None:
-        what = "a bolt that is anchored at its ends has no free_length: it is free all along"
+        what = "a bolt anchored at its ends has no free_length: it is free over its whole length"
         remedy = 'leave it out, or anchorage = "grouted"'
         raise refusal(Fault(what=what, remedy=remedy))
 

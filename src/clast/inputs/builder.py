@@ -225,7 +225,7 @@ class InputBuilder(Inputs):
         ``block``: arrays of a million blocks have no table.
 
         A run is continued with another load, joint or method by making its last state a model; the
-        contact penetration in it is no bad geometry (the next run refuses a penetration that
+        contact penetration in it is not bad geometry (the next run refuses a penetration that
         contacts of the stiffness then chosen cannot have left):
 
             state, model = run.final, run.model
@@ -368,8 +368,8 @@ class InputBuilder(Inputs):
     def _with_linings(self) -> InputBuilder:
         """Return the same with the segments of linings among the blocks."""
         if self.repair is not None:
-            remedy = "repair the drawing first (clast cut), and line the blocks that it gives"
-            what = "linings follow no blocks that are repaired"
+            remedy = "repair the drawing first (clast cut), and line the repaired blocks"
+            what = "a lining cannot follow blocks that are repaired"
             raise ModelError(what, where="lining", remedy=remedy)
         drawn = self._outlines()
         whole = replace(drawn, vertices=drawn.vertices + drawn.origin)

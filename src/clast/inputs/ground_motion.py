@@ -117,7 +117,7 @@ class GroundMotionTable(Table):
     direction: tuple[Number, Number] | None = None
     """Direction [x, y] of the ground's motion for a file of one component; [1, 0] if absent."""
     time: list[Instant] | None = None
-    """Instants, s, rising."""
+    """Times, s, increasing."""
     acceleration: list[Acceleration] | None = None
     """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
     vertical: (
@@ -153,7 +153,7 @@ class GroundMotionTable(Table):
             raise refusal(Fault(what="there is no accelerogram", remedy=remedy))
         if len(set(given.values())) > 1:
             counted = ", ".join(f"{key} {count}" for key, count in given.items())
-            remedy = "give as many numbers in each list"
+            remedy = "give lists of equal length"
             raise refusal(Fault(what=f"the lists differ in length: {counted}", remedy=remedy))
         return self
 
@@ -166,7 +166,7 @@ class GroundMotionTable(Table):
             remedy = "leave it out; lists are m/s2 along x, and vertical = [...] along y"
             raise refusal(Fault(place=(keys[0],), what=what, remedy=remedy))
         if self.direction is not None and not any(self.direction):
-            what, remedy = "[0, 0] is no direction", "give e.g. [1, 0], to the right"
+            what, remedy = "[0, 0] is not a direction", "give e.g. [1, 0], to the right"
             raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
         return self
 
@@ -307,7 +307,7 @@ def _offset(samples: Samples, file: str) -> Iterator[str]:
     if mean > OFFSET * peak:
         yield (
             f"the mean acceleration of {shortened(file)} is {mean:.3g} m/s2, "
-            f"{100.0 * mean / peak:.2g} % of its peak: an offset of the instrument is taken off by "
+            f"{100.0 * mean / peak:.2g} % of its peak: an instrument offset, removed by "
             'baseline = "linear"'
         )
 
@@ -334,7 +334,7 @@ def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
         time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
         if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
             raise ModelError(
-                f"time has the shape {time.shape} and acceleration {acceleration.shape}",
+                f"time has shape {time.shape} and acceleration {acceleration.shape}",
                 where=where,
                 remedy="give at least 2 instants, and an acceleration (x, y) for each",
             )
@@ -357,8 +357,8 @@ def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
             )
     if isinstance(motion, MovingBase) and fixed_points == 0:
         raise ModelError(
-            "the base moves, but nothing is held by it",
+            "the base moves, but nothing is attached to it",
             where=where,
-            remedy="hold the base by fixed points (a fixed block does not move), or let the motion "
-            "act as a body force",
+            remedy="attach blocks to it by fixed points (a fixed block does not move), or let the "
+            "motion act as a body force",
         )

@@ -78,10 +78,10 @@ class InSituTable(Table):
 
     @classmethod
     def judge(cls, value: Any, key: str) -> None:
-        """Refuse an object that is no stress, and one that only differs by its springs."""
+        """Refuse an object that is not a stress, and one that only differs by its springs."""
         if not isinstance(value, InSituStress | Overburden):
             raise ModelError(
-                f"{shortened(repr(value))} is no stress in the rock",
+                f"{shortened(repr(value))} is not a valid in-situ stress",
                 where=key,
                 remedy="give the keys of [in_situ], clast.InSituStress or clast.Overburden",
             )

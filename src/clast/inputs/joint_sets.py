@@ -42,7 +42,8 @@ class SpreadTable(Table):
 
     distribution: Literal["uniform", "normal", "lognormal", "exponential", "values"]
     """uniform (low, high), normal (mean, std), lognormal (mean, std), exponential (mean) or values
-    (given one by one, again and again)."""
+    (a list, repeated).
+    """
     mean: Number | None = None
     """Mean of the values, m."""
     std: Number | None = None
@@ -109,16 +110,15 @@ class JointSetTable(Table):
     spacing: Spread | None = None
     """Distance between lines, m; a number or a distribution."""
     spacing_is: Literal["true", "apparent"] | None = None
-    """"true": spacing in space; "apparent": as seen in the section. Must be said where dip is
-    given."""
+    """"true": spacing in space; "apparent": as seen in the section. Required with dip."""
     trace_length: Spread | None = None
-    """Length of traces, m; a number or a distribution; lines do not end if absent."""
+    """Length of traces, m; a number or a distribution; persistent if absent."""
     bridge_length: Spread | None = None
     """Rock bridge between traces on one line, m; a number or a distribution."""
     origin: Point | None = None
-    """A line of the set passes here [x, y], m; the lower left of the domain if absent."""
+    """Point [x, y] on a line of the set, m; the lower left of the domain if absent."""
     stagger: Number = 0.0
-    """Share of trace and bridge by which every second line is moved: 0.5 for a running bond."""
+    """Shift of every second line, as a share of trace and bridge: 0.5 for a running bond."""
     within: (
         Annotated[
             Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
@@ -126,9 +126,9 @@ class JointSetTable(Table):
         ]
         | None
     ) = None
-    """Name of a region, or corners [x, y], m, within which the set is; everywhere if absent."""
+    """Name of a region, or corners [x, y], m, that bound the set; everywhere if absent."""
     terminates_at: list[StrictStr] | None = None
-    """Sets, also of traces, at whose lines those of a cross-jointed set end."""
+    """Sets, also of traces, at which the lines of a cross-jointed set terminate."""
     intensity: Number | None = None
     """Length of joints per area P21 in m/m2, in place of a spacing."""
     angle_spread: ScatterTable | None = None
@@ -136,7 +136,7 @@ class JointSetTable(Table):
     fisher_kappa: Number | None = None
     """Concentration of directions in space (Fisher), -; in place of angle_spread, with dip."""
     seed: Seed | None = None
-    """Seed of its own; the domain's and the number of the set if absent."""
+    """Its own seed; from the domain's seed and the number of the set if absent."""
 
     @model_validator(mode="after")
     def _has_one_scatter(self) -> Self:

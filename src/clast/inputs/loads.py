@@ -34,7 +34,7 @@ class Amplitude(Table):
     NAMED: ClassVar[bool] = True
 
     time: list[Instant]
-    """Instants, s, rising."""
+    """Times, s, increasing."""
     value: list[Annotated[Number, within(ranges.FACTOR)]]
     """Values at the instants, -."""
 
@@ -73,7 +73,7 @@ class PointLoad(Table):
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
     amplitude: StrictStr | None = None
-    """Amplitude over time by which the load is multiplied; none: it is constant."""
+    """Amplitude over time by which the load is multiplied; constant if absent."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
@@ -92,7 +92,7 @@ class LineLoad(Table):
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
     amplitude: StrictStr | None = None
-    """Amplitude over time by which the load is multiplied; none: it is constant."""
+    """Amplitude over time by which the load is multiplied; constant if absent."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
@@ -108,7 +108,7 @@ def _kind_of_value(value: Any) -> str:
 
 
 class Pressure(Table):
-    """A pressure on the edges along a straight line, normal to them as they turn.
+    """A pressure on the edges along a straight line; it stays normal to them as they turn.
 
     It acts on the parts of edges that lie on the line at the start of the run, from outside the
     blocks, and goes with them.
@@ -128,7 +128,7 @@ class Pressure(Table):
     block: StrictStr | None = None
     """Block; needed only where edges of two blocks lie on the line."""
     amplitude: StrictStr | None = None
-    """Amplitude over time by which the pressure is multiplied; none: it is constant."""
+    """Amplitude over time by which the pressure is multiplied; constant if absent."""
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 

@@ -35,30 +35,30 @@ class Rock(Table):
 
 
 class Joint(Table):
-    """Strength and stiffness of contacts along a joint; the joint called default serves others."""
+    """Strength and stiffness of contacts along a joint; default is for contacts without a joint."""
 
     NAMED: ClassVar[bool] = True
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
     cohesion: Strength = 0.0
-    """Cohesion, Pa; it stays while the joint slips, and ends where it opens."""
+    """Cohesion, Pa; it remains while the joint slips, and is lost where it opens."""
     tensile_strength: Strength = 0.0
-    """Tension cut-off, Pa; tension beyond it ends it and the cohesion."""
+    """Tension cut-off, Pa; exceeding it removes tensile strength and cohesion."""
     residual_cohesion: Strength | None = None
-    """Cohesion left after slip, Pa; 0: brittle, as mortar; else all of it: ideally plastic."""
+    """Cohesion after slip, Pa; 0: brittle, as mortar; all of it if absent: ideally plastic."""
     residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Residual friction angle, degrees; if absent, friction does not weaken."""
     slip_weakening: Annotated[Number, Field(ge=0.0), within(ranges.LENGTH)] = 0.0
-    """Way of sliding over which strengths fall from peak to residual, m; 0: at once."""
+    """Slip over which strengths fall from peak to residual, m; 0: at once."""
     kinetic_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
-    """Friction angle while the joint slides, degrees; else that of a joint that stands."""
+    """Friction angle while the joint slides, degrees; the static one if absent."""
     critical_speed: Annotated[Number, Field(ge=0.0), within(ranges.SPEED)] = 0.0
-    """Speed of sliding from which friction is the kinetic one, m/s; 0: at once."""
+    """Sliding speed from which friction is kinetic, m/s; 0: at once."""
     dilation_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Angle at which the joint opens as it slides, and closes as it slides back, degrees."""
     dilation_until: Length | None = None
-    """Slide to either side from which on the joint no longer opens, m; else it goes on."""
+    """Slip to either side at which dilation ends, m; it does not end if absent."""
     law: Literal["coulomb", "barton-bandis"] = "coulomb"
     """Strength and closure of the joint: Coulomb's, or those of a rough joint."""
     jrc: Annotated[Number, Field(gt=0.0, le=20.0)] | None = None
@@ -66,28 +66,29 @@ class Joint(Table):
     jcs: Annotated[Positive, within(ranges.STRESS)] | None = None
     """Compressive strength of the walls of a sample, Pa; of law "barton-bandis"."""
     sample_length: Length | None = None
-    """Length of the sample that jrc and jcs belong to, m; 0.1 if absent."""
+    """Length of the sample for jrc and jcs, m; 0.1 if absent."""
     field_length: Length | None = None
-    """Length of the joint between cross joints, m, for which jrc and jcs are scaled; else that of
-    the sample: they are taken as they are."""
+    """Length of the joint between cross joints, m, for which jrc and jcs are scaled; they are not
+    scaled if absent.
+    """
     initial_aperture: Length | None = None
-    """Opening of a rough joint under no stress, m; jrc/50 mm if absent."""
+    """Aperture of a rough joint without stress, m; jrc/50 mm if absent."""
     maximum_closure: Length | None = None
-    """Closure of a rough joint under any stress, m; else from jrc, jcs and initial_aperture."""
+    """Largest closure of a rough joint, m; from jrc, jcs and initial_aperture if absent."""
     strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
-    """Factor that the tangent of the mobilised friction angle of a rough joint is divided by."""
+    """Factor by which the tangent of the mobilised friction angle of a rough joint is divided."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
-    """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
+    """Coefficient of restitution of impacts, 0 to 1; that of the process if absent."""
     normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
-    """Normal stress by closure, Pa/m; else contacts have the spring of method.contact_law."""
+    """Normal stress per closure, Pa/m; the spring of method.contact_law if absent."""
     shear_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
-    """Shear stress by slip, Pa/m; else contacts have the spring of method.contact_law."""
+    """Shear stress per slip, Pa/m; the spring of method.contact_law if absent."""
     between: list[tuple[StrictStr, StrictStr]] = Field([])
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
     between_rocks: list[tuple[StrictStr, StrictStr]] = Field([])
     """Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...]."""
     allow_small_friction_angle: StrictBool = False
-    """True where a friction angle below 1.6 is meant in degrees, not in radians."""
+    """True if a friction angle below 1.6 really is in degrees, not in radians."""
 
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
@@ -215,7 +216,10 @@ def _faults_of_units(joint: Joint) -> Iterator[Fault]:
     if angle is not None and angle >= STEEPEST:
         yield Fault(
             place=("residual_friction_angle",),
-            what=f"{angle:g} degrees leave no room for roughness: friction ends at {STEEPEST:g}",
+            what=(
+                f"{angle:g} degrees leave no room for roughness: the total friction angle is "
+                f"capped at {STEEPEST:g}"
+            ),
             remedy="give the friction angle of a smooth joint of this rock, 20 to 35 degrees",
         )
 

@@ -49,7 +49,7 @@ class MeasuredContact(Table):
 
 
 class MeasuredReaction(Table):
-    """A reaction that is recorded every step, beside the totals: that of what it names, in sum."""
+    """The total reaction of some supports, recorded every step."""
 
     name: StrictStr
     """Name."""
@@ -60,7 +60,7 @@ class MeasuredReaction(Table):
     fixed_point: Point | None = None
     """Coordinates [x, y] of a [[fixed_point]], m."""
     about: Point | None = None
-    """Point [x, y] that its moment is about, m; the middle of what it names if absent."""
+    """Reference point [x, y] of its moment, m; the centre of the supports if absent."""
 
     @model_validator(mode="after")
     def _names_something(self) -> Self:
@@ -74,10 +74,10 @@ class MeasuredReaction(Table):
 
 
 class Reference(Table):
-    """A displacement that is known from elsewhere, to compare a run with."""
+    """A known displacement, to compare a run with."""
 
     point: StrictStr
-    """Measured point that it is known for."""
+    """Measured point."""
     displacement: Point
     """Displacement [u, v] since the start, or since a stage has reset it, m."""
     time: Positive | None = None

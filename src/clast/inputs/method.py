@@ -100,14 +100,14 @@ FIXED_POINT_FACTOR = 100.0
 
 
 class MethodTable(Table):
-    """How to simulate: a name for each choice, or a table with the name and its numbers."""
+    """Numerical method: a name for each choice, or a table with the name and its parameters."""
 
     process: Annotated[Any, Choice("process", ALTERNATIVES)] = "convex"
     """Process of a step."""
     contact_law: Annotated[Any, Choice("contact_law", ALTERNATIVES)] = "penalty"
     """Forces from penetration and slip."""
     corner_rule: Annotated[Any, Choice("corner_rule", ALTERNATIVES)] = "bisector"
-    """Which edge a vertex enters through at a corner."""
+    """Edge through which a vertex enters at a corner."""
     rotation: Annotated[Any, Choice("rotation", ALTERNATIVES)] = "sine"
     """How points follow the rotation of their block."""
     integrator: Annotated[Any, Choice("integrator", ALTERNATIVES)] = "constant-acceleration"

@@ -29,9 +29,9 @@ class FileTable(Table):
     file: StrictStr
     """Drawing (.dxf) or table with the columns x, y (.csv), beside the case file."""
     layer: StrictStr | None = None
-    """Layer of a DXF drawing that has this outline alone; needed there."""
+    """Layer of a DXF drawing with this outline only; required for DXF."""
     unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
 
 
 Boundary = Annotated[
@@ -47,7 +47,7 @@ class DomainTable(Table):
     rock: StrictStr | None = None
     """Rock of all blocks that lie in no region; may be left out where there is only one."""
     section_azimuth: Number | None = None
-    """Direction of +x clockwise from north, degrees; needed by dip and dip_direction alone."""
+    """Direction of +x clockwise from north, degrees; needed only for dip and dip_direction."""
     tolerance: Positive | None = None
     """Grid to which all lines are rounded, m; the power of ten below 1e-6 of the diagonal if
     absent."""
@@ -57,16 +57,16 @@ class DomainTable(Table):
     """Smaller blocks join the neighbour with the longest shared edge, m2; (2 smallest_edge)^2 if
     absent."""
     most_blocks: Annotated[StrictInt, Field(ge=1)] = 200_000
-    """A domain that would fall into more blocks is refused before it is cut."""
+    """Largest number of blocks; a domain with more is rejected before it is cut."""
     seed: Seed = 0
-    """Seed of the random numbers of all sets that have none of their own."""
+    """Seed of the random numbers of all sets without their own."""
     fixed_sides: list[Side] = Field([])
     """Sides of the smallest rectangle about the boundary: blocks with a vertex on one of them
     cannot move at all."""
 
 
 class TraceTable(Table):
-    """Joints as they were drawn: one polyline, or those of a file."""
+    """Mapped joints: one polyline, or those of a file."""
 
     points: Loop | None = None
     """Points [x, y] of a polyline in order, m."""
@@ -75,9 +75,9 @@ class TraceTable(Table):
     and set)
     or .dxf; instead of points."""
     layer: StrictStr | None = None
-    """Layer of a DXF drawing; needed there."""
+    """Layer of a DXF drawing; required for DXF."""
     unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
     joint: StrictStr | None = None
     """Joint along them: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
     set: StrictStr = "traces"
@@ -137,19 +137,19 @@ class OpeningTable(Table):
     file: StrictStr | None = None
     """Outline in a file beside the case file, .dxf or .csv; instead of a shape."""
     layer: StrictStr | None = None
-    """Layer of a DXF drawing that has this outline alone; needed there."""
+    """Layer of a DXF drawing with this outline only; required for DXF."""
     unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
     blocks: list[StrictStr] = Field([])
-    """Names of blocks that are there without a domain, and are excavated together; instead of a
-    shape."""
+    """Names of blocks, without a domain, that are excavated together; instead of a shape."""
     weld: StrictStr | None = None
-    """With blocks: [joint.NAME] whose edges hold inside and outside together until it is excavated,
-    and have no joint of their own from then on."""
+    """With blocks: the joint [joint.NAME] whose edges are welded until it is excavated, and have no
+    joint afterwards.
+    """
     excavated: StrictBool = False
     """True for a void from the start; else it is rock."""
     construction_joint: StrictBool = True
-    """True where the outline of an opening that is rock is cut, and welded; else it is not cut."""
+    """True: while it is rock its outline is cut and welded; false: it is not cut."""
 
     @model_validator(mode="after")
     def _is_one_shape(self) -> Self:
@@ -158,12 +158,12 @@ class OpeningTable(Table):
             given = [key for key in keys if getattr(self, key) is not None]
             check_keys(given, (), (), "opening of blocks")
             if self.excavated:
-                what = "blocks cannot be a void from the start"
-                remedy = "leave the blocks out, or take excavated = true out"
+                what = "blocks cannot be void from the start"
+                remedy = "remove the blocks, or excavated = true"
                 raise refusal(Fault(place=("excavated",), what=what, remedy=remedy))
             return self
         if self.weld is not None:
-            remedy = "take it out: the outline of a shape is welded by itself"
+            remedy = "remove it: the outline of a shape is welded automatically"
             raise refusal(Fault(place=("weld",), what="there are no blocks", remedy=remedy))
         if "blocks" in self.model_fields_set:
             remedy = "name the blocks inside, or give a shape in place of blocks"
@@ -211,7 +211,7 @@ def check_keys(
 
 
 class RegionTable(Table):
-    """Rock by place: a block is of the region in which most of it lies, of the last if of more."""
+    """A region of another rock; a block belongs to the region with most of it, or the last."""
 
     name: StrictStr
     """Name, to which within of joint sets may refer."""
@@ -222,7 +222,8 @@ class RegionTable(Table):
     joint: StrictStr | None = None
     """Joint along its outline, which is then cut; it is not cut if absent."""
     one_block: StrictBool = False
-    """True where no line crosses it: one block, as a lintel or a boulder; its outline is cut."""
+    """True: no line crosses it, so that it is one block (a lintel, a boulder); its outline is cut.
+    """
 
 
 class BlockPatternTable(Table):
@@ -231,7 +232,7 @@ class BlockPatternTable(Table):
     name: StrictStr = "masonry"
     """Name, for the report."""
     pattern: Literal["running-bond", "stack-bond"] = "running-bond"
-    """How the head joints of courses lie to each other: moved or in line."""
+    """Head joints of successive courses: staggered or in line."""
     corner: Point
     """Lower left corner of the rectangle [x, y], m."""
     size: tuple[Length, Length]
@@ -239,12 +240,12 @@ class BlockPatternTable(Table):
     brick: tuple[Length, Length]
     """Width and height of a block, m."""
     joint_offset: Number | None = None
-    """Share of a block by which every second course of a running bond is moved; 0.5 if absent."""
+    """Offset of every second course of a running bond, as a share of a block; 0.5 if absent."""
     joint: StrictStr | None = None
     """Joint of bed and head joints: [joint.NAME]; that of the pair of rocks, or the default, if
     absent."""
     head_joint: StrictStr | None = None
-    """Joint of the head joints where it is another."""
+    """Joint of the head joints, if it differs."""
 
 
 def unknown(name: str, known: Iterable[str], kind: str, place: tuple[str | int, ...]) -> Fault:

@@ -20,20 +20,20 @@ from clast.model.stages.stage import Stage
 
 
 class StrengthTable(Table):
-    """Strengths of a joint from a stage on; those left out stay."""
+    """Strengths of a joint from a stage on; those left out do not change."""
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Coulomb friction angle, degrees."""
     cohesion: Strength | None = None
-    """Cohesion of bonds that are whole, Pa."""
+    """Cohesion of intact bonds, Pa."""
     tensile_strength: Strength | None = None
-    """Tension cut-off of bonds that are whole, Pa."""
+    """Tension cut-off of intact bonds, Pa."""
     residual_cohesion: Strength | None = None
     """Cohesion of bonds that have slipped, Pa."""
     residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Friction angle after sliding, degrees."""
     kinetic_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
-    """Friction angle of what slides, degrees."""
+    """Kinetic friction angle, degrees."""
     dilation_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Angle at which the joint opens from then on, degrees."""
     strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
@@ -42,15 +42,13 @@ class StrengthTable(Table):
     @model_validator(mode="after")
     def _changes_something(self) -> Self:
         if not self.model_fields_set:
-            remedy = (
-                "give friction_angle or a strength, cohesion for example, or leave the joint out"
-            )
-            raise refusal(Fault(what="says nothing of the joint", remedy=remedy))
+            remedy = "give friction_angle or a strength such as cohesion, or leave the joint out"
+            raise refusal(Fault(what="changes nothing of the joint", remedy=remedy))
         return self
 
 
 class StageTable(Table):
-    """A part of the run: changes at its start, the way it is simulated, and its end."""
+    """A stage of the run: changes at its start, its method, and its end."""
 
     name: StrictStr
     """Name."""
@@ -59,7 +57,7 @@ class StageTable(Table):
     time: Annotated[Positive, within(ranges.INTERVAL)] | None = None
     """Length of the stage, s, or its limit if it lasts until equilibrium; time.end if absent."""
     damping: Damping | None = None
-    """Damping of the stage: a name, or a table with its numbers; as without stages if absent."""
+    """Damping of the stage: a name, or a table with its numbers; that of the case if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
     absent."""
@@ -68,21 +66,21 @@ class StageTable(Table):
     speed: Annotated[Positive, within(ranges.FACTOR)] = 1e-6
     """Largest speed of a block in equilibrium, as a share of sqrt(g x its size)."""
     hold: Annotated[StrictInt, Field(ge=1, le=1_000_000)] = 20
-    """Steps in a row in which that holds."""
+    """Consecutive steps in which that holds."""
     reset_displacement: StrictBool = False
-    """True: displacements count from the end of the stage; positions stay as they are."""
+    """True: displacements are reset at the end of the stage; positions do not change."""
     step: Interval | None = None
     """Length of a step, s; time.step if absent."""
     every: Interval | None = None
     """Time between frames, s; output.every if absent."""
     excavate: list[StrictStr] = Field([])
-    """Openings and blocks that are taken out at its start."""
+    """Openings and blocks that are excavated at its start."""
     relax: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
     """Share of the support forces of excavated blocks that is released at once."""
     relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
     """Time over which the rest is released, s."""
     install: list[StrictStr] = Field([])
-    """Bolts that are put in at its start, by their names or kinds."""
+    """Bolts that are installed at its start, by their names or kinds."""
     joint: dict[str, StrengthTable] = Field({})
     """Strengths of joints from its start on: {bedding = {friction_angle = 25}}."""
     bonds: Literal["break", "hold"] = "break"
@@ -108,7 +106,7 @@ class StageTable(Table):
 def given_stages(stages: Any) -> tuple[Stage, ...]:
     """Return the stages that a script gives; their damping may be a name or a table, as in a file.
 
-    Raises CaseError for objects that are no stages, and for stages that their table refuses.
+    Raises CaseError for objects that are not stages, and for stages that their table refuses.
     """
     if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
         stages = [stages]
@@ -116,7 +114,7 @@ def given_stages(stages: Any) -> tuple[Stage, ...]:
     for one in found:
         if not isinstance(one, Stage):
             raise CaseError(
-                f"{shortened(repr(one))} is no stage",
+                f"{shortened(repr(one))} is not a stage",
                 where="stages",
                 remedy='give a list of them: stages=[clast.Stage(name="gravity"), ...]',
             )

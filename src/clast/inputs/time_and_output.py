@@ -22,12 +22,12 @@ FRAMES = 100
 
 
 class TimeTable(Table):
-    """When to simulate."""
+    """Duration and time step."""
 
     step: Interval
-    """Length of a step, s; shorter steps are used where max_displacement asks for them."""
+    """Length of a step, s; shorter steps are used where max_displacement requires them."""
     end: Positive
-    """End of the run, s; with [[stage]] the longest time of a stage that gives none."""
+    """End of the run, s; with [[stage]] the time limit of stages that give none."""
     max_displacement: Length | None = None
     """Largest movement of a vertex in a step against blocks that it might touch, m; 5 % of the size
     (square root of the area) of the smallest block if absent."""
@@ -72,15 +72,15 @@ class TimeTable(Table):
 
 
 class OutputTable(Table):
-    """Results to keep."""
+    """Output of the run."""
 
     every: Interval | None = None
     """Time between frames, s; a hundredth of the run, or a step, if absent."""
     contacts: StrictBool = True
-    """True keeps the contact forces of every frame."""
+    """True: contact forces are kept in every frame."""
     checkpoint_every: Interval | None = None
-    """Wall time between checkpoints, s, from which ``clast resume`` goes on after a kill; if absent
-    there is one where a run ends before its time."""
+    """Wall time between checkpoints, s, from which ``clast resume`` continues; if absent, one is
+    written when a run ends early."""
 
     def interval(self, step: float, end: float) -> float:
         """Return the time between frames, s, of a run to ``end``, s, in steps of ``step``, s."""

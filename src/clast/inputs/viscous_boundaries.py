@@ -31,12 +31,12 @@ class Where(Table):
         if len(self.model_fields_set) != 1:
             given = " and ".join(sorted(self.model_fields_set)) or "nothing"
             remedy = 'give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]'
-            raise refusal(Fault(what=f"says where by {given}", remedy=remedy))
+            raise refusal(Fault(what=f"places it by {given}", remedy=remedy))
         return self
 
 
 class ViscousBoundary(Table):
-    """Dashpots on outer edges, in the place of the rock beyond: waves leave, few come back.
+    """Dashpots on outer edges in place of the rock beyond, which absorb waves.
 
     On an edge act -normal rho c_p v_n and -tangential rho c_s v_t, with rho, c_p and c_s of the
     block behind it.
@@ -60,14 +60,17 @@ class ViscousBoundary(Table):
     @model_validator(mode="after")
     def _begins_once(self) -> Self:
         if self.stage == "":
-            what, remedy = "'' is no name of a stage", 'give the name of a [[stage]], e.g. "quake"'
+            what, remedy = (
+                "'' is not the name of a stage",
+                'give the name of a [[stage]], e.g. "quake"',
+            )
             raise refusal(Fault(place=("stage",), what=what, remedy=remedy))
         if self.stage is not None and self.begins:
             named = shortened(self.stage)
             what = f"begins both at {self.begins:g} s and with the stage '{named}'"
             raise refusal(Fault(what=what, remedy="give begins or stage"))
         if self.normal == self.tangential == 0.0:
-            what = "normal and tangential are both 0: that is a free edge"
+            what = "normal and tangential are both 0, which is a free edge"
             remedy = "leave the boundary out, or give normal = 1 and tangential = 1"
             raise refusal(Fault(what=what, remedy=remedy))
         return self

@@ -15,7 +15,7 @@ from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind
 from clast.model import ranges
 
 LIGHTEST = 100.0
-"""Densities below are no kg/m3."""
+"""Densities below are not kg/m3."""
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
 """Ranges of density in other units, and the factors that convert them."""
 SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
@@ -39,7 +39,7 @@ class Water(Table):
     EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     name: StrictStr | None = None
-    """Name by which stages call it."""
+    """Name by which stages refer to it."""
     level: Coordinate | None = None
     """Height y of a horizontal surface, m; or give a line."""
     line: (
@@ -49,15 +49,16 @@ class Water(Table):
         ]
         | None
     ) = None
-    """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; beyond its ends it goes on
-    level."""
+    """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; it is horizontal beyond its
+    ends.
+    """
     acts_on: Literal["faces", "joints", "both"] = "both"
     """Surfaces it presses on: "faces": edges that no other block covers; "joints": both faces where
     blocks lie along each other; "both"."""
     density: Annotated[Number, within(ranges.DENSITY)] = 1000.0
     """Density, kg/m3."""
     joints: list[StrictStr] | None = None
-    """Joints that it gets into, by name; all if absent."""
+    """Joints that it enters, by name; all if absent."""
     amplitude: Annotated[
         Annotated[Number, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
         Discriminator(_kind_of_share),
@@ -86,20 +87,20 @@ class Water(Table):
                 remedy = f"write {self.density * factor:.4g}; the weight follows from gravity"
                 raise refusal(Fault(place=("density",), what=what, remedy=remedy))
         if not self.density > 0.0:
-            what = f"{self.density:g} is no density"
+            what = f"{self.density:g} is not a valid density"
             raise refusal(Fault(place=("density",), what=what, remedy=remedy))
         if self.density < LIGHTEST:
-            what = f"{self.density:g} kg/m3 is no liquid's"
+            what = f"{self.density:g} kg/m3 is not the density of a liquid"
             raise refusal(Fault(place=("density",), what=what, remedy=remedy))
         return self
 
     @model_validator(mode="after")
     def _suits_what_it_acts_on(self) -> Self:
         if not isinstance(self.amplitude, str) and not 0.0 <= self.amplitude <= 1.0:
-            what = f"{self.amplitude:g} is no share"
+            what = f"{self.amplitude:g} is not a valid share"
             raise refusal(Fault(place=("amplitude",), what=what, remedy=SHARE))
         if self.acts_on == "faces" and (self.joints is not None or self.drained_at):
-            what = "names joints or drains, but the water is on outer faces alone"
+            what = "names joints or drains, but the water acts on outer faces only"
             remedy = 'give acts_on = "joints" or "both", or remove joints and drained_at'
             raise refusal(Fault(what=what, remedy=remedy))
         return self

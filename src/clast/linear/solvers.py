@@ -212,7 +212,7 @@ class Iteration:
 
 @dataclass(frozen=True)
 class PCG:
-    """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
+    """Preconditioned conjugate gradients, for symmetric systems.
 
     By a factor without fill, and a coarse space of aggregates where inertia does not hold its own
     against the contacts.  Where that stalls a safer factor is made, and where that stalls, too, the

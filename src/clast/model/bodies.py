@@ -48,7 +48,7 @@ class Outlines:
     run_place: Floats
     """Where it begins, m along all edges one after the other, shape (r,)."""
     of_vertex: Ints
-    """Place of each vertex of the model in ``vertex``, -1 where it is no corner, shape (nv,)."""
+    """Place of each vertex of the model in ``vertex``, -1 where it is not a corner, shape (nv,)."""
     of_edge: Ints
     """Edge of an outline along which each edge of the model runs, -1 where none, shape (nv,)."""
     body: Ints

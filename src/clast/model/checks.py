@@ -30,9 +30,9 @@ FLAT = 1e-9
 TOUCHING = 1e-6
 """Overlaps and distances below this share of the block's size are round-off."""
 PENETRATION = 0.05
-"""Overlaps above this share of the narrower block's width are no contact penetration."""
+"""Overlaps above this share of the narrower block's width are not contact penetration."""
 SMALLEST_BLOCK = 1e-9
-"""Blocks narrower than this, m, are no blocks."""
+"""Blocks narrower than this, m, are not blocks."""
 LISTED = 10
 """Most faults that one message lists."""
 
@@ -177,22 +177,22 @@ def check_corner_count(outlines: BlockOutlines) -> None:
 
 
 def check_coordinates(outlines: BlockOutlines) -> None:
-    """Refuse coordinates that are not numbers, or too large to be meant."""
+    """Refuse coordinates that are not numbers, or too large to be intended."""
     _refuse_all(
         np.flatnonzero(~np.isfinite(outlines.vertices).all(axis=1)),
         lambda vertex: (outlines.vertex_label(vertex), "is not a finite number"),
-        "nan and inf are no coordinates: give both in m",
+        "give finite coordinates, in m",
     )
     limit = ranges.COORDINATE.high
     _refuse_all(
         np.flatnonzero(np.abs(outlines.vertices).max(axis=1) > limit),
-        lambda vertex: (outlines.vertex_label(vertex), "is too far away to be meant"),
+        lambda vertex: (outlines.vertex_label(vertex), "is too far away to be intended"),
         f"give coordinates in m, at most {limit:g}",
     )
 
 
 def check_polygons(outlines: BlockOutlines, polygons: Geometries) -> None:
-    """Refuse loops that are no polygon, whichever way they run.
+    """Refuse loops that are not polygons, whichever way they run.
 
     These are loops with duplicate vertices, without area, or that cross or touch themselves.
     """
@@ -232,8 +232,8 @@ def turned_note(outlines: BlockOutlines, clockwise: Bools) -> tuple[str, ...]:
     named = ", ".join(outlines.label(int(block)) for block in turned[:LISTED])
     more = ", ..." if len(turned) > LISTED else ""
     if len(turned) == 1:
-        return (f"1 loop runs clockwise and was turned round: {named}",)
-    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
+        return (f"1 loop runs clockwise and was reversed: {named}",)
+    return (f"{len(turned)} loops run clockwise and were reversed: {named}{more}",)
 
 
 def _check_duplicates(outlines: BlockOutlines) -> None:
@@ -319,8 +319,8 @@ def _refuse_overlap(
         f"overlaps {outlines.label(pair[1])} to a depth of {depth:.3g} m near "
         f"{point_text(at)}{more}",
         where=outlines.label(pair[0]),
-        remedy="move or cut the blocks so that they touch at most; where coordinates are rounded, "
-        "[repair] with a tolerance puts neighbours together",
+        remedy="move or cut the blocks so that they do not overlap; where coordinates are rounded, "
+        "[repair] with a tolerance joins neighbours",
     )
 
 
@@ -411,7 +411,7 @@ def _carrier(
         raise ModelError(
             f"lies on the common boundary of {labels}",
             where=where,
-            remedy=f'say which one it moves with, e.g. block = "{example}"',
+            remedy=f'name the one that it moves with, e.g. block = "{example}"',
         )
     closest = int(tree.nearest(shape))
     distance = float(shapely.distance(shape, tree.geometries[closest]))

@@ -121,7 +121,7 @@ class Joint:
     kinetic_friction_angle: float | None = None
     """Friction angle of a contact that slides, degrees; None: the same as of one that stands."""
     critical_speed: float = 0.0
-    """Speed of sliding from which friction is the kinetic one, m/s; 0: at once."""
+    """Sliding speed from which friction is kinetic, m/s; 0: at once."""
     dilation_angle: float = 0.0
     """Angle at which a joint opens as it slides, degrees."""
     dilation_until: float | None = None

@@ -15,13 +15,13 @@ LONGEST_NAME = 200
 
 
 def check_names(kind: str, names: Sequence[str]) -> None:
-    """Refuse names that are no text, blank, too long, not printable, or there twice."""
+    """Refuse names that are not text, blank, too long, not printable, or there twice."""
     if not all(isinstance(name, str) for name in names):
         wrong = next(name for name in names if not isinstance(name, str))
         raise ModelError(
-            f"{shortened(repr(wrong))} is no name",
+            f"{shortened(repr(wrong))} is not a valid name",
             where=kind,
-            remedy='names are texts, e.g. "1"',
+            remedy='give names as text, e.g. "1"',
         )
     for number, name in enumerate(names, start=1):
         check_text(name, f"{kind} {number}")
@@ -29,7 +29,7 @@ def check_names(kind: str, names: Sequence[str]) -> None:
         ordered = sorted(names)
         twice = next(name for name, after in pairwise(ordered) if name == after)
         raise ModelError(
-            f"there are two {kind}s of that name",
+            f"there are two {kind}s with that name",
             where=f"{kind} '{shortened(twice)}'",
             remedy="rename one of them",
         )

@@ -34,7 +34,7 @@ class AllowedRange:
         side, limit = ("small", self.low) if size < self.low else ("large", self.high)
         bound = "at least" if size < self.low else "at most"
         unit = f" {self.unit}" if self.unit else ""
-        return f"{value:g}{unit} is too {side} to be meant: {bound} {limit:g}{unit}"
+        return f"{value:g}{unit} is too {side} to be intended: {bound} {limit:g}{unit}"
 
 
 MODULUS = AllowedRange(1e-6, 1e24, "Pa")

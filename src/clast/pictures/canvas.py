@@ -111,7 +111,7 @@ def axes_in(
     if across < ROOM[0] or up < ROOM[1]:
         least = LEFT + RIGHT + (BAR + BAR_LABELS) * bars + ROOM[0], around + 0.75 * bars + ROOM[1]
         raise CaseError(
-            f"{2.54 * width:.3g} cm x {2.54 * (height or up + around):.3g} cm leave no room",
+            f"{2.54 * width:.3g} cm x {2.54 * (height or up + around):.3g} cm are too small",
             where="size",
             remedy=f"give {2.54 * least[0] + 0.05:.1f} x {2.54 * least[1] + 0.05:.1f} cm or more",
         )
@@ -161,7 +161,7 @@ def sheet_for(
 def empty_part(low: Floats, high: Floats) -> CaseError:
     """Return the error for a part that shows nothing between two corners (2,), m."""
     return CaseError(
-        "there is no block in this part",
+        "no block lies in this area",
         where="zoom",
         remedy=f"the blocks lie between ({low[0]:.6g}, {low[1]:.6g}) and "
         f"({high[0]:.6g}, {high[1]:.6g}) m",

@@ -54,7 +54,7 @@ class Look:
                 raise CaseError("must be finite numbers", where=name)
         if self.limits is not None and not self.limits[0] < self.limits[1]:
             raise CaseError(
-                f"from {self.limits[0]:g} to {self.limits[1]:g} is no range",
+                f"from {self.limits[0]:g} to {self.limits[1]:g} is not a valid range",
                 where="limits",
                 remedy="give the lower limit first",
             )
@@ -89,7 +89,7 @@ class Look:
         most = max(self.size or (0.0,)) * CM * (self.dpi or 0)
         if most > MOST_DOTS:
             raise CaseError(
-                f"{most:.0f} dots are more than a picture can have in a row",
+                f"{most:.0f} dots are more than a picture can have in width or height",
                 where="size, dpi",
                 remedy=f"lower one of them: {MOST_DOTS} dots at most",
             )

@@ -105,7 +105,7 @@ def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats],
     if part not in COMPONENTS or name not in results.point_name:
         known = [f"{point}:{end}" for point in results.point_name for end in COMPONENTS]
         raise CaseError(
-            f"nothing can be drawn against '{against}'",
+            f"histories cannot be drawn against '{against}'",
             where="against",
             remedy=spelling.advice(against, ["time", *known], kind="abscissa"),
         )

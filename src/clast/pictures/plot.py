@@ -22,7 +22,7 @@ from clast.pictures.draw_water import (
 )
 from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.figure_options import DEFAULT, Look
-from clast.pictures.forces import HEAD, arrows_of, draw_arrows
+from clast.pictures.forces import HEAD, Arrows, arrows_of, draw_arrows
 from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
@@ -97,27 +97,20 @@ def draw_results(
     absent = absent_in_frame(results, number)
     edges = _edges(results, field, here, start, part, absent)
     water = pressures_of(results, waters, number, here)
-    bolted = results.bolts(number)
     above = tuple(name for name in look.layers if name in LAYERS)
     handles = [
         *legend_handles(results, field, absent),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
-        *draw_bolts.handles_of(bolted),
+        *draw_bolts.handles_of(results.bolts(number)),
         *handles_of_links(results, number),
         *layer_handles(above, results, number),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
-    arrows = None
-    zoomed = look.zoom is not None
-    whole = canvas.seen(*part, size)
+    arrows, pushes, zoomed = None, [], look.zoom is not None
     if contacts:
-        per_inch = float(whole[1][0] - whole[0][0]) / size[0]
-        arrows = arrows_of(results, number, *whole, per_inch, zoomed=zoomed)
-        if not zoomed and len(arrows.at):
-            part = _with_ends(part, arrows.ends, per_inch)
-            whole = canvas.seen(*part, size)
-    pushes = []
+        arrows, part = _contact_arrows(results, number, part, size, zoomed)
+    whole = canvas.seen(*part, size)
     if reactions:
         pushes = reaction_arrows(results, number, float(whole[1][0] - whole[0][0]))
         if pushes and not zoomed:
@@ -129,18 +122,11 @@ def draw_results(
     axes = figure.add_axes(sheet.share(sheet.axes))
     canvas.view(axes, *whole, size)
     canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
-    draw_blocks.draw_start(axes, results, start, absent)
-    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, absent)
-    shown = draw_blocks.within(results, here, *whole)
-    if field in JOINT_FIELDS:
-        free.set_facecolor(GROUND)
-        faces = JOINT_FIELDS[field].faces(results, number)
-        _draw_joints(figure, sheet, axes, faces, field, whole, look)
-    else:
-        draw_blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    outlined = 0.0 if edges else 1.0
+    shown = _draw_blocks(sheet, axes, results, number, field, whole, look, outlined)
     draw_water(axes, results, waters, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
-    draw_bolts.draw_bolts(axes, bolted)
+    draw_bolts.draw_bolts(axes, results.bolts(number))
     draw_layers(above, axes, results, number)
     draw_links(axes, results, number)
     draw_reactions(axes, pushes)
@@ -156,6 +142,47 @@ def draw_results(
     if "gravity" in look.layers:
         draw_gravity(figure, sheet, results)
     return figure
+
+
+def _contact_arrows(
+    results: Recording, number: int, part: canvas.Part, size: tuple[float, float], zoomed: bool
+) -> tuple[Arrows, canvas.Part]:
+    """Return the contact forces of a frame, and the part to show, with room for them."""
+    low, high = canvas.seen(*part, size)
+    per_inch = float(high[0] - low[0]) / size[0]
+    arrows = arrows_of(results, number, low, high, per_inch, zoomed=zoomed)
+    if zoomed or not len(arrows.at):
+        return arrows, part
+    return arrows, _with_ends(part, arrows.ends, per_inch)
+
+
+def _draw_blocks(
+    sheet: canvas.Sheet,
+    axes: Axes,
+    results: Recording,
+    number: int,
+    field: str,
+    whole: canvas.Part,
+    look: Look,
+    outlined: float,
+) -> Bools:
+    """Draw the blocks of a frame, or its joints, by ``field``; return which blocks are shown.
+
+    ``outlined`` is the width of the outlines of blocks.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    here, absent = results.vertices(number), absent_in_frame(results, number)
+    draw_blocks.draw_start(axes, results, results.vertices(0), absent)
+    free = draw_blocks.draw_blocks(axes, results, here, outlined, absent)
+    shown = draw_blocks.within(results, here, *whole)
+    if field in JOINT_FIELDS:
+        free.set_facecolor(GROUND)
+        faces = JOINT_FIELDS[field].faces(results, number)
+        _draw_joints(figure, sheet, axes, faces, field, whole, look)
+    else:
+        draw_blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    return shown
 
 
 def _part(

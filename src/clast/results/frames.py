@@ -33,7 +33,7 @@ BLOCK_ROW = np.dtype(
 ABSENT = "gone"
 """Field that is 1 for blocks that are not there: excavated, or the lining of a later stage."""
 VERTICES = "vertices"
-"""Name of the vertices in ``field``, which are no field of the blocks."""
+"""Name of the vertices in ``field``, which are not fields of the blocks."""
 
 
 class FrameStore(Protocol):

@@ -16,7 +16,7 @@ from clast.results.schema import FORMAT
 
 ATTEMPTS = 20
 """How often a file is read again that has changed meanwhile, where locks do not prevent it."""
-AGAIN = "run the case again to make a new one"
+AGAIN = "run the case again to write a new one"
 
 Answer = TypeVar("Answer")
 
@@ -49,7 +49,9 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
             if (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
                 break
     except PermissionError as error:
-        raise CaseError("may not be read", where=str(path), remedy="ask for permission") from error
+        raise CaseError(
+            "cannot be read: permission denied", where=str(path), remedy="change its permissions"
+        ) from error
     except FileNotFoundError as error:
         raise CaseError(
             "there is no such file", where=str(path), remedy="clast run CASE -o FILE writes one"
@@ -80,7 +82,7 @@ def check_ours(file: Any) -> int:
     layout = int(file["model"].attrs["format"])
     if layout > FORMAT:
         raise CaseError(
-            f"was written by a newer clast (layout {layout}, this one knows {FORMAT})",
+            f"was written by a newer version of clast (layout {layout}, this one knows {FORMAT})",
             remedy="update clast",
         )
     if layout < 1:
@@ -138,5 +140,5 @@ def _as_case_error(error: Exception, path: Path) -> CaseError:
     if isinstance(error, CaseError):
         return CaseError(error.what, where=error.where or str(path), remedy=error.remedy)
     specific = isinstance(error, MalformedError | DamagedPageError)
-    reason = f"is damaged: {error}" if specific else "is no result file of clast, or is damaged"
+    reason = f"is damaged: {error}" if specific else "is not a clast result file, or is damaged"
     return CaseError(reason, where=str(path), remedy=AGAIN)

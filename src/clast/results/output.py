@@ -39,20 +39,22 @@ def _checked(path: Path) -> Path:
         )
     if not real.parent.is_dir():
         raise CaseError(
-            f"the directory {real.parent} does not exist", where=where, remedy="make it first"
+            f"the directory {real.parent} does not exist", where=where, remedy="create it first"
         )
     exists = real.exists()
     if exists and not stat.S_ISREG(real.stat().st_mode):
         raise CaseError(
-            "is a device, a pipe or the like; it is not written over", where=where, remedy=ELSEWHERE
+            "is a device, a pipe or the like; it is not overwritten", where=where, remedy=ELSEWHERE
         )
     if not os.access(real.parent, os.W_OK) or (exists and not os.access(real, os.W_OK)):
         raise CaseError(
-            "may not be written", where=where, remedy=f"{ELSEWHERE} or change its permissions"
+            "cannot be written: permission denied",
+            where=where,
+            remedy=f"{ELSEWHERE} or change its permissions",
         )
     if exists and real.stat().st_size and not is_result_file(real):
         raise CaseError(
-            "exists and is no result file of clast, or a damaged one; it is not written over",
+            "exists and is not a clast result file, or a damaged one; it is not overwritten",
             where=where,
             remedy=f"{ELSEWHERE}, or remove it",
         )
@@ -120,7 +122,7 @@ def _opened(part: Path) -> BinaryIO:
 
 def _occupied(part: Path) -> CaseError:
     return CaseError(
-        "is in the place of the temporary file of results, and no run has left it; it is not "
+        "has the name of the temporary result file, but does not come from a run; it is not "
         "overwritten",
         where=str(part),
         remedy=f"remove it, or {ELSEWHERE}",
@@ -144,7 +146,7 @@ def _in_use(path: Path) -> CaseError:
     return CaseError(
         "another run is writing to it",
         where=str(path),
-        remedy=f"wait until it has ended, or {ELSEWHERE}",
+        remedy=f"wait until it has finished, or {ELSEWHERE}",
     )
 
 

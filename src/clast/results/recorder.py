@@ -113,7 +113,7 @@ class RunRecorder:
     def state(self) -> State:
         """The last state recorded."""
         if self._state is None:
-            raise RuntimeError("nothing is recorded yet: call start first")
+            raise RuntimeError("nothing has been recorded yet: call start first")
         return self._state
 
     def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
@@ -318,12 +318,12 @@ def frames_at_hand(frames: FrameStore) -> FrameStore:
 
 
 def frames_in_file(path: Path, title: str, times: Floats) -> FrameStore:
-    """Return the frames of a run in its file; raises CaseError where that holds another run now."""
+    """Return the frames of a run in its file; raises CaseError where that now holds another run."""
     from clast.results.result_reader import read_results
 
     results = read_results(path)
     if results.title != title or not np.array_equal(results.times, times):
         raise CaseError(
-            "holds another run now", where=str(path), remedy="keep the results of each run"
+            "now holds another run", where=str(path), remedy="keep the results of each run"
         )
     return results

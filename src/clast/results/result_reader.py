@@ -134,11 +134,12 @@ class Results(Recording):
         return table.name in self.missing
 
     def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
-        """Raise CaseError where values (frames, ...) are no numbers, or cannot be squared."""
+        """Raise CaseError where values (frames, ...) are not numbers, or cannot be squared."""
         sound = (np.abs(values) < LARGEST).reshape(len(values), -1).all(axis=1)
         if not sound.all():
             raise CaseError(
-                f"is damaged: frame {frames[int(np.argmin(sound))]} has {what} that are no numbers",
+                f"is damaged: frame {frames[int(np.argmin(sound))]} has {what} that are not "
+                "numbers",
                 where=str(self.path),
                 remedy=AGAIN,
             )
@@ -146,7 +147,7 @@ class Results(Recording):
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
         if table.name in self.missing:
             raise CaseError(
-                f"an earlier clast wrote these results, without {table.since}",
+                f"these results are from an older version of clast, without {table.since}",
                 where=str(self.path),
                 remedy="run the case again",
             )
@@ -160,11 +161,11 @@ class Results(Recording):
         return rows if index is None or apart else table.one(rows, index)
 
     def _check_rows(self, table: TableSchema, rows: NDArray[Any]) -> None:
-        """Raise CaseError where a table has values that are no numbers, or states without names."""
+        """Raise CaseError where a table has NaN where none may be, or states without names."""
         there = set(rows.dtype.names or ())
         for column in (one for one in table.timed if one.name in there):
             values = rows[column.name]
-            what = "" if column.may_be_nan or np.isfinite(values).all() else "are no numbers"
+            what = "" if column.may_be_nan or np.isfinite(values).all() else "are not numbers"
             if column.words and ((values < 0) | (values >= len(column.words))).any():
                 what = "do not exist"
             if what:

@@ -469,7 +469,8 @@ class FrameContacts(Columns):
     def _since(self, name: str, what: str) -> Floats:
         if name not in self:
             raise CaseError(
-                f"an earlier clast wrote these results, without {what}", remedy="run the case again"
+                f"these results are from an older version of clast, without {what}",
+                remedy="run the case again",
             )
         return self.rows[name]
 
@@ -501,7 +502,8 @@ class FrameContacts(Columns):
 def no_joints(where: str = "") -> CaseError:
     """Return the error for results without the joints of edges and contacts."""
     return CaseError(
-        "an earlier clast wrote these results, without the joints of edges and contacts",
+        "these results are from an older version of clast, without the joints of edges and "
+        "contacts",
         where=where,
         remedy="run the case again",
     )

@@ -320,7 +320,7 @@ def _check_texts(model: Model) -> None:
     for text in texts:
         if "\0" in text or text.encode(errors="replace").decode() != text:
             raise CaseError(
-                f"{text!r} holds a character that a result file cannot hold",
+                f"{text!r} contains a character that a result file cannot store",
                 remedy="give it another title or name",
             )
 

@@ -91,7 +91,7 @@ class Column:
     def entry(self, *rows: int) -> tuple[Any, ...]:
         """Return its entry in a dtype, of so many ``rows`` if there are any."""
         shape = (*rows, *((len(self.parts),) if self.parts else ()))
-        # a plain number is no subarray: the dtype, and so the file, would be another
+        # a plain number is not a subarray: the dtype, and so the file, would be another
         return (self.name, self.kind, shape) if shape else (self.name, self.kind)
 
 

@@ -40,7 +40,7 @@ def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...])
         along=_numbers(model, "link_along"),
     )
     if len({len(one) for one in (name, lines.block, lines.holds, lines.at, lines.along)}) != 1:
-        raise MalformedError("/model has links that do not fit together")
+        raise MalformedError("/model has links that are inconsistent")
     return SupportsRecord(of_block=of_block, links=lines)
 
 
@@ -52,7 +52,7 @@ def _whole(model: Any, name: str, wide: int, below: tuple[int, ...]) -> Ints:
     found = np.asarray(model[name][()])
     fits = found.dtype.kind in "iu" and found.shape[1:] == shape[1:]
     if not fits or (found < 0).any() or (found >= np.array(below)).any():
-        raise MalformedError(f"/model/{name} does not fit to the blocks, supports and links")
+        raise MalformedError(f"/model/{name} does not match the blocks, supports and links")
     return found.astype(np.int64)
 
 

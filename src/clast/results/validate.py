@@ -135,7 +135,7 @@ def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
     point = _whole(file, "model/bolt_of_point", "iu").astype(np.int64)
     count = len(name)
     if not count or not np.array_equal(np.unique(point), np.arange(count)):
-        raise MalformedError("/model/bolt_of_point does not fit to the bolts")
+        raise MalformedError("/model/bolt_of_point does not match the bolts")
     if (np.diff(point) < 0).any():
         raise MalformedError("/model/bolt_of_point is not in the order of the bolts")
     _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), len(frames) * len(point))
@@ -201,7 +201,7 @@ def check_tables(
     """
     kinds = (kind.kind for kind, *_ in (_dataset(file, ENERGY.name).dtype.fields or {}).values())
     if any(kind != "f" for kind in kinds):
-        raise MalformedError("/energy is no table of energies")
+        raise MalformedError("/energy is not a table of energies")
     missing = missing_tables(file)
     for one in OVER_TIME:
         whose = names.get(one.of, ()) if one.of else ()
@@ -243,13 +243,13 @@ def check_grid(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     }
     for name, values in wanted.items():
         if not np.array_equal(_whole(file, f"VTKHDF/{name}", "iu"), values):
-            raise MalformedError(f"/VTKHDF/{name} does not fit to the blocks")
+            raise MalformedError(f"/VTKHDF/{name} does not match the blocks")
     _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), len(frames) - 1)
     for name, tail in {"NumberOfParts": (), "PartOffsets": (), "CellOffsets": (1,)}.items():
         _check_length(_numbers(file, f"VTKHDF/Steps/{name}", "iu", tail), len(frames))
     for frame, vertex in ((0, 0), (len(frames) - 1, (len(frames) - 1) * vertices)):
         if _numbers(file, "VTKHDF/Steps/PointOffsets", "iu")[frame] != vertex:
-            raise MalformedError("/VTKHDF/Steps/PointOffsets does not fit to the blocks")
+            raise MalformedError("/VTKHDF/Steps/PointOffsets does not match the blocks")
 
 
 def _check_length(dataset: Any, rows: int) -> None:
@@ -274,7 +274,7 @@ def report_of(file: Any) -> Report | None:
                 raise TypeError(name)
         return report_from_dict(plain)
     except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
-        raise MalformedError("/report/json is no report of a run") from error
+        raise MalformedError("/report/json is not a report of a run") from error
 
 
 def about_of(file: Any) -> dict[str, Any]:
@@ -355,14 +355,14 @@ def _dataset(file: Any, place: str) -> Any:
 
     found = _group(file, place)
     if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
-        raise MalformedError(f"/{place} is no dataset of this file")
+        raise MalformedError(f"/{place} is not a dataset of this file")
     if found.chunks is None:
         whole = found.id.get_storage_size() >= found.nbytes
     else:
         pieces = [-(-n // rows) for n, rows in zip(found.shape, found.chunks, strict=True)]
         whole = found.id.get_num_chunks() >= math.prod(pieces)
     if not whole:
-        raise MalformedError(f"/{place} says that it has more than there is")
+        raise MalformedError(f"/{place} claims more data than the file holds")
     return found
 
 

@@ -46,7 +46,7 @@ def anchors(found: Noded, used: Ints, rank: Ints, ends: Floats, grid: Floats) ->
     """Return which nodes outlines hold, and where these are exactly.
 
     ``used`` are the nodes that edges have left: where an outline is sharp, its corner and the first
-    node beside it may have fallen together.  ``rank`` (n,) is 0 for lines that are no outlines, 1
+    node beside it may have fallen together.  ``rank`` (n,) is 0 for lines that are not outlines, 1
     for those between rock and rock, 2 for those of the rock itself: where more outlines than two
     fall together, nodes are on these.  ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the
     nodes on the grid, in m.

@@ -24,7 +24,7 @@ from clast.rockmass.network.snapping import snapped, through
 from clast.rockmass.outlines import Outline, outline
 
 WELDED = "welded"
-"""Joint of the edges that split a ring: they are no joints, and hold for good."""
+"""Joint of the edges that split a ring: they are not joints, and hold for good."""
 CONSTRUCTION = "construction-joint:"
 """Begin of the name of the joint along an opening until it is excavated; its name follows."""
 TOGETHER = 1.5
@@ -140,7 +140,7 @@ def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region])
             gap = float(shapely.distance(outer, polygon))
             away = f"{gap:.3g} m away from it" if gap > 0.0 else "and touches it at most"
             raise ModelError(
-                f"lies outside of the domain, {away}",
+                f"lies outside the domain, {away}",
                 where=label,
                 remedy="move it, or widen the boundary of the domain",
             )
@@ -158,7 +158,7 @@ def _check_single_blocks(at: Site) -> None:
     for (here, one), (there, other) in combinations(single, 2):
         if shapely.intersection(one, other).area > at.grid * min(one.length, other.length):
             raise ModelError(
-                f"overlaps {there}, and both are one block",
+                f"overlaps {there}, and both have one_block",
                 where=f"{here}, one_block",
                 remedy="move one of them, or leave one_block out",
             )
@@ -209,9 +209,9 @@ def set_lines(
         ready = [(n, one) for n, one in waiting if not set(one.terminates_at or ()) & left]
         if not ready:
             raise ModelError(
-                "sets end at each other: " + ", ".join(one.name for _, one in waiting),
+                "sets terminate at each other: " + ", ".join(one.name for _, one in waiting),
                 where=f"{waiting[0][1].where}, terminates_at",
-                remedy="let one of them end at none of the others",
+                remedy="let one of them terminate at none of the others",
             )
         for number, one in ready:
             bounds = np.concatenate([NONE, *(drawn[name] for name in one.terminates_at or ())])
@@ -242,7 +242,7 @@ def _window(at: Site, one: JointSet) -> Window:
         shape = outline(one.within, where)
     polygon = shapely.intersection(at.window.polygon, shape.polygon(at.origin))
     if polygon.area <= at.grid * polygon.length:
-        raise ModelError("lies outside of the domain", where=where, remedy="move it")
+        raise ModelError("lies outside the domain", where=where, remedy="move it")
     return Window(polygon=polygon)
 
 
@@ -350,7 +350,7 @@ def _refuse_outside(traces: Sequence[Trace], beside: dict[int, float]) -> None:
                 f"{what}: {'it' if len(own) == 1 else 'the nearest'} passes {gap:.3g} m beside "
                 "the domain",
                 where=f"trace {own[0] + 1}",
-                remedy="are units and origin those of the boundary? Else take it out",
+                remedy="check that units and origin agree with the boundary, or remove it",
             )
 
 
@@ -439,7 +439,7 @@ def check_joint_names(named: Sequence[tuple[str, str | None]]) -> None:
     for where, name in named:
         if name is not None and (name == WELDED or name.startswith(CONSTRUCTION)):
             raise ModelError(
-                f"'{name}' stands for edges that are welded",
+                f"'{name}' is reserved for welded edges",
                 where=f"{where}, joint",
                 remedy="give the joint another name",
             )
@@ -448,7 +448,7 @@ def check_joint_names(named: Sequence[tuple[str, str | None]]) -> None:
 def _courses(at: Site, pattern: BlockPattern) -> list[LineTable]:
     beds, heads = (at.window.clipped(one - at.origin) for one in pattern.lines())
     if len(beds) + len(heads) == 0:
-        raise ModelError("lies outside of the domain", where=pattern.where, remedy="move it")
+        raise ModelError("lies outside the domain", where=pattern.where, remedy="move it")
     bricks = float(np.prod(pattern.bricks()))
     head_joint = pattern.joint if pattern.head_joint is None else pattern.head_joint
     return [

@@ -196,7 +196,7 @@ def _cut(at: Site, found: Sequence[LineTable], before: Before, stages: Stages) -
 def _met(at: Site, ends: Floats, free: int) -> Snapped:
     """Return all lines (n, 2, 2), in cells, with their ends on the lines that they end at.
 
-    The first ``free`` are no outlines.  Ends of those move by a cell at most; where lines are cut
+    The first ``free`` are not outlines.  Ends of those move by a cell at most; where lines are cut
     beyond the boundary they stay.
     """
     lines = ends / at.grid
@@ -266,7 +266,7 @@ def _check_left(at: Site, whole: Whole) -> None:
         return
     voids = [one.where for one in at.openings if one.excavated]
     raise ModelError(
-        "nothing of the domain is left",
+        "nothing is left of the domain",
         where=voids[0] if len(voids) == 1 else "openings that are void from the start",
         remedy="make it smaller, or the domain larger; or let a stage excavate it: excavated = "
         "false",

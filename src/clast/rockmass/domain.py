@@ -77,7 +77,7 @@ class Domain:
             _number(self.section_azimuth, "domain, section_azimuth")
         if not _number(self.most_blocks, "domain, most_blocks") >= 1:
             raise ModelError(
-                f"{self.most_blocks} is no number of blocks",
+                f"{self.most_blocks} is not a valid number of blocks",
                 where="domain, most_blocks",
                 remedy="give 1 or more",
             )
@@ -90,7 +90,7 @@ def _number(value: Any, where: str) -> float:
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise ModelError(f"{value!r} is no finite number", where=where, remedy="give SI units")
+        raise ModelError(f"{value!r} is not a finite number", where=where, remedy="give SI units")
     return number
 
 
@@ -98,7 +98,7 @@ def _number(value: Any, where: str) -> float:
 class Region:
     """Rock by place: a block is of the region in which most of it lies.
 
-    The outline is no joint unless ``joint`` names one; then it is cut, too.
+    The outline is not a joint unless ``joint`` names one; then it is cut, too.
     """
 
     name: str
@@ -164,7 +164,7 @@ def _positive(value: Any, where: str) -> float:
 def _chords(value: int, where: str, least: int) -> int:
     if not isinstance(value, int | np.integer) or not least <= value <= MOST_CHORDS:
         raise ModelError(
-            f"{value!r} is no number of chords",
+            f"{value!r} is not a valid number of chords",
             where=where,
             remedy=f"give {least} to {MOST_CHORDS}",
         )

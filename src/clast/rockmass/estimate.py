@@ -61,7 +61,7 @@ def check_expected(
         if bricks > max(ROUGH * most, QUICK):
             times = math.sqrt(bricks / most)
             raise ModelError(
-                f"about {bricks:.3g} blocks are expected, and {most:g} are allowed",
+                f"about {bricks:.3g} blocks are expected, more than the {most:g} allowed",
                 where=f"{pattern.where}, brick",
                 remedy=f"give bricks {times:.3g} times as long and as high, or raise "
                 "domain.most_blocks",
@@ -105,7 +105,7 @@ def check_counted(tables: Sequence[LineTable], sets: Sequence[JointSet], most: i
 
 def _too_many(expected: _Expected, most: int, where: JointSet | str) -> ModelError:
     times = expected.times(most)
-    label, advice = f"'{where}'", "take lines out"
+    label, advice = f"'{where}'", "remove lines"
     if isinstance(where, JointSet):
         label = where.where
         if where.intensity is not None:
@@ -117,7 +117,7 @@ def _too_many(expected: _Expected, most: int, where: JointSet | str) -> ModelErr
             advice += f" ({mean * times:.3g} m for this set)" if mean else ""
             advice += " would do"
     return ModelError(
-        f"about {expected.total:.3g} blocks are expected, and {most:g} are allowed",
+        f"about {expected.total:.3g} blocks are expected, more than the {most:g} allowed",
         where=f"{label}, spacing" if isinstance(where, JointSet) else label,
         remedy=f"{advice}; or raise domain.most_blocks",
     )

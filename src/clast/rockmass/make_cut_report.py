@@ -129,8 +129,9 @@ def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
     ends = "an end of a line stops" if found.count == 1 else f"{found.count} ends of lines stop"
     return (
         f"cut: {ends} less than {SHORT_OF * grid:.3g} m short of another line and cut nothing "
-        f"there, so that blocks stay in one piece: {places}{more}. Draw lines that are meant to "
-        f"meet so that they do, or raise domain.tolerance ({grid:.3g} m): ends within it join",
+        f"there, so that blocks stay in one piece: {places}{more}. Draw lines so that they meet "
+        "where they should, or raise"
+        f" domain.tolerance ({grid:.3g} m): ends within it join",
     )
 
 
@@ -142,12 +143,14 @@ def _checked(error: float, at: Site) -> tuple[str, ...]:
     rounding = at.grid * sum(one.length for one in outlines) / at.window.area
     if abs(error) > rounding:
         raise ModelError(
-            f"the blocks would sum up to {error:+.2g} of the domain more than its area",
+            f"the areas of the blocks differ from the domain by {error:+.2g} of the domain more "
+            "than its area",
             where="domain",
             remedy="this is a fault of clast: another tolerance may get round it; please report it",
         )
     return (
-        f"the blocks sum up to {error:+.2g} of the domain more than its area: thin blocks at "
+        f"the areas of the blocks exceed the domain by {error:+.2g} of the domain more than its "
+        "area: thin blocks at "
         "outlines, or outlines that meet at a small angle, were left on the grid; a finer "
         "tolerance brings them onto the outlines",
     )

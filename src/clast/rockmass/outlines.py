@@ -48,7 +48,7 @@ def points_of(points: Any, where: str, least: int) -> Floats:
         array = np.zeros(0)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) < least:
         raise ModelError(
-            f"{shortened(repr(points))} is no list of at least {least} points (x, y)",
+            f"{shortened(repr(points))} is not a list of at least {least} points (x, y)",
             where=where,
             remedy="give them as [[x, y], [x, y], ...], in m",
         )
@@ -56,7 +56,7 @@ def points_of(points: Any, where: str, least: int) -> Floats:
         raise ModelError(
             f"point {k + 1}, ({array[k, 0]}, {array[k, 1]}), is not finite",
             where=where,
-            remedy="nan and inf are no coordinates: give both in m",
+            remedy="give finite coordinates, in m",
         )
     ranges.check_size(float(np.abs(array).max()), ranges.COORDINATE, where, "give coordinates in m")
     return array

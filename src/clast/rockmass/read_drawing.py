@@ -84,7 +84,7 @@ def _not_read(path: Path, how: Reading) -> Drawing:
     """Refuse kinds of file that are known not to be drawings."""
     checked_file(path)
     raise CaseError(
-        f"a {shortened(path.suffix)} file is no drawing that can be read",
+        f"a {shortened(path.suffix)} file is not a drawing that clast can read",
         where=str(path),
         remedy="save it as DXF (R2000 or later), or as CSV with a heading x1,y1,x2,y2",
     )

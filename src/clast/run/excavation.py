@@ -39,7 +39,7 @@ def excavated(
 
     The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
     rest falls to nothing within ``relax_time``, s.  Blocks already excavated do not count.
-    Raises ModelError for shares and times out of range, for values that are no numbers of blocks,
+    Raises ModelError for shares and times out of range, for values that are not block numbers,
     and where no block would be left.
     """
     _check(relax, relax_time)
@@ -98,9 +98,9 @@ def _numbers(blocks: Any, count: int) -> Ints:
     whole = found.ndim == 1 and (found.dtype.kind in "iu" or found.size == 0)
     if not whole:
         raise ModelError(
-            f"{shortened(repr(blocks))} are no numbers of blocks",
+            f"{shortened(repr(blocks))} are not block numbers",
             where="blocks",
-            remedy='give their numbers from 0; those of names are model.blocks_called(["name"])',
+            remedy='give their numbers from 0; for names use model.blocks_called(["name"])',
         )
     for number in found[(found < 0) | (found >= count)][:1]:
         raise ModelError(
@@ -114,15 +114,15 @@ def _numbers(blocks: Any, count: int) -> Ints:
 def _check(relax: float, relax_time: float) -> None:
     if not 0.0 <= relax <= 1.0:
         raise ModelError(
-            f"{relax:g} is no share",
+            f"{relax:g} is not a valid share",
             where="relax",
-            remedy="give the share of the forces that ends at once, 0 to 1",
+            remedy="give the share of the forces released at once, 0 to 1",
         )
     if not 0.0 <= relax_time < np.inf:
         raise ModelError(
-            f"{relax_time:g} s is no time that passes",
+            f"{relax_time:g} s is not a valid duration",
             where="relax_time",
-            remedy="give the time in which the rest of the forces ends, s, or 0",
+            remedy="give the time over which the rest is released, s, or 0",
         )
 
 

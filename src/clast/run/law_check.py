@@ -1,8 +1,8 @@
 """The consistency of a contact law: forces, stiffnesses, energies and friction belong together.
 
 A law that is put in from a script may be wrong in ways that no run shows: friction bounded by
-another normal force than its own, a stiffness that is no derivative of its force, energies that do
-not belong to the forces.  They are compared here with differences between neighbouring gaps and
+another normal force than its own, a stiffness that is not a derivative of its force, energies that
+do not belong to the forces.  They are compared here with differences between neighbouring gaps and
 slips.
 """
 
@@ -89,7 +89,7 @@ def _trial(law: ContactLaw, contacts: Contacts, rng: np.random.Generator) -> _Tr
 
 
 def _malformed(trial: _Trial) -> Iterator[str]:
-    """Yield responses that are no arrays of finite numbers, and arguments that were changed."""
+    """Yield responses that are not arrays of finite numbers, and arguments that were changed."""
     given = {f.name: getattr(trial.contacts, f.name) for f in fields(Contacts)}
     given |= {"gap given": trial.gap, "slip given": trial.slip}
     before = {name: np.copy(values) for name, values in given.items()}
@@ -101,7 +101,7 @@ def _malformed(trial: _Trial) -> Iterator[str]:
     for field in fields(ContactResponse):
         found = np.asarray(getattr(response, field.name))
         if found.shape != (count,):
-            yield f"{field.name} has the shape {found.shape}; it must be ({count},), as gap is"
+            yield f"{field.name} has shape {found.shape}; it must be ({count},), as gap is"
         elif not np.isfinite(found).all():
             yield f"{field.name} is not finite everywhere"
 
@@ -151,7 +151,7 @@ def _normal_side(trial: _Trial) -> Iterator[str]:
     if (smooth & _differ(-rate.normal_force, stiffness, size)).any():
         yield "normal_stiffness is not -dN/dgap"
     if (smooth & _differ(-(rate.energy + rate.dissipation), normal, np.abs(normal))).any():
-        yield "energy does not belong to normal_force: N must be -dE/dgap"
+        yield "energy is inconsistent with normal_force: N must be -dE/dgap"
     here, rate, smooth = _rates(trial.free, trial.gap, trial.slip, along_gap=True)
     size = np.abs(rate.normal_force)
     if (smooth & _differ(rate.shear_force, here.coupling * rate.normal_force, size)).any():
@@ -170,11 +170,11 @@ def _shear_side(trial: _Trial) -> Iterator[str]:
     size = np.abs(shear) + NEAR * np.abs(here.normal_force)
     if (smooth & _differ(-(rate.energy + rate.dissipation), shear, size)).any():
         yield (
-            "energy and dissipation do not belong to shear_force: T must be -d(energy + "
+            "energy and dissipation are inconsistent with shear_force: T must be -d(energy + "
             "dissipation)/dslip"
         )
     if (here.dissipation < 0.0).any():
-        yield "dissipation is negative: friction gives energy"
+        yield "dissipation is negative: friction would create energy"
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
             )
         if length < SMALL_SHARE * size:
             yield (
-                f"{key} is {length:g} m, next to nothing beside the smallest block of "
+                f"{key} is {length:g} m, very small beside the smallest block of "
                 f"{size:.3g} m: raise it to {0.005 * size:.2g} m, or leave it out"
             )
     # twice the area by the outline: of slabs their thickness, of squares half of their side
@@ -129,11 +129,11 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
     more = f"; so do {count - 1} more pairs" if count > 1 else ""
     raise ModelError(
         f"overlaps block {named(model, np.array([other]))} to a depth of {depth:.3g} m{more}: "
-        f"with normal_stiffness = {stiffness:.3g} a contact would press them apart with "
+        f"with normal_stiffness = {stiffness:.3g} a contact would push them apart with "
         f"{stiffness * depth:.3g} N/m, and all blocks weigh {weight_of(model):.3g} N/m",
         where=f"block {named(model, np.array([one]))}",
-        remedy="move or cut the blocks so that they touch at most; where coordinates are rounded, "
-        f"{_repair_of(depth)} puts neighbours together",
+        remedy="move or cut the blocks so that they do not overlap; where coordinates are rounded, "
+        f"{_repair_of(depth)} joins neighbours",
     )
 
 
@@ -159,8 +159,9 @@ def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
     more = f", and {len(depth) - 1} more pairs by less" if len(depth) > 1 else ""
     yield (
         f"blocks {one} and {other} overlap by {depth[worst]:.3g} m at the start{more}: contacts "
-        f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; others should "
-        f"touch at most: {_repair_of(float(depth[worst]))} puts them together"
+        f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; other blocks "
+        "should not overlap"
+        f": {_repair_of(float(depth[worst]))} puts them together"
     )
 
 
@@ -177,7 +178,7 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
     if shear is not None and not 1.0 / STIFFNESS_RATIO <= shear / normal <= STIFFNESS_RATIO:
         yield (
             f"shear_stiffness is {shear:.3g} N/m per m, {shear / normal:.2g} times "
-            "normal_stiffness: leave it out, and it is equal"
+            "normal_stiffness: leave it out for the same value"
         )
     sinking = weight_of(model) / normal / max(1, int(model.block_count**0.5))
     share = sinking / size_of_smallest(model)
@@ -191,8 +192,8 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
         tolerance = getattr(part, "tolerance", 0.0)
         if tolerance > LOOSE:
             yield (
-                f"tolerance of the {kind} is {tolerance:g}, so loose that steps are hardly solved: "
-                "leave it out"
+                f"tolerance of the {kind} is {tolerance:g}, too loose to solve the steps: leave "
+                "it out"
             )
 
 
@@ -207,7 +208,8 @@ def _joint_stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
             if not 1.0 / JOINT_RATIO <= ratio <= JOINT_RATIO:
                 yield (
                     f"{key} of joint '{joint.name}' is {value:.3g} Pa/m, {ratio:.2g} times that of "
-                    f"a block of {size:.3g} m, young by its size: is it in Pa/m (1 MPa/mm is 1e9)?"
+                    f"a block of {size:.3g} m, young by its size: check that it is in Pa/m (1 "
+                    "MPa/mm is 1e9)"
                 )
         if (normal is None) != (shear is None):
             key, other = ("normal", "shear") if shear is None else ("shear", "normal")
@@ -241,8 +243,8 @@ def _support_warnings(model: Model, method: Method) -> Iterator[str]:
     if method.dynamic_ratio == 0.0 and model.is_driven:
         yield (
             "motions are prescribed in a static run, and the process is not convex: its steps keep "
-            "their inertia, so that what is moved lags behind and forces depend on the step. Use "
-            'process = "convex", or see that the results stay with half of time.step'
+            "their inertia, so moved blocks lag behind and forces depend on the step. Use "
+            'process = "convex", or check that results do not change with half of time.step'
         )
 
 
@@ -274,7 +276,7 @@ def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iter
 
 
 def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
-    """Warn of damping that is no damping of rock, that slows falls, or turns velocities round."""
+    """Warn of damping that is not damping of rock, that slows falls, or turns velocities round."""
     damping = method.damping
     if isinstance(damping, Adaptive | Kinetic) and isinstance(model.ground_motion, Recorded):
         yield (
@@ -286,13 +288,14 @@ def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Itera
     gravity = float(np.hypot(*model.gravity))
     if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > FELT:
         yield (
-            f"damping.mass = {damping.mass:g} 1/s also slows blocks that fall or slide: none gets "
-            f"faster than {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks "
+            f"damping.mass = {damping.mass:g} 1/s also slows blocks that fall or slide: none "
+            "exceeds"
+            f" {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks "
             "are to fall"
         )
     if damping.mass * schedule.step > TURNING:
         yield (
-            f"damping.mass = {damping.mass:g} 1/s turns velocities round in steps of "
+            f"damping.mass = {damping.mass:g} 1/s reverses velocities in steps of "
             f"{schedule.step:g} s: lower time.step to {TURNING / damping.mass:.2g}, or mass to "
             f"{TURNING / schedule.step:.2g}"
         )
@@ -318,7 +321,7 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
             continue
         if frequency * step * FINE > 1.0 + WEAKENED:
             yield (
-                f"{what} has frequencies up to {frequency:.3g} Hz, of which a step of {step:g} s "
+                f"{what} has frequencies up to {frequency:.3g} Hz, which a step of {step:g} s "
                 f"makes {1.0 / (frequency * step):.2g} a period: lower time.step to "
                 f"{1.0 / (FINE * frequency):.2g}, {FINE:g} a period"
             )
@@ -375,8 +378,9 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
     fall = 0.5 * float(np.hypot(*model.gravity)) * schedule.step**2
     if fall > size_of_smallest(model):
         yield (
-            f"a block falls by {fall:.3g} m in a step of {schedule.step:g} s, further than the "
-            f"smallest is wide, {size_of_smallest(model):.3g} m: steps will be cut. Lower time.step"
+            f"a block falls by {fall:.3g} m in a step of {schedule.step:g} s, more than the width "
+            f"of the smallest block, {size_of_smallest(model):.3g} m: steps will be cut. Lower "
+            "time.step"
         )
     frames = schedule.end / schedule.every
     vertex, block = BYTES
@@ -386,7 +390,8 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
     if schedule.every < schedule.step * (1.0 - 1e-9):
         yield (
             f"output.every is {schedule.every:g} s, less than a step of {schedule.step:g} s: a "
-            f"frame is kept after every step, {schedule.end / schedule.step:.3g} in all. Raise it"
+            f"frame is written after every step, {schedule.end / schedule.step:.3g} in all. Raise "
+            "it"
         )
     if size > LARGE_FILE:
         yield (
@@ -402,8 +407,9 @@ def _stage_warnings(schedule: Schedule) -> Iterator[str]:
         length, step = stage.time or schedule.end, stage.step or schedule.step
         if stage.every is not None and stage.every < step * (1.0 - 1e-9):
             yield (
-                f"{called}: every is {stage.every:g} s, less than a step of {step:g} s: a frame is "
-                f"kept after every step, {length / step:.3g} in all. Raise it"
+                f"{called}: every is {stage.every:g} s, less than a step of {step:g} s: a frame "
+                "is written after every step"
+                f", {length / step:.3g} in all. Raise it"
             )
         if stage.until == EQUILIBRIUM and stage.hold > length / step * (1.0 + 1e-9):
             yield (

@@ -149,7 +149,7 @@ def _idle_warnings(model: Model) -> Iterator[str]:
         size = "next to nothing beside" if total < weight else "out of proportion to"
         yield (
             f"all loads together are {total:.3g} N/m, {size} the weight of the blocks, "
-            f"{weight:.3g} N/m; they are meant in N/m: 5 kN/m are 5000"
+            f"{weight:.3g} N/m; the unit is N/m: 5 kN/m are 5000"
         )
     numbers = [points.factor, lines.factor, model.pressures.factor]
     idle = np.setdiff1d(np.arange(len(model.factors)), np.concatenate(numbers))
@@ -166,7 +166,7 @@ def _idle_warnings(model: Model) -> Iterator[str]:
 
 
 def _gravity_warnings(model: Model) -> Iterator[str]:
-    """Warn where gravity points upwards, or nothing sets the blocks in motion."""
+    """Warn where gravity points upwards, or nothing moves the blocks."""
     across, up = model.gravity.tolist()
     if up > 0.0:
         yield (
@@ -175,7 +175,7 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
         )
     size = float(np.hypot(across, up))
     if size and not WEAKEST_GRAVITY <= size <= STRONGEST_GRAVITY:
-        yield f"gravity is {size:g} m/s2; it is meant in m/s2: on earth gravity = [0.0, -9.8]"
+        yield f"gravity is {size:g} m/s2; the unit is m/s2: on earth gravity = [0.0, -9.8]"
     driven = (
         model.gravity.any()
         or model.velocity.any()
@@ -199,8 +199,9 @@ def _unit_warnings(model: Model) -> Iterator[str]:
         where = f"rock '{shortened(rock.name)}'"
         if not SOFTEST <= rock.young <= HARDEST:
             yield (
-                f"{where}: young is {rock.young:g} Pa, which no rock or brick has (1e8 to 2e12); "
-                "it is meant in Pa: 50 GPa are 50e9"
+                f"{where}: young is {rock.young:g} Pa, outside the range of rock and brick (1e8 "
+                "to 2e12); "
+                "the unit is Pa: 50 GPa are 50e9"
             )
         if rock.poisson < 0.0:
             yield (
@@ -209,14 +210,15 @@ def _unit_warnings(model: Model) -> Iterator[str]:
             )
         if not LIGHTEST <= rock.density <= HEAVIEST:
             yield (
-                f"{where}: density is {rock.density:g} kg/m3, which no rock or brick has; it is "
+                f"{where}: density is {rock.density:g} kg/m3, outside the range of rock and "
+                "brick; it is "
                 "meant in kg/m3: 2.7 t/m3 are 2700"
             )
     largest = np.abs(model.initial_stress).max(axis=1)
     small = np.flatnonzero((largest > 0.0) & (largest < WEAKEST))
     if len(small) == model.block_count:
         yield (
-            f"initial_stress is at most {largest.max():g} Pa, next to nothing; it is meant in Pa: "
+            f"initial_stress is at most {largest.max():g} Pa, very small; the unit is Pa: "
             "10 MPa are 10e6"
         )
     young = np.array([rock.young for rock in model.rocks])[model.block_rock]
@@ -245,11 +247,11 @@ def _strength_warnings(model: Model) -> Iterator[str]:
         for key, value in strengths.items():
             if 0.0 < value < WEAKEST:
                 yield (
-                    f"{where}: {key} is {value:g} Pa, next to nothing; it is meant in Pa: "
+                    f"{where}: {key} is {value:g} Pa, very small; the unit is Pa: "
                     f"{value:g} kPa are {1e3 * value:g}"
                 )
             if STRONGEST < value != WELD_STRENGTH:
-                yield f"{where}: {key} is {value:g} Pa, stronger than any rock; it is meant in Pa"
+                yield f"{where}: {key} is {value:g} Pa, stronger than any rock; the unit is Pa"
         if joint.friction_angle > STEEPEST:
             yield (
                 f"{where}: friction_angle is {joint.friction_angle:g} degrees, a coefficient of "
@@ -259,7 +261,7 @@ def _strength_warnings(model: Model) -> Iterator[str]:
     if model.block_count > 1 and default.friction_angle == 0.0 and default.cohesion == 0.0:
         yield (
             f"joint '{default.name}' is frictionless, and with it every contact that no other "
-            "joint names: give friction_angle in [joint.default] if that is not meant"
+            "joint names: give friction_angle in [joint.default] if that is not intended"
         )
 
 
@@ -271,7 +273,7 @@ def _shape_warnings(model: Model) -> Iterator[str]:
     if rounding > COARSEST_ROUNDING * size:
         yield (
             f"coordinates of {far:.3g} m are rounded to {rounding:.2g} m, but the smallest block "
-            f"is only {size:.3g} m wide: no digits are left for it. Subtract a common offset "
+            f"is only {size:.3g} m wide: too few digits are left for it. Subtract a common offset "
             "from all coordinates"
         )
     largest = float(np.sqrt(model.area.max()))
@@ -299,7 +301,7 @@ def _thickness(model: Model) -> tuple[Floats, Ints]:
     """Return the thickness at each vertex, as a share of its block's extent, and the block (nv,).
 
     The thickness at a corner is the distance of one end of its shorter edge from its longer edge;
-    at a flat or blunt corner it is no thickness, and 1 is returned.
+    at a flat or blunt corner it is not a thickness, and 1 is returned.
     """
     block, start = model.vertex_block, model.block_start
     vertex = np.arange(len(block))
@@ -329,7 +331,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
     if first >= end or last <= 0.0:
         yield (
             f"the ground motion goes from {first:g} to {last:g} s, but the run from 0 to "
-            f"{end:g} s: it is not felt. Shift its instants"
+            f"{end:g} s: it has no effect. Shift its instants"
         )
         return
     if first > 0.0:
@@ -339,8 +341,9 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
         )
     if first < 0.0:
         yield (
-            f"the ground motion begins at {first:g} s, before the run: the ground moves already "
-            "at 0 s. Let its instants begin at 0"
+            f"the ground motion begins at {first:g} s, before the run: the ground is already "
+            "moving at 0 s"
+            ". Let its instants begin at 0"
         )
     drift = float(np.round(np.hypot(*record.velocity(last)), 12))
     if last < end and drift * (end - last) > DRIFTING * size_of_smallest(model):
@@ -352,7 +355,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
         kept = f"goes on at {drift:.3g} m/s" if drift else "rests"
         yield (
             f"the ground motion ends at {last:g} s, before the run at {end:g} s: after it the "
-            f"ground {kept}. Lower time.end if that is not meant"
+            f"ground {kept}. Lower time.end if that is not intended"
         )
     if peak > HARDEST_SHAKING:
         yield (
@@ -361,7 +364,8 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
         )
     if peak < SOFTEST_SHAKING:
         yield (
-            f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody feels: check "
+            f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody would feel: "
+            "check "
             "the columns and the scale of the record"
         )
 
@@ -379,7 +383,7 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
         yield (
             f"{int(loose.sum())} viscous edge(s) begin at once and carry no weight: the blocks "
             "sink into them. Give [in_situ], whose traction stays on them, or begins in "
-            "[[viscous_boundary]], until when springs hold them"
+            "[[viscous_boundary]], so that springs hold them until then"
         )
     last = float(edges.begins[np.isfinite(edges.begins)].max(initial=0.0))
     if last >= end:
@@ -394,7 +398,8 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
     if last > float(record.time[0]) and np.abs(record.velocity(last)).max() > 0.0:
         yield (
             f"a viscous boundary begins at {last:g} s, when the ground motion has begun: earlier "
-            "motion does not come in there. Shift the instants of the record"
+            "motion does not enter there"
+            ". Shift the instants of the record"
         )
 
 
@@ -408,7 +413,7 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
     if step * STEPS_OF_INTERVAL > usual * (1.0 + 1e-9):
         yield (
             f"a step of {step:g} s is longer than half the interval of the ground motion, "
-            f"{usual:g} s: faster motion than the steps is averaged. Lower time.step to "
+            f"{usual:g} s: faster motion is averaged over a step. Lower time.step to "
             f"{usual / STEPS_OF_INTERVAL:g}"
         )
 
@@ -424,12 +429,12 @@ def _water_warnings(model: Model) -> Iterator[str]:
         never = water.share == 0.0 or (water.factor and not water.factor.value.any())
         if never or model.fixed[np.concatenate(wetted)].all():
             why = "its amplitude is zero" if never else "all blocks that it touches are fixed"
-            yield f"{called} has no effect: {why}. Remove it, or give it something to press on"
+            yield f"{called} has no effect: {why}. Remove it, or give it blocks that it can move"
         if float(water.surface[:, 1].min()) > top:
             over = float(water.surface[:, 1].min()) - top
             yield (
                 f"{called} stands {over:.3g} m above the highest block: everything is under water. "
-                "Lower it if that is not meant"
+                "Lower it if that is not intended"
             )
         density = water.weight / gravity
         if not LIGHTEST_WATER <= density <= HEAVIEST_WATER:
@@ -440,7 +445,7 @@ def _water_warnings(model: Model) -> Iterator[str]:
             if len(both):
                 yield (
                     f"waters {one + 1} and {other + 1} are both in {len(both)} joints, where their "
-                    "pressures add up: give each the joints that are its own, unless stages change "
+                    "pressures add up: assign different joints to each, unless stages change "
                     "from one to the other"
                 )
 
@@ -476,6 +481,7 @@ def _lining_warnings(model: Model) -> Iterator[str]:
         if len(one.loose):
             yield (
                 f"Lining '{shortened(one.name)}' has no rock beside {len(one.loose)} of its "
-                f"{len(one.segments)} segments ({named(model, one.loose)}): they carry nothing "
-                "of it. Draw it along the faces of blocks, or without joint."
+                f"{len(one.segments)} segments ({named(model, one.loose)}): those segments carry "
+                "no load. Draw it along"
+                " the faces of blocks, or without joint."
             )

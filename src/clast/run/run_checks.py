@@ -64,7 +64,7 @@ class Watched:
     def turned_over(self) -> float:
         """Largest change of any entry of the ledger so far, J/m.
 
-        Kinetic energy counts from rest: a flight that nothing slows down is no small change.
+        Kinetic energy counts from rest: a flight that nothing slows down is not a small change.
         """
         return float((self.greatest - self.least).max())
 
@@ -146,7 +146,7 @@ class Watch:
             float(share[at]),
             f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
             f"{result.state.time:.4g} s, {100.0 * share[at]:.3g} % of the thinner of the two: the "
-            "contacts are too soft for the load on them. Raise "
+            "contacts are too soft for their load. Raise "
             f"{stiffnesses_named(model, self.method)}",
         )
 
@@ -237,9 +237,9 @@ class Watch:
             return ""
         return (
             f"the static run ended while block '{model.block_name[worst]}' still moved by "
-            f"{theta * speed[worst] * step:.3g} m a step; the force on it that nothing balances "
-            f"is {100.0 * share:.3g} % of the largest there is. Raise time.end, or time.step, "
-            "with which blocks come to rest sooner"
+            f"{theta * speed[worst] * step:.3g} m a step; its unbalanced force is "
+            f"{100.0 * share:.3g} % of the largest there is. Raise time.end, or time.step, "
+            "so that blocks come to rest sooner"
         )
 
     def _of_stress(self, state: State, step: float) -> str:
@@ -261,8 +261,8 @@ class Watch:
         texts = [", ".join(f"{value:.3g}" for value in stress) for stress in mean]
         return (
             f"the mean stress of the blocks with an initial stress went from ({texts[0]}) to "
-            f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they "
-            f"carry it. Raise {stiffnesses_named(self.model, self.method)}, or give an "
+            f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts close until they carry "
+            f"it. Raise {stiffnesses_named(self.model, self.method)}, or give an "
             "initial_stress that gravity, loads and supports balance"
         )
 

@@ -20,7 +20,7 @@ BENDS = np.radians(3.0), np.radians(60.0)
 FLAT = np.radians(5.0)
 """Bases that dip less do not slide, rad."""
 MOST = 20_000
-"""Blocks up to which slides are looked for: more are no row of slices."""
+"""Blocks up to which slides are looked for: more are not a row of slices."""
 NAMED = 3
 """Blocks that are named, at most."""
 
@@ -83,7 +83,7 @@ def _toes(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
         f"the ground flattens under {len(found)} cut(s) between slices, by "
         f"{np.degrees(bend[worst]):.2g} degrees at {_place(model, int(up[worst]))}: the toe of "
         "the slice above rests on the next plane as soon as it moves, and factors of safety come "
-        "out too high. Cut the toe off where it meets the bend, so that it can move, and compare "
+        "out too high. Cut off the toe at the bend so that it can move, and compare "
         "with limit equilibrium"
     )
 
@@ -91,7 +91,7 @@ def _toes(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
 def _bends(model: Model, first: Floats, second: Floats) -> Floats:
     """Return the turn from one direction of a base (k, 2) to the next, rad; NaN where none counts.
 
-    Both planes dip to the same side: a block between two that face each other is no slide.
+    Both planes dip to the same side: a block between two that face each other is not a slide.
     """
     turn = np.arctan2(
         first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0], (first * second).sum(axis=1)

@@ -111,7 +111,8 @@ def in_equilibrium(
         return state, ()
     if not has_limits(method.contact_law):
         raise ModelError(
-            f"the contact law {type(method.contact_law).__name__} knows of no forces at the start",
+            f"the contact law {type(method.contact_law).__name__} does not support initial "
+            "contact forces",
             where="in_situ",
             remedy='use the law "penalty" or "augmented-lagrangian", or contacts = "none"',
         )

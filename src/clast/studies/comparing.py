@@ -191,7 +191,7 @@ def compare(
     """
     wanted = combinations(processes, laws)
     for combination in wanted:
-        combination.applied_to(case)  # what is no process or law is refused before the first run
+        combination.applied_to(case)  # what is not a process or law is refused before the first run
     model = case.model()
     return ComparedMethods(
         name=case.name,
@@ -259,7 +259,7 @@ def _called(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]
             f"there is no {kind} to compare", remedy=f"name some of: {', '.join(known)}"
         )
     if isinstance(given, str):
-        raise CaseError(f"'{given}' is no list", remedy=f'give one: ["{given}"]')
+        raise CaseError(f"'{given}' is not a list", remedy=f'give one: ["{given}"]')
     for name in given:
         if isinstance(name, str) and name not in known:
             raise CaseError(
@@ -272,5 +272,5 @@ def _called(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]
         for name, one in zip(classes, given, strict=True)
     ]
     if len(set(called)) < len(called):
-        raise CaseError(f"a {kind} is named twice: {', '.join(called)}", remedy="name each once")
+        raise CaseError(f"a {kind} is listed twice: {', '.join(called)}", remedy="list each once")
     return called

@@ -207,7 +207,7 @@ class Description:
             known += [name] if one.is_condition(known) else []
         if not found.is_condition(known):
             raise CaseError(
-                f"'{shortened(self.fail)}' is a number, by which no run fails",
+                f"'{shortened(self.fail)}' is a number, not a failure condition",
                 where="fail",
                 remedy=f'compare it with a limit, e.g. "{shortened(self.fail)} > 0.05"',
             )
@@ -276,13 +276,15 @@ class Description:
             return replace(self, n=MOST_TRIALS)
         if not self.vary:
             raise CaseError(
-                "nothing varies", where="vary", remedy='e.g. joint.bedding.friction_angle="..."'
+                "no parameter varies",
+                where="vary",
+                remedy='e.g. joint.bedding.friction_angle="..."',
             )
         names = [one.name for one in self.vary]
         for name in names:
             if names.count(name) > 1:
                 remedy = "give each parameter a name of its own"
-                raise CaseError(f"'{shortened(name)}' varies twice", where="vary", remedy=remedy)
+                raise CaseError(f"'{shortened(name)}' is varied twice", where="vary", remedy=remedy)
         for name in (*names, *self.measure):
             if name in COLUMNS:
                 raise CaseError(
@@ -292,7 +294,7 @@ class Description:
                 )
         if not self.expressions:
             raise CaseError(
-                "no run would be judged by anything",
+                "the study measures nothing",
                 where="measure",
                 remedy='give a measure, e.g. crest = "displacement(A)", or a failure condition',
             )
@@ -306,9 +308,9 @@ class Description:
         lengths = [len(_list_of(one)) for one in self.vary]
         if self.together and len(set(lengths)) > 1:
             raise CaseError(
-                f"lists of {', '.join(map(str, lengths))} values cannot be taken in step",
+                f"lists of {', '.join(map(str, lengths))} values cannot be run together",
                 where="together",
-                remedy="let all lists be as long, or run all combinations",
+                remedy="make all lists equally long, or run all combinations",
             )
         runs = lengths[0] if self.together else int(np.prod(lengths, dtype=object))
         return replace(self, n=_check_count(runs))
@@ -319,7 +321,7 @@ class Description:
         for one in self.vary:
             if one.drawn.LISTED:
                 raise CaseError(
-                    f"'{one.name}' is a list, which is run value by value",
+                    f"'{one.name}' is a list of values, not a distribution",
                     where=f"vary {shortened(one.name)}",
                     remedy="give a distribution, e.g. discrete([...]), or make it a sweep",
                 )
@@ -350,7 +352,8 @@ class Description:
         for one in self.vary:
             if isinstance(one.drawn, Numbered):
                 raise CaseError(
-                    f"sampling '{word}' would take the effect of the number for that of others",
+                    f"sampling '{word}' would confuse the effect of the run number with that of "
+                    "the others",
                     where=f"vary {shortened(one.name)}",
                     remedy="draw it: discrete([1, 2, 3, 4]), or choose another sampling",
                 )
@@ -366,21 +369,22 @@ class Description:
                     raise CaseError(what, where="correlate", remedy=remedy)
                 if not self.vary[names.index(name)].drawn.CONTINUOUS or self.kind == SWEEP:
                     raise CaseError(
-                        f"'{shortened(name)}' is no continuous variable",
+                        f"'{shortened(name)}' is not a continuous variable",
                         where="correlate",
                         remedy="correlate parameters with continuous distributions",
                     )
             pair = frozenset((first, second))
             if len(pair) < 2 or pair in seen:
                 raise CaseError(
-                    f"'{shortened(first)}' with '{shortened(second)}' is given twice or is one",
+                    f"'{shortened(first)}' with '{shortened(second)}' is given twice, or is one "
+                    "parameter",
                     where="correlate",
                     remedy="give each pair of two parameters once",
                 )
             seen.add(pair)
             if not (isinstance(value, int | float) and -1.0 < value < 1.0):
                 raise CaseError(
-                    f"{value!r} is no correlation",
+                    f"{value!r} is not a valid correlation",
                     where="correlate",
                     remedy="give a number between -1 and 1",
                 )
@@ -392,7 +396,7 @@ def _list_of(one: Parameter) -> Values | Range:
     drawn = one.drawn
     if not isinstance(drawn, Values | Range):
         raise CaseError(
-            f"'{one.name}' is drawn by chance, not a list of values",
+            f"'{one.name}' is a distribution, not a list of values",
             where=f"vary {shortened(one.name)}",
             remedy="give e.g. [20, 30, 40] or range(20, 40, 5), or make it a Monte Carlo study",
         )
@@ -401,7 +405,9 @@ def _list_of(one: Parameter) -> Values | Range:
 
 def _check_count(count: Any) -> int:
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count:
-        raise CaseError(f"{count!r} is no number of runs", where="n", remedy="e.g. n = 500")
+        raise CaseError(
+            f"{count!r} is not a valid number of runs", where="n", remedy="e.g. n = 500"
+        )
     if count > random_draws.MOST_RUNS:
         raise CaseError(
             f"{count} runs are more than {random_draws.MOST_RUNS:,}", where="n", remedy="lower it"
@@ -451,9 +457,9 @@ def described(text: str, file: str) -> Description:
         ).checked()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CaseError(
-            f"is no study: {type(error).__name__} {error}",
+            f"is not a study: {type(error).__name__} {error}",
             where=file,
-            remedy="let clast study write it",
+            remedy="let clast study create it",
         ) from None
 
 
@@ -472,7 +478,7 @@ def sampling_of(word: str, **numbers: Any) -> Sampling:
             )
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
             remedy = "give a whole number, not negative"
-            raise CaseError(f"{value!r} is no {name}", where=name, remedy=remedy)
+            raise CaseError(f"{value!r} is not a valid {name}", where=name, remedy=remedy)
     return kind(**numbers)
 
 
@@ -488,7 +494,9 @@ def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
         where = f"vary {shortened(name)}"
         parts = tuple(part.strip() for part in paths.split(",") if part.strip())
         if not name or not parts:
-            raise CaseError(f"'{shortened(key)}' is no path", where="vary", remedy="e.g. time.end")
+            raise CaseError(
+                f"'{shortened(key)}' is not a path", where="vary", remedy="e.g. time.end"
+            )
         found.append(Parameter(name=name, paths=parts, distribution=_distribution(value, where)))
     return tuple(found)
 

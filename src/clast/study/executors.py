@@ -203,9 +203,10 @@ class Driver:
             error = future.exception()
         except CancelledError:
             raise CaseError(
-                "the program that made the runs has ended",
+                "the program that made the runs has stopped",
                 where=str(self.folder.path),
-                remedy=f"finished runs stay; go on: clast study resume {self.folder.path}",
+                remedy="finished runs are kept; continue with clast study resume "
+                f"{self.folder.path}",
             ) from None
         left = [run for run in portion if self.folder.result(run) is None]
         if error is None and not left:
@@ -217,8 +218,8 @@ class Driver:
             raise CaseError(
                 f"cannot be written: {error.strerror}",
                 where=str(self.folder.path),
-                remedy="make room, or see to its permissions; finished runs stay, and clast study "
-                f"resume {self.folder.path} goes on",
+                remedy="make room, or check its permissions; finished runs are kept; continue with "
+                f"clast study resume {self.folder.path}",
             )
         if error is not None and not left:
             self.workers.renew(place)
@@ -236,14 +237,14 @@ class Driver:
         return [part for part in ([first], others) if part]
 
     def _check_started(self, error: BaseException | None, *, began: bool) -> None:
-        """Raise CaseError where no worker begins a run: that is no fault of the runs."""
+        """Raise CaseError where no worker starts a run: that is not a fault of the runs."""
         self.idle = 0 if began else self.idle + 1
         if self.idle >= TRIES * self.workers.places:
             why = " ".join(str(error).split())[:300] if error else "they end at once"
             raise CaseError(
-                f"no worker begins a run: {why}",
+                f"no worker starts a run: {why}",
                 where=str(self.folder.path),
-                remedy='a script with workers begins with if __name__ == "__main__":; on other '
+                remedy='a script with workers needs if __name__ == "__main__":; on other '
                 "machines clast and the folder must be there by the same name",
             )
 

@@ -85,7 +85,7 @@ def described(
     chosen = how.checked()
     parameters = parameters_of(vary)
     if not parameters:
-        raise CaseError("nothing varies", where="vary", remedy="give at least one parameter")
+        raise CaseError("no parameter varies", where="vary", remedy="give at least one parameter")
     if isinstance(observe, str | Path):
         observations = read_observations(Path(observe), case.model().measured_points.name)
     else:
@@ -111,16 +111,16 @@ def _check_observations(
     if how.method == ENSEMBLE:
         if observations[0].sd is None:
             raise CaseError(
-                "es-mda weighs observations by their standard deviations, which are not given",
+                "es-mda weights observations by their standard deviations, which are missing",
                 where="observe",
                 remedy="give the table a column sd, or take method least-squares",
             )
     elif len(observations) < len(parameters):
         raise CaseError(
-            f"{len(observations)} observations do not give {len(parameters)} parameters",
+            f"{len(observations)} observations do not determine {len(parameters)} parameters",
             where="observe",
-            remedy="measure more, vary less, or take method es-mda, which begins with what is "
-            "known before",
+            remedy="measure more, vary less, or take method es-mda, which starts from prior "
+            "distributions",
         )
 
 
@@ -132,7 +132,8 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
     study = folder.study
     if made.array is not None:
         raise CaseError(
-            "runs of a back-analysis follow from each other, and are no array",
+            "each run of a back-analysis depends on those before, so they cannot be split into an "
+            "array",
             where="--array",
             remedy="give --workers N, or --scheduler",
         )
@@ -188,7 +189,7 @@ def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
         )
     except ClastError as error:
         raise CaseError(
-            f"a run of the back-analysis cannot go on: {' '.join(str(error).split())}",
+            f"a run of the back-analysis cannot continue: {' '.join(str(error).split())}",
             where="vary",
             remedy="choose ranges with which the case can be run",
         ) from None

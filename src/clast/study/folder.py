@@ -78,13 +78,13 @@ class StudyFolder:
                 raise CaseError(
                     "holds another study",
                     where=str(path),
-                    remedy=f"choose another folder, or go on with it: clast study resume {path}",
+                    remedy=f"choose another folder, or continue it: clast study resume {path}",
                 )
             with found.driven():  # it has no run: nothing is lost with it
                 shutil.rmtree(path / BASE, ignore_errors=True)
         elif any(path.iterdir()):
             raise CaseError(
-                "is not empty, and holds no study",
+                "is not empty, and does not contain a study",
                 where=str(path),
                 remedy="choose another folder; it is made if it does not exist",
             )
@@ -102,7 +102,7 @@ class StudyFolder:
         file = path / STUDY
         if not file.is_file():
             raise CaseError(
-                "is no folder of a study",
+                "is not a folder of a study",
                 where=str(path),
                 remedy="name one that clast study has made: it holds study.toml",
             )
@@ -120,9 +120,9 @@ class StudyFolder:
         with (self.path / STUDY).open("r+b") as file:
             if not locks.claim(file):
                 raise CaseError(
-                    "is being worked on by another clast study",
+                    "is in use by another clast study",
                     where=str(self.path),
-                    remedy="wait for it, or end it; finished runs stay",
+                    remedy="wait for it, or stop it; finished runs are kept",
                 )
             self._tidy()
             yield

@@ -57,7 +57,7 @@ def sensitivities(columns: StudyResults, values: Floats) -> list[SensitivityInde
         raise CaseError(
             "too few groups of runs have results",
             where="sampling",
-            remedy="go on with the study, or see to its reasons",
+            remedy="continue the study, or look at the reasons it gives",
         )
     if np.ptp(output) == 0.0:
         return []

@@ -21,7 +21,7 @@ def given_case(case: Any) -> Case:
     if isinstance(case, str | Path):
         return Case.from_toml(Path(case))
     raise CaseError(
-        f"a {type(case).__name__} is no case",
+        f"a {type(case).__name__} is not a case",
         where="case",
         remedy='give the name of a case file, clast.load("case.toml") or builder.case(...)',
     )

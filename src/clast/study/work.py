@@ -62,7 +62,7 @@ def check_study(case: Case, study: Description) -> None:
         raise CaseError(
             f"the first run cannot be made: {error.what}",
             where=error.where,
-            remedy=error.remedy or "see to the values that vary",
+            remedy=error.remedy or "check the values that vary",
         ) from None
     # of stages it is not known how long they last
     end = math.inf if first.stage else first.time.end

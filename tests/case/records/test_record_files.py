@@ -56,7 +56,7 @@ def test_sac_gives_the_same_motion_in_single_precision(tmp_path):
     found = component(Wanted(path=path, unit="gal")).samples
     assert np.abs(found.acceleration[:, 0] - 0.01 * GAL).max() < 1e-6 * 9.0
     assert np.abs(found.time - INTERVAL * np.arange(40)).max() < 1e-12
-    with pytest.raises(CaseError, match="does not say which unit"):
+    with pytest.raises(CaseError, match="does not give the unit"):
         component(Wanted(path=path))
 
 
@@ -107,11 +107,16 @@ BROKEN = {
     "at2: NPTS too large": ("a.at2", AT2.replace("40,", "41,"), {}, ["line 4", "41", "40 values"]),
     "at2: NPTS too small": ("a.at2", AT2.replace("40,", "39,"), {}, ["NPTS is 39", "cut short"]),
     "at2: cut short": ("a.at2", AT2[:-30], {}, ["line 4", "NPTS is 40, but 39"]),
-    "at2: no NPTS": ("a.at2", AT2.replace("NPTS", "N"), {}, ["no line of its heading", "NPTS="]),
+    "at2: no NPTS": ("a.at2", AT2.replace("NPTS", "N"), {}, ["its heading has no line", "NPTS="]),
     "at2: NPTS of half a value": ("a.at2", AT2.replace("40,", "4.5,"), {}, ["NPTS is 4.5"]),
     "at2: no interval": ("a.at2", AT2.replace(".0100", "0.0"), {}, ["DT is 0.0", "above 0"]),
     "at2: NaN": ("a.at2", AT2.replace("0.0000000000000000E+00", "NaN", 1), {}, ["line 5: 'NaN'"]),
-    "at2: stuck together": ("a.at2", AT2.replace("E-01 ", "E-01", 1), {}, ["is no finite number"]),
+    "at2: stuck together": (
+        "a.at2",
+        AT2.replace("E-01 ", "E-01", 1),
+        {},
+        ["is not a finite number"],
+    ),
     "at2: empty": ("a.at2", "\n \n", {}, ["is empty", "five a line"]),
     "at2: junk": ("a.at2", b"\xff\xfe\x00junk", {}, ["is not a text file"]),
     "at2: another unit": ("a.at2", AT2, {"unit": "gal"}, ["unit: is gal", "says g"]),
@@ -141,13 +146,13 @@ BROKEN = {
         "a.csv",
         CSV,
         {"unit": "cm/s"},
-        ["unit: cm/s is no unit of acceleration", 'quantity = "velocity"'],
+        ["unit: cm/s is not a valid unit of acceleration", 'quantity = "velocity"'],
     ),
     "csv: velocity that begins fast": (
         "a.csv",
         "0,1\n1,1\n2,0\n",
         {"unit": "m/s", "quantity": "velocity"},
-        ["a.csv", "begins with 1 m/s", "starts from rest"],
+        ["a.csv", "begins with 1 m/s", "must start from rest"],
     ),
     "nowhere": ("b.csv", None, {"unit": "g"}, ["there is no such file"]),
 }

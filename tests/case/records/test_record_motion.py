@@ -116,11 +116,11 @@ def test_a_highpass_weakens_as_its_formula_says_without_a_shift(frequency):
     [
         ("highpass:60", "has no corner at 60 Hz"),
         ("highpass:0.001", "has no corner at 0.001 Hz"),
-        ("highpass:0", "is no base line"),
-        ("highpass:", "is no base line"),
-        ("highpass:1e", "is no base line"),
-        ("lowpass:3", "is no base line"),
-        ("", "is no base line"),
+        ("highpass:0", "is not a valid base line"),
+        ("highpass:", "is not a valid base line"),
+        ("highpass:1e", "is not a valid base line"),
+        ("lowpass:3", "is not a valid base line"),
+        ("", "is not a valid base line"),
     ],
 )
 def test_base_lines_that_are_none(name, said):

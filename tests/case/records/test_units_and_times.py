@@ -1,4 +1,4 @@
-"""Units as headings write them, times that are no seconds, numbers that overflow, foreign files."""
+"""Units as headings write them, times not in seconds, numbers that overflow, foreign files."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def test_numbers_that_overflow_end_in_a_message(tmp_path, value, interval, quant
         try:
             shaken(tmp_path, "r.csv", text, keys).examine()
         except CaseError as error:
-            assert re.search("far too large|are no record", str(error))
+            assert re.search("far too large|cannot be a record", str(error))
 
 
 SECRET = "root:hunter2:0:0:4711 secret\n"

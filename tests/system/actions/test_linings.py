@@ -281,12 +281,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         {"polyline": [(8.0, 8.0), (8.05, 8.0), (8.05, 9.0)], "thickness": 0.12},
         "beyond the radius of curvature",
     ),
-    "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "there are two of this name"),
+    "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "this name is used twice"),
     "part": (
         {"opening": "hole", "stage": "line", "part": [(9.0, 9.0), (1.0, 1.0)]},
         "from the outline",
     ),
-    "alone": ({"polyline": [(8.0, 8.0), (8.2, 8.0)]}, "a single segment that nothing holds"),
+    "alone": ({"polyline": [(8.0, 8.0), (8.2, 8.0)]}, "a single segment without supports"),
 }
 
 

@@ -355,7 +355,7 @@ SETTINGS: dict[str, list[str]] = {
     "link of no block": ["link.1.blocks=['wall', 'bas']"],
     "link of nothing": ["link.1={at=[0, 0], x=1e8}"],
     "link twice": ["link.1.block=wall"],
-    "link that holds nothing": ["link.1={at=[0, 0], blocks=['wall', 'base']}"],
+    "link that restrains nothing": ["link.1={at=[0, 0], blocks=['wall', 'base']}"],
     "link of no ground": ["link.1={at=[0, 0], block='wall', x=1e8}"],
     "link of no direction": ["link.1.direction=[0, 0]"],
     "link that yields nowhere": [

@@ -196,23 +196,23 @@ def test_a_study_goes_on_with_the_trials_that_are_there(slab, tmp_path, monkeypa
 def test_what_cannot_be_looked_for_is_refused(slab):
     for given, what in [
         ({"joints": ["plan"]}, "no joint 'plan'"),
-        ({"joints": "plane"}, "no names of joints"),
+        ({"joints": "plane"}, "not names of joints"),
         ({"tolerance": 0.0}, "no tolerance"),
         ({"start": -1.0}, "no start"),
-        ({"growth": 1.0}, "no growth"),
-        ({"refine": -3}, "no number of trials"),
+        ({"growth": 1.0}, "not a valid growth"),
+        ({"refine": -3}, "not a valid number of trials"),
     ]:
         with pytest.raises(CaseError, match=what):
             clast.factor_of_safety(slab.file, **given)
     for by, what in [
-        ("strenght", "cannot act"),
-        ("load", "cannot act"),
+        ("strenght", "cannot be applied"),
+        ("load", "cannot be applied"),
         ("load jack", "no load 'jack'"),
-        ("pga up", "cannot act"),
+        ("pga up", "cannot be applied"),
     ]:
         with pytest.raises(CaseError, match=what):
             clast.collapse_load(slab.file, by)
-    with pytest.raises(CaseError, match="is no case"):
+    with pytest.raises(CaseError, match="is not a case"):
         clast.factor_of_safety(3)
 
 

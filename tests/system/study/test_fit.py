@@ -104,10 +104,10 @@ def test_what_observations_do_not_tell_apart_is_said(case, tmp_path):
         ("", "lacks the columns"),
         ("point,z\nA,1", "a column 'z'"),
         ("point,x\nB,1", "no measured point 'B'"),
-        ("point,x\nA,one", "'one' is no x"),
-        ("point,x\nA,nan", "'nan' is no x"),
+        ("point,x\nA,one", "'one' is not a valid x"),
+        ("point,x\nA,nan", "'nan' is not a valid x"),
         ("point,x\n", "no observation"),
-        ("point,time,x\nA,-1,1", "before the beginning"),
+        ("point,time,x\nA,-1,1", "before the start"),
         ("point,x,sd\nA,1,0", "no positive sd"),
         ("point,x,sd\nA,1,1\nA,2,", "some rows only"),
         ("x,y\n1,2", "lacks the columns"),
@@ -123,12 +123,12 @@ def test_tables_that_are_none_are_refused(tmp_path, text, what):
 def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
     table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION))
     for vary, what in [
-        ({}, "nothing varies"),
+        ({}, "no parameter varies"),
         ({"joint.base.cohesion": [1.0, 2.0]}, "no range"),
         ({"joint.base.friction_angle": "uniform(91, 95)"}, "friction_angle"),
         ({"joint.base.friction_angle": "uniform(60, 119.9)"}, "cannot go on"),
         ({"joint.base.friction": "uniform(1, 2)"}, "friction"),
-        ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not give"),
+        ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not determine"),
     ]:
         with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match=what):
             clast.fit(case, table, vary, executor=one)
@@ -143,8 +143,8 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
         ({"method": "es"}, "no method 'es'"),
         ({"members": 3}, "no number of members"),
         ({"rounds": 0}, "no number of rounds"),
-        ({"seed": -1}, "no seed"),
-        ({"method": "es-mda"}, "are not given"),
+        ({"seed": -1}, "not a valid seed"),
+        ({"method": "es-mda"}, "are missing"),
     ]:
         with pytest.raises(CaseError, match=what):
             clast.fit(case, table, RANGES, how=clast.FitSettings(**how), workers=1)
@@ -269,7 +269,7 @@ def test_a_search_is_neither_collected_nor_an_array(case, tmp_path):
         clast.fit(case, table, RANGES, executor=one, folder=tmp_path / "out")
     for words, what in [
         (["collect", str(tmp_path / "out")], "study resume"),
-        (["resume", str(tmp_path / "out"), "--array", "1/2"], "are no array"),
+        (["resume", str(tmp_path / "out"), "--array", "1/2"], "cannot be split into an array"),
     ]:
         done = clast_command("study", *words)
         assert done.exit_code == 2 and what in done.output

@@ -147,7 +147,7 @@ def test_a_run_that_kills_its_worker_has_no_result_after_three_tries(slab, tmp_p
 
 def test_workers_that_never_begin_are_no_fault_of_the_runs(slab, tmp_path):
     how = HowMade(executor=Dying(tmp_path / "out", 0), workers=1)
-    with pytest.raises(CaseError, match="no worker begins"):
+    with pytest.raises(CaseError, match="no worker starts"):
         study(slab).run(tmp_path / "out", n=7, how=how)
     assert StudyFolder.opened(tmp_path / "out").count() == 0
 
@@ -158,7 +158,7 @@ def test_a_folder_is_of_one_study(slab, tmp_path):
         study(slab).run(tmp_path / "out", n=2, how=HERE)
     with pytest.raises(CaseError, match="not empty"):
         study(slab).run(tmp_path, n=2, how=HERE)
-    with pytest.raises(CaseError, match="no folder of a study"):
+    with pytest.raises(CaseError, match="not a folder of a study"):
         resume(tmp_path)
     there = StudyFolder.opened(tmp_path / "out")
     with there.driven(), pytest.raises(CaseError, match="worked on"):

@@ -259,7 +259,7 @@ class Links:
         weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
         stretch, count = scale * free, len(row)
         none, two_sided = np.zeros(count), play == 0.0
-        # what is rigid is no spring that swings: half of its way would be a force that grows
+        # what is rigid is not a spring that swings: half of its way would be a force that grows
         place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
 
         def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:

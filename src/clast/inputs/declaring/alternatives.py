@@ -225,12 +225,14 @@ class Choice:
     def _given(self, value: Any) -> GivenObject:
         """Return an object of a script, if it is of the right kind."""
         if isinstance(value, type):
-            what = f"{value.__name__} is a class, not an object"
+            what = f"{value.__name__} is a class, not an instance"
             raise refusal(Fault(what=what, remedy=f"give {value.__name__}(...)"))
         needed = self.alternatives.needs.get(self.key, ())
         missing = [name for name in needed if not hasattr(value, name)]
         if missing:
-            what = f"{type(value).__name__} is no {self.key}: it has no {', '.join(missing)}"
+            what = (
+                f"{type(value).__name__} is not a valid {self.key}: it has no {', '.join(missing)}"
+            )
             remedy = f"a {self.key} has {', '.join(needed)}; see clast.step.method"
             raise refusal(Fault(what=what, remedy=remedy))
         return GivenObject(value, self)

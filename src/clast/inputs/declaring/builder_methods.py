@@ -71,7 +71,7 @@ def gives_named(
         known, said = self.named(kind), key.replace("_", " ")
         check_names(said, [name])
         if name in known:
-            what = f"there are two {said}s of that name"
+            what = f"there are two {said}s with that name"
             raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
         record_of(kind, keys, (key, Own(name))).add_to(self, name, HERE)
         return str(name)

@@ -58,7 +58,9 @@ def case_with_present_keys(content: Content, case: type[BaseModel]) -> tuple[Con
 def warning_of(renamed: Iterable[str]) -> tuple[str, ...]:
     """Return the warning that a case file has earlier keys, if it has any."""
     listed = ", ".join(renamed)
-    return (f"{listed} now; the earlier names will go in the next version",) if listed else ()
+    return (
+        (f"{listed} now; the earlier names will be removed in the next version",) if listed else ()
+    )
 
 
 def present_path(keys: Sequence[str], case: type[BaseModel]) -> tuple[str, ...]:

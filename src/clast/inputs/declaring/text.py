@@ -37,7 +37,7 @@ def read_text(path: Path, advice: str = "") -> str:
 
 
 def read_bytes(path: Path, advice: str) -> bytes:
-    """Return the content of a file that is no text, or say why it cannot be read."""
+    """Return the content of a file that is not text, or say why it cannot be read."""
     with _readable(path, advice):
         _check_regular(path)
         return path.read_bytes()
@@ -65,29 +65,30 @@ def _readable(path: Path, advice: str) -> Iterator[None]:
         ) from None
     except ValueError:  # a NUL in the name
         remedy = "write a path without it"
-        raise CaseError("is no name of a file", where=repr(where), remedy=remedy) from None
+        raise CaseError("is not a valid file name", where=repr(where), remedy=remedy) from None
     except OSError as error:
         raise CaseError(
             f"cannot be read: {error.strerror}",
             where=where,
-            remedy="see to the file's name and permissions",
+            remedy="check the file's name and permissions",
         ) from None
 
 
 def _check_regular(path: Path) -> None:
-    """Refuse a path that is no regular file, or a file too large to be a text."""
+    """Refuse a path that is not a regular file, or a file too large to be a text."""
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError
     if not stat.S_ISREG(status.st_mode):
         raise CaseError(
-            "is no regular file but a pipe, a socket or a device",
+            "is a pipe, a socket or a device, not a regular file",
             where=str(path),
             remedy="write its content into a file first",
         )
     if status.st_size > LARGEST_FILE:
         raise CaseError(
-            f"has {status.st_size:.3g} bytes, which is more than a text file can be meant to have",
+            f"has {status.st_size:.3g} bytes, which is more than any text file of clast should "
+            "have",
             where=str(path),
             remedy=f"files of up to {LARGEST_FILE:.0e} bytes are read; make large systems with "
             "clast.ModelBuilder",
@@ -101,11 +102,11 @@ def _beside(path: Path) -> str:
     except OSError:
         found = []
     listed = ", ".join(str(one) for one in found)
-    return f"here are: {listed}" if found else "clast new makes one"
+    return f"files here: {listed}" if found else "clast new makes one"
 
 
 def parse(text: str, file: str) -> dict[str, Any]:
-    """Return the content of a TOML text, or say in which line it is no TOML."""
+    """Return the content of a TOML text, or say in which line it is not TOML."""
     try:
         return tomllib.loads(text.removeprefix(BYTE_ORDER_MARK))
     except tomllib.TOMLDecodeError as error:
@@ -121,13 +122,13 @@ def parse(text: str, file: str) -> dict[str, Any]:
         raise CaseError(
             f"is not TOML: {what[:1].lower()}{what[1:]}",
             where=place,
-            remedy=f"the line reads: {line}" if line else "something is not closed before the end",
+            remedy=f"the line reads: {line}" if line else "a bracket or quote is not closed",
         ) from None
     except RecursionError:
         raise CaseError(
             "is nested too deeply",
             where=file,
-            remedy="close brackets and braces; none need more than a few levels",
+            remedy="close all brackets and braces; a few levels are enough",
         ) from None
     except ValueError:  # Python converts no whole number of more than some thousand digits
         long = re.search(r"\d{1000}", text)
@@ -149,7 +150,7 @@ def with_values(content: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         path, equals, written = setting.partition("=")
         if not equals or not path.strip():
             raise CaseError(
-                f"'{shortened(setting)}' sets nothing",
+                f"'{shortened(setting)}' sets no value",
                 where="--set",
                 remedy="write it as table.key=value, e.g. --set time.end=2",
             )
@@ -166,7 +167,7 @@ def _value(written: str, where: str) -> Any:
         return written
     except (RecursionError, ValueError):
         raise CaseError(
-            "is nested too deeply, or a number of too many digits",
+            "is nested too deeply, or has too many digits",
             where=where,
             remedy="write a number, a text or a list",
         ) from None
@@ -183,7 +184,7 @@ def _set(table: Any, keys: list[str], value: Any, where: str) -> None:
             position = _position(key, len(here)) - 1
             if position < 0:
                 raise CaseError(
-                    f"'{shortened('.'.join(keys[:depth]))}' has the entries 1 to {len(here)}, not "
+                    f"'{shortened('.'.join(keys[:depth]))}' has entries 1 to {len(here)}, not "
                     f"'{shortened(key)}'",
                     where=where,
                     remedy="give the number of an entry, from 1",

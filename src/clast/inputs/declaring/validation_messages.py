@@ -221,14 +221,16 @@ NO_LIST = frozenset({"list_type", "tuple_type"})
 
 
 def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) -> Fault:
-    """Return the fault of a value that is no table, or of one table where several are due."""
+    """Return the fault of a value that is not a table, or of one table where several are due."""
     name = ".".join(str(part) for part in place if isinstance(part, str))
     here, heads = _table_at(table, place), len(place) == 1 and "schema_" in table.model_fields
     keys = ", ".join(keys_of(here)) if here else "those of the schema"
     if kind in NO_LIST:
         remedy = f"write [[{name}]], in two brackets" if heads else ""
         remedy = remedy or _meaning(place, table) or "write it in brackets: [1.0, 2.0]"
-        return Fault(place=place, what="must be a list, not one table", remedy=remedy)
+        return Fault(
+            place=place, what="must be a list of tables, not a single table", remedy=remedy
+        )
     what = f"must be a table, not {'a list' if isinstance(given, list) else _shown(given)}"
     if isinstance(given, list) and heads:
         return Fault(place=place, what=what, remedy=f"write [{name}], in one bracket")

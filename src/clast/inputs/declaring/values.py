@@ -25,7 +25,7 @@ def check_actions(actions: Sequence[object]) -> None:
         lacking = [name for name in ACTION if not callable(getattr(action, name, None))]
         if isinstance(action, type) or lacking:
             raise ModelError(
-                f"{action if isinstance(action, type) else type(action).__name__} is no action"
+                f"{action if isinstance(action, type) else type(action).__name__} is not an action"
                 + (f": it has no {', '.join(lacking)}" if lacking else ", but a class"),
                 where=f"actions, number {k}",
                 remedy="give an object with the methods of clast.actions.action.Action",
@@ -42,7 +42,7 @@ def check_numbers(
         array = np.zeros(0)
     if array.shape != (count,) or not np.isfinite(array).all():
         raise ModelError(
-            f"{shortened(repr(values))} is no list of {count} finite numbers",
+            f"{shortened(repr(values))} is not a list of {count} finite numbers",
             where=where,
             remedy=f"give {count} numbers in SI units",
         )
@@ -56,7 +56,7 @@ def check_name(name: Any, kind: str, where: str) -> str:
     if isinstance(name, str):
         return name
     raise ModelError(
-        f"{shortened(repr(name))} is no name of a {kind}",
+        f"{shortened(repr(name))} is not a valid {kind} name",
         where=where,
         remedy=f'name the {kind} by its text, e.g. "1"',
     )
@@ -78,7 +78,7 @@ def check_title(title: str) -> None:
     """Refuse titles that a result file cannot hold."""
     if not isinstance(title, str):
         raise ModelError(
-            f"{shortened(repr(title))} is no text", where="title", remedy="give it in quotes"
+            f"{shortened(repr(title))} is not text", where="title", remedy="give it in quotes"
         )
     if "\0" in title or len(title) > LONGEST_TITLE:
         what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"

@@ -30,13 +30,13 @@ class Lining(Table):
     outer_edge: tuple[Point, Point] | None = None
     """Two points [x, y] on the outside of the blocks, which it follows from one to the other, m."""
     polyline: Loop | None = None
-    """Points [x, y] that it follows, m; it is closed where the last is the first again."""
+    """Points [x, y] that it follows, m; it is closed if the last equals the first."""
     part: tuple[Point, Point] | None = None
     """With opening: it begins at the first point and ends at the second, counter-clockwise, m."""
     side: Literal["left", "right", "middle"] | None = None
-    """With polyline: where it lies, seen along it; if absent, beside the rock, else left."""
+    """With polyline: its side, looking along it; if absent, that of the rock, else left."""
     closed: StrictBool | None = None
-    """False: the last segment is not joined to the first; else as the line is."""
+    """False: the last segment is not joined to the first; as the line if absent."""
     thickness: Length
     """Thickness, m."""
     segment: Length
@@ -52,20 +52,21 @@ class Lining(Table):
     compression: Annotated[Positive, within(ranges.STRESS)] | None = None
     """Compressive strength, Pa."""
     joint: StrictStr | None = None
-    """Joint to the rock, [joint.NAME]: strength and stiffness of the bond; else as without."""
+    """Joint to the rock, [joint.NAME]: strength and stiffness of the bond."""
     start: End = "free"
-    """How its first end is held by the ground, that is, by fixed blocks."""
+    """Support of its first end by the ground, that is, by fixed blocks."""
     end: End = "free"
-    """How its last end is held by the ground."""
+    """Support of its last end by the ground."""
     stage: StrictStr | None = None
-    """Stage that installs it, without stress, on the outline as it is then; else it is there from
-    the start."""
+    """Stage that installs it, free of stress, on the outline at that time; it exists from the start
+    if absent.
+    """
 
     @model_validator(mode="after")
     def _follows_one_line(self) -> Self:
         given = [key for key in ("opening", "outer_edge", "polyline") if getattr(self, key)]
         if len(given) != 1:
-            what = f"follows {' and '.join(given)}" if given else "follows nothing"
+            what = f"follows {' and '.join(given)}" if given else "has no line to follow"
             remedy = 'give one of opening = "NAME", outer_edge = [[x, y], [x, y]] and polyline'
             raise refusal(Fault(what=what, remedy=remedy))
         belongs = {"part": "opening", "side": "polyline"}
@@ -76,7 +77,7 @@ class Lining(Table):
         for key in ("outer_edge", "part"):
             points = getattr(self, key)
             if points is not None and points[0] == points[1]:
-                what, remedy = "begins where it ends", "give two points that are apart"
+                what, remedy = "begins and ends at the same point", "give two distinct points"
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
         return self
 
@@ -87,7 +88,7 @@ class Lining(Table):
             apart = np.hypot(*np.diff(np.array(points, float).reshape(-1, 2), axis=0).T)
             if len(points) < 2 or not apart.all():
                 what = "has fewer than two points" if len(points) < 2 else "has a point twice"
-                remedy = "give points [x, y] that are apart, m"
+                remedy = "give distinct points [x, y], m"
                 raise refusal(Fault(place=("polyline",), what=what, remedy=remedy))
         if self.closed and not self.is_ring:
             what = "is closed, but its line is open"
@@ -109,7 +110,7 @@ class Lining(Table):
             raise refusal(Fault(place=(key,), what=what, remedy=remedy))
         if self.thickness > self.segment:
             what = f"{self.thickness:g} m is more than the length of a segment, {self.segment:g} m"
-            remedy = "give longer segments; those of a beam are longer than thick"
+            remedy = "give longer segments: a beam segment is longer than it is thick"
             raise refusal(Fault(place=("thickness",), what=what, remedy=remedy))
         for key, least, unit, factor in (
             ("young", SOFTEST, "GPa", 1e9),
@@ -124,7 +125,7 @@ class Lining(Table):
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
         if self.tension and self.compression and self.tension > self.compression:
             what = "is more than the compressive strength"
-            remedy = "give tension as a tenth of compression or so, both in Pa"
+            remedy = "give a tension of about a tenth of compression, both in Pa"
             raise refusal(Fault(place=("tension",), what=what, remedy=remedy))
         return self
 

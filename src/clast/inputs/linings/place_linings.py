@@ -40,7 +40,7 @@ class LiningMaterial(Rock):
     """Material of the segments of a lining."""
 
     def rock(self, name: str) -> model.Rock:
-        """Return it as a rock of the model that is no ground."""
+        """Return it as a rock of the model that is not ground."""
         return replace(super().rock(name), is_ground=False)
 
 
@@ -91,7 +91,7 @@ def placed_linings(
     for number, one in enumerate(tables):
         where = f"lining '{shortened(one.name)}'"
         if any(one.name == other.name for other in tables[:number]):
-            raise ModelError("there are two of this name", where=where, remedy="rename one of them")
+            raise ModelError("this name is used twice", where=where, remedy="rename one of them")
         found.append(_placed(one, where, lines, tree, names))
     _refuse_crossing(found)
     return tuple(found)
@@ -113,7 +113,7 @@ def _placed(
     count = len(cut.first)
     if count < 2 and one.start == one.end == "free":
         raise ModelError(
-            "is a single segment that nothing holds: it bends nowhere",
+            "is a single segment without supports: it cannot bend",
             where=f"{where}, segment",
             remedy="give shorter segments",
         )
@@ -154,7 +154,7 @@ def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
                 raise ModelError(
                     f"crosses lining '{shortened(other.table.name)}'",
                     where=f"lining '{shortened(one.table.name)}'",
-                    remedy="end one of them at the other, or line the inner face of the first",
+                    remedy="end one at the other, or place it on the inner face of the first",
                 )
 
 
@@ -354,7 +354,7 @@ def _ground_block(one: PlacedLining, key: str, ground: Ground) -> int:
     fixed = np.flatnonzero(ground.fixed)
     if not len(fixed):
         raise ModelError(
-            "there is no ground to hold it: no block is fixed",
+            "there is no ground to support it: no block is fixed",
             where=f"lining '{shortened(one.table.name)}', {key}",
             remedy="give a block with fixed = true",
         )

@@ -79,12 +79,12 @@ def cut_line(
         raise ModelError(
             f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m",
             where=f"{where}, segment",
-            remedy="give longer segments, m, or look for a wrong corner",
+            remedy="give longer segments, m, or check the corners of the line",
         )
     ends = _ends(points, marks, comes_back, length)
     if comes_back and len(ends) < 4:
         raise ModelError(
-            f"a ring of {marks[-1]:.3g} m has no three segments of {length:g} m",
+            f"a ring of {marks[-1]:.3g} m cannot be divided into three segments of {length:g} m",
             where=f"{where}, segment",
             remedy="give shorter segments",
         )
@@ -200,7 +200,7 @@ def _check(found: CutLine, thickness: float, where: str) -> None:
     for k in np.flatnonzero((outer * inner).sum(axis=1) <= 0.05 * length**2)[:1]:
         raise ModelError(
             f"{thickness:g} m is beyond the radius of curvature at "
-            f"{point_text(found.at[found.first[k]])}: the inner face turns round",
+            f"{point_text(found.at[found.first[k]])}: the inner face would turn inside out",
             where=f"{where}, thickness",
             remedy="give a thinner lining, or smooth the line there",
         )

@@ -73,7 +73,7 @@ class Ground:
         except ModelError as error:
             if "common boundary" not in error.what:
                 raise
-            remedy = 'say which ones its ends move with, the head first: blocks = ["1", "2"]'
+            remedy = 'name the blocks of its ends, the head first: blocks = ["1", "2"]'
             raise ModelError(error.what, where=error.where, remedy=remedy) from None
         return [int(one) for one in found]
 
@@ -140,13 +140,13 @@ def joints_between(
             raise ModelError(
                 f"runs through {gap:.3g} m of void from {here} on",
                 where=label,
-                remedy="end it before, or make two bolts of it",
+                remedy="end it there, or use two bolts",
             )
     if len(pieces) < 2:
         raise ModelError(
             f"crosses no joint: all of it is in {ground.outlines.label(int(pieces.block[0]))}",
             where=label,
-            remedy="a grouted bolt acts where it crosses joints: lengthen or move it",
+            remedy="a grouted bolt works where it crosses joints: lengthen or move it",
         )
 
 

@@ -64,7 +64,8 @@ def _outline(
     if isinstance(given, str):
         if given not in outlines and given in excavated:
             raise ModelError(
-                f"'{shortened(given)}' is an opening of blocks, whose outline is not known",
+                f"'{shortened(given)}' is an opening given by its blocks, so its outline is not "
+                "known",
                 where=f"{label}, opening",
                 remedy="give an opening with a shape in a [domain], or each bolt as a [[bolt]]",
             )
@@ -77,7 +78,7 @@ def _outline(
     corners = np.array(outlines[given] if isinstance(given, str) else given, float)
     if len(corners) < 3:
         raise ModelError(
-            f"{shortened(repr(given))} is no outline",
+            f"{shortened(repr(given))} is not an outline",
             where=f"{label}, opening",
             remedy="give the name of an opening, or its corners [[x, y], ...], m",
         )
@@ -123,8 +124,8 @@ def _along(ring: Any, middle: Floats, angle: float, label: str) -> float:
     hits = shapely.get_coordinates(shapely.intersection(ring, shapely.linestrings([middle, far])))
     if not len(hits):  # the centroid of an outline with a bay may lie outside
         raise ModelError(
-            f"its outline is not met at {angle:g} degrees from its centroid "
-            f"({middle[0]:.4g}, {middle[1]:.4g})",
+            f"the ray at {angle:g} degrees from its centroid ({middle[0]:.4g}, "
+            f"{middle[1]:.4g}) does not meet its outline",
             where=f"{label}, opening",
             remedy="give other angles from and to, a simpler outline, or single bolts: [[bolt]]",
         )

@@ -91,13 +91,13 @@ def _with_springs(
         own = owner == k
         stiffness[own] = kind.stiffness_of(length[own])
         rupture[own] = kind.rupture_of(length[own])
-        where, remedy = f"{label}, kind '{bolt.kind}'", "see to young, area and length"
+        where, remedy = f"{label}, kind '{bolt.kind}'", "check young, area and length"
         for m in np.flatnonzero(own):
             ranges.check_size(stiffness[m], ranges.STIFFNESS, f"{where}, stiffness", remedy)
             _refuse_early_rupture(kind, stiffness[m], rupture[m], where)
         if bolt.pretension_is == "jacked" and kind.pretension == 0.0:
             raise ModelError(
-                f"a jack would hold nothing: kind '{shortened(bolt.kind)}' has no pretension",
+                f"a jack needs a pretension, and kind '{shortened(bolt.kind)}' has no pretension",
                 where=f"{label}, pretension_is",
                 remedy="give pretension to its kind, or leave pretension_is out",
             )
@@ -140,7 +140,7 @@ def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchor
     block = ground.blocks_of_ends(label, line, bolt.blocks)
     if block[0] == block[1]:
         raise ModelError(
-            f"both ends are in {ground.outlines.label(block[0])}, which it cannot hold",
+            f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing",
             where=label,
             remedy="move one end across a joint, into another block",
         )

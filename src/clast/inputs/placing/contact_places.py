@@ -25,7 +25,7 @@ def contacts_measured(
     for number, one in enumerate(given, 1):
         where = f"measured_contact {number}"
         if not one.name.strip() or one.name in names:
-            what = "has been given already" if one.name in names else "is no name"
+            what = "is used twice" if one.name in names else "is not a valid name"
             raise ModelError(
                 f"'{shortened(one.name)}' {what}", where=f"{where}, name", remedy="give another"
             )

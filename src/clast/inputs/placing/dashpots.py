@@ -46,7 +46,7 @@ def viscous_edges(
                 raise ModelError(
                     f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too",
                     where=label,
-                    remedy="let each edge be in one viscous boundary",
+                    remedy="list each edge in one viscous boundary only",
                 )
         seen |= dict.fromkeys(edge.tolist(), label)
         numbers = {
@@ -72,7 +72,7 @@ def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: BlockOut
     if not down.any():
         what = "no viscous edge faces down" if len(edges) else "there are no viscous boundaries"
         raise ModelError(
-            f"the wave has to come in, but {what}",
+            f"the wave needs a boundary to enter through, but {what}",
             where="ground_motion",
             remedy='give [[viscous_boundary]] with where = {side = "bottom"}, or let the motion '
             'act as a "body-force" or on the "base"',
@@ -88,9 +88,9 @@ def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometri
         inner = edge[~_is_outer(edge, outlines, polygons)]
         for one in inner[:1].tolist():
             raise ModelError(
-                f"{_edge_text(one, outlines)} has another block behind it",
+                f"{_edge_text(one, outlines)} borders on another block",
                 where=f"{label}, where",
-                remedy="give edges with no block beyond them: waves leave the model there",
+                remedy="give edges with no block beyond them: the waves leave the model there",
             )
     else:
         edge = _within(label, place.polygon or [], outlines, polygons)
@@ -148,7 +148,9 @@ def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geomet
     where = f"{label}, where, polygon"
     if len(polygon) < 3:
         raise ModelError(
-            f"{len(polygon)} points are no polygon", where=where, remedy="give 3 points or more"
+            f"{len(polygon)} points do not make a polygon",
+            where=where,
+            remedy="give 3 points or more",
         )
     shape = shapely.Polygon(np.array(polygon) - outlines.origin)
     if not shape.is_valid:
@@ -162,7 +164,7 @@ def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geomet
         raise ModelError(
             "no edge on the outline of the model has its middle in the polygon",
             where=where,
-            remedy="let it enclose the edges through which waves are to leave",
+            remedy="enclose the edges through which waves should leave",
         )
     return edge
 
@@ -185,7 +187,7 @@ def _refuse_fixed(label: str, edge: Ints, outlines: BlockOutlines, fixed: Bools)
     """Refuse edges of blocks that do not move."""
     for one in edge[fixed[outlines.owner[edge]]][:1].tolist():
         raise ModelError(
-            f"{_edge_text(one, outlines)} is on a fixed block, which takes up no waves",
+            f"{_edge_text(one, outlines)} is on a fixed block, which cannot absorb waves",
             where=label,
             remedy="remove fixed = true of the block; in-situ stress, or supports until the "
             "dashpots begin (begins), hold it",

@@ -126,7 +126,7 @@ class ManyBlocks:
         try:
             names = tuple(self.given_names)
         except TypeError:
-            raise self._error("are no list of names", "names") from None
+            raise self._error("are not a list of names", "names") from None
         if len(names) != self._count:
             raise self._error(f"{len(names)} names are given for {self._count} blocks", "names")
         return names
@@ -166,14 +166,14 @@ class ManyBlocks:
             vertices = np.asarray(self.vertices, np.float64)
             start = None if self.start is None else np.asarray(self.start)
         except (TypeError, ValueError, OverflowError):
-            raise self._error("are no arrays of numbers", "vertices and start") from None
+            raise self._error("are not arrays of numbers", "vertices and start") from None
         if start is None:
             if vertices.ndim != 3 or vertices.shape[2] != 2:
-                raise self._error(f"have the shape {vertices.shape}", "vertices")
+                raise self._error(f"have shape {vertices.shape}", "vertices")
             count, sides, _ = vertices.shape
             return np.full(count, sides, np.int64), vertices.reshape(-1, 2)
         if vertices.ndim != 2 or vertices.shape[1] != 2:
-            raise self._error(f"have the shape {vertices.shape}", "vertices")
+            raise self._error(f"have shape {vertices.shape}", "vertices")
         whole = start.ndim == 1 and len(start) > 0 and np.issubdtype(start.dtype, np.integer)
         if not whole or start[0] != 0 or start[-1] != len(vertices) or (np.diff(start) < 0).any():
             raise self._error("does not run from 0 up to the number of vertices", "start")
@@ -230,7 +230,7 @@ def rocks_of(
         given = only if entry.rock is None else entry.rock
         if given is None:
             raise ModelError(
-                "does not say which rock it is made of",
+                "names no rock",
                 where=label(0),
                 remedy=spelling.advice("", number, kind="rock"),
             )

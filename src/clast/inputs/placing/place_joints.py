@@ -32,9 +32,9 @@ def joint_table(
         placed = joint.between or joint.between_rocks or name in along_edges
         if index > 0 and not placed:
             raise ModelError(
-                "belongs to no contact",
+                "is assigned to no contact",
                 where=f"joint '{name}'",
-                remedy="call it default, or say where it is with between (pairs of blocks), "
+                remedy="name it default, or assign it by between (pairs of blocks), "
                 "between_rocks (pairs of rocks) or the edge_joint of blocks",
             )
         _assign(joint.between_rocks, "rock", rock_number, index, rock_joint, names)
@@ -77,14 +77,14 @@ def _assign(
         pair = (min(found), max(found))
         if kind == "block" and found[0] == found[1]:
             raise ModelError(
-                f"block '{one}' has no joint with itself",
+                f"block '{one}' cannot have a joint with itself",
                 where=f"{where}, between",
                 remedy="name two different blocks",
             )
         before = assigned.setdefault(pair, index)
         if before != index:
             raise ModelError(
-                f"the {kind}s '{one}' and '{other}' belong to joint '{names[before]}' already",
+                f"the {kind}s '{one}' and '{other}' already belong to joint '{names[before]}'",
                 where=where,
                 remedy="name the pair in one joint only",
             )

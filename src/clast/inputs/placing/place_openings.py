@@ -32,7 +32,7 @@ def openings_of(
         if one.name in found or one.name in block_number:
             taken = "opening" if one.name in found else "block"
             raise ModelError(
-                f"there is {_article(taken)} {taken} of this name already",
+                f"there already is {_article(taken)} {taken} with this name",
                 where=where,
                 remedy="give it another name: stages excavate openings and blocks by their names",
             )
@@ -47,9 +47,9 @@ def openings_of(
             number = block_number[name]
             if number in owner:
                 raise ModelError(
-                    f"block '{shortened(name)}' is part of opening '{owner[number]}' already",
+                    f"block '{shortened(name)}' already belongs to opening '{owner[number]}'",
                     where=where,
-                    remedy="give every block to one opening",
+                    remedy="put each block in one opening only",
                 )
             owner[number] = one.name
             numbers.append(number)
@@ -60,7 +60,7 @@ def openings_of(
                 raise ModelError(
                     f"no edge has the joint '{shortened(one.weld)}'",
                     where=f"{where}, weld",
-                    remedy="name the joint of the edges that hold inside and outside together",
+                    remedy="name the joint between the inside and the outside",
                 )
         block = np.array(sorted(numbers), np.int64)
         found[one.name] = Opening(name=one.name, block=block, welded=welded)

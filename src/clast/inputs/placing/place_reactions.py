@@ -115,9 +115,7 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
         if loose or not len(blocks):
             said = shortened(ground.outlines.names[loose[0]]) if loose else ""
             what = f"block '{said}' is neither fixed nor moved" if loose else "names no block"
-            remedy = (
-                "name blocks with fixed = true or a [[motion]]; a fixed point is named by itself"
-            )
+            remedy = "name blocks with fixed = true or a [[motion]], or give a fixed_point"
             raise ModelError(what, where=f"{where}, {key}", remedy=remedy)
     about = _middle(supports, blocks, points)
     if one.about is not None:

@@ -79,7 +79,7 @@ class RockMass:
                 yield unknown(name, self.rocks, "rock", place)
         if self.domain.rock is None and len(self.rocks) != 1:
             remedy = spelling.advice("", self.rocks, kind="rock")
-            yield Fault(place=("domain", "rock"), what="does not say which rock", remedy=remedy)
+            yield Fault(place=("domain", "rock"), what="names no rock", remedy=remedy)
         for place, name in self._named_joints():
             if name not in (None, DEFAULT, *self.joints):
                 yield unknown(str(name), self.joints, "joint", place)
@@ -246,7 +246,7 @@ class CutCase:
             common = float(shapely.area(shapely.intersection(shape, near)).sum())
             if common > OVERLAP * shape.area:
                 raise ModelError(
-                    f"{common:.3g} m2 of it lie in rock that is cut into blocks",
+                    f"{common:.3g} m2 of it overlap the rock that is cut into blocks",
                     where=f"block {number}" + (f" '{one.name}'" if one.name else ""),
                     remedy="make room by an [[opening]] with excavated = true; or give the part as "
                     "a [[region]] with one_block = true in its place",
@@ -293,7 +293,7 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
             raise ModelError(
                 f"no block is at the {side}",
                 where="domain, fixed_sides",
-                remedy=f"take '{side}' out: that place is void from the start",
+                remedy=f"remove '{side}': there is an opening from the start",
             )
         held |= found
     return held
@@ -342,7 +342,9 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
             return traces
         found = lines_of_layer(path, layer, reading=_reading(table))
         if not found:
-            raise CaseError("has no lines", where=str(path), remedy="name the layer of the joints")
+            raise CaseError(
+                "has no lines", where=str(path), remedy="name the layer that has the joints"
+            )
         notes += _notes(path, layer, table, where)
         return found
 
@@ -361,8 +363,8 @@ def _layer(source: FileTable | TraceTable, where: str) -> str | None:
         raise ModelError(
             f"'{source.file}' is neither .dxf nor .csv",
             where=where,
-            remedy="give a drawing (.dxf) with its layer, or a table (.csv); clast import makes a "
-            "case of other files",
+            remedy="give a drawing (.dxf) with its layer, or a table (.csv); clast import "
+            "converts other files",
         )
     if source.layer is None:
         raise ModelError(
@@ -430,6 +432,6 @@ def _findings(report: CutReport) -> Iterator[str]:
             at = f", first at {first[0]}" if first else ""
             yield f"cut: {amount} {what}{at}"
     if report.short_edges:
-        yield f"cut: {report.short_edges} edges stayed shorter than smallest_edge"
+        yield f"cut: {report.short_edges} edges remain shorter than smallest_edge"
     if report.small_blocks:
-        yield f"cut: {report.small_blocks} blocks stayed smaller than smallest_block"
+        yield f"cut: {report.small_blocks} blocks remain smaller than smallest_block"

@@ -16,7 +16,7 @@ from clast.model.openings import Opening
 from clast.model.stages.stage import Stage
 
 LARGEST_BOLT = 0.02
-"""Cross-section above which a bolt is no bolt, m2: 16 cm across."""
+"""Cross-section above which a bolt is not a bolt, m2: 16 cm across."""
 LARGEST_K0 = 10.0
 """Largest ratio of horizontal to vertical stress that rock near the surface has."""
 
@@ -41,8 +41,9 @@ def doubted_bolts(kinds: Mapping[str, BoltKind]) -> Iterator[str]:
             continue
         unit, factor = ("mm2", 1e-6) if kind.area > 20.0 else ("cm2", 1e-4)
         yield (
-            f"bolt_kind '{shortened(name)}': area is {kind.area:g} m2, which no bolt has; it is "
-            f"meant in m2: {kind.area:g} {unit} are {kind.area * factor:g}"
+            f"bolt_kind '{shortened(name)}': area is {kind.area:g} m2, too large for a bolt; the "
+            "unit is m2"
+            f": {kind.area:g} {unit} are {kind.area * factor:g}"
         )
 
 
@@ -66,14 +67,15 @@ def doubted_sets(sets: Sequence[JointSetTable]) -> Iterator[str]:
             if spread.std > spread.mean:
                 yield (
                     f"{where}, {key}: std is {spread.std:g} m and the mean only {spread.mean:g} m, "
-                    "so that most values are far from it; std is in m, no share and no per cent. "
+                    "so most values would be far from it; std is in m, not a share or per cent. "
                     "Lower std, or take an exponential distribution, whose std is its mean"
                 )
         if one.trace_length is not None and one.bridge_length is None and _parted(one):
             yield (
                 f"{where}: trace_length has no effect without bridge_length: traces follow each "
-                "other without a gap, as lines from boundary to boundary. Give bridge_length, or "
-                'leave trace_length out; model = "baecher" places traces by themselves'
+                "other without a gap, so they run from boundary to boundary. Give bridge_length, "
+                "or "
+                'leave trace_length out; model = "baecher" places single traces'
             )
 
 
@@ -93,7 +95,7 @@ def doubted_openings(
         if one.name in taken or any(block_names[block] in taken for block in one.block):
             continue
         yield (
-            f"opening '{shortened(one.name)}' is excavated by no stage, so that it stays rock: "
+            f"opening '{shortened(one.name)}' is excavated in no stage and so remains rock: "
             f'name it in excavate = ["{shortened(one.name)}"] of a [[stage]], or give it '
             "excavated = true for a void from the start"
         )

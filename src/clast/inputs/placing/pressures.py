@@ -148,7 +148,7 @@ def _refuse_two_blocks(
             f"edges of {outlines.label(one)} and {outlines.label(other)} both lie along it from "
             f"{point_text(at)} on",
             where=label,
-            remedy=f'say which one is pressed, e.g. block = "{outlines.names[one]}"',
+            remedy=f'name the one that is loaded, e.g. block = "{outlines.names[one]}"',
         )
 
 
@@ -158,5 +158,5 @@ def _uncovered(label: str, line: _Line, place: Floats) -> Iterator[str]:
     if pressed < (1.0 - TOUCHING) * line.length:
         yield (
             f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
-            "of it: it presses on these"
+            "of it: the pressure acts on these only"
         )

@@ -116,7 +116,8 @@ def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
         points, across = points[::-1], -across[::-1]
     for k in np.flatnonzero(across <= 0.0)[:1]:
         raise ModelError(
-            f"it goes back at {point_text(points[k + 1])}: the water would have two heights there",
+            f"x decreases at {point_text(points[k + 1])}: the water surface would have two "
+            "heights there",
             where=where,
             remedy="order the points by x, each x once; where the water falls steeply, give two x "
             "a little apart",
@@ -129,10 +130,10 @@ def _gravity(label: str, gravity: Floats) -> float:
     across, up = gravity.tolist()
     if across != 0.0 or up >= 0.0:
         raise ModelError(
-            f"gravity is [{across:g}, {up:g}]: without gravity straight down water has no level",
+            f"gravity is [{across:g}, {up:g}]: a water level needs gravity straight down",
             where=label,
-            remedy="give gravity = [0.0, -9.81]; a push that lasts is "
-            "seismic_coefficient = [0.1, 0.0], an earthquake a [ground_motion]",
+            remedy="give gravity = [0.0, -9.81]; a constant horizontal load is "
+            "seismic_coefficient = [0.1, 0.0], an earthquake is [ground_motion]",
         )
     return float(-up)
 
@@ -167,7 +168,7 @@ def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
         return
     nearest = int(np.argmax(depth))
     raise ModelError(
-        f"its surface is below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
+        f"its surface lies below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
         f"{outlines.vertex_label(nearest)}",
         where=label,
         remedy="give its height y in the coordinates of the case, not a depth",
@@ -183,9 +184,9 @@ def _joints(
         facing = Facing(facing.edge[chosen], facing.share[chosen])
     if not len(facing.edge):
         raise ModelError(
-            "no two blocks lie along each other: there is no joint for water to get into",
+            "no two blocks share a face: there is no joint for the water to enter",
             where=label,
-            remedy='give acts_on = "faces", or blocks that touch',
+            remedy='give acts_on = "faces", or use blocks that touch',
         )
     near = edges.near[facing.edge].min(axis=1)
     apart = np.zeros((len(facing.edge), 2))
@@ -245,7 +246,7 @@ def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
     chosen = np.isin(np.where(bare, other, own), wanted).any(axis=1)
     if not chosen.any():
         raise ModelError(
-            f"no two blocks lie along each other at {', '.join(map(repr, names)) or 'none'}",
+            f"no two blocks share a face along {', '.join(map(repr, names)) or 'none'}",
             where=where,
             remedy="name joints that edges, pairs of blocks or pairs of rocks have, or leave it "
             "out: all joints",
@@ -258,7 +259,7 @@ def _refuse_far(label: str, ends: Floats, near: Floats, drains: Floats, origin: 
     away = distances(ends, drains)
     for k in np.flatnonzero(away > near.max())[:1]:
         raise ModelError(
-            f"{point_text(drains[k] + origin)} is on no joint that this water gets into; the "
+            f"{point_text(drains[k] + origin)} is not on a joint that this water enters; the "
             f"nearest is {away[k]:.3g} m away",
             where=f"{label}, drained_at, point {k + 1}",
             remedy="give a point on the joint itself, e.g. where it comes out of the slope",
@@ -278,9 +279,9 @@ def _said(label: str, water: WetWater, edges: Edges) -> str:
     joints = wetted(water.surface, 0.5 * (one + other), water.joints.lowered)
     if not len(faces.line) and not len(joints.line):
         raise ModelError(
-            "wets no edge: no joint or outer face that it could act on lies below its surface",
+            "wets no edge: no joint or outer face lies below its surface",
             where=label,
-            remedy="raise the level, drain less, or let it act on both faces and joints",
+            remedy="raise the level, drain less, or set acts_on to both faces and joints",
         )
     parts, most = [], 0.0
     weight = water.weight * (water.share if water.factor is None else 1.0)
@@ -313,7 +314,7 @@ def _refuse_same_names(waters: Sequence[Water]) -> None:
     for name in names:
         if names.count(name) > 1:
             raise ModelError(
-                "there are two waters of that name",
+                "two [[water]] tables have this name",
                 where=f"water '{shortened(name)}'",
                 remedy="rename one of them",
             )

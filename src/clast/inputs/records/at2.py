@@ -61,13 +61,15 @@ def read_at2(path: Path) -> RecordSeries:
         remedy = "give DT in s"
         raise CaseError("DT is not in seconds", where=where, remedy=remedy)
     values = numbers_of(
-        enumerate(lines[last + 1 :], start=last + 2), name, "give finite numbers parted by blanks"
+        enumerate(lines[last + 1 :], start=last + 2),
+        name,
+        "give finite numbers separated by spaces",
     )
     if len(values) != int(count):
         raise CaseError(
             f"NPTS is {int(count)}, but {len(values)} values follow",
             where=where,
-            remedy="the file is cut short or was edited: get it anew, or put NPTS right",
+            remedy="the file is cut short or was edited: get the original file, or correct NPTS",
         )
     heading = " ".join(lines[: last + 1])
     return RecordSeries(
@@ -87,7 +89,7 @@ def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
             found = pattern.search(line)
             if found:
                 return index, (found[1], found[2])
-    what = "no line of its heading has NPTS and DT"
+    what = "its heading has no line with NPTS and DT"
     raise CaseError(what, where=f"{name}: lines 1 to {min(len(lines), HEADING)}", remedy=LAYOUT)
 
 

@@ -33,7 +33,7 @@ def correction_of(name: str) -> Correction:
     except ValueError:
         corner = math.nan
     if not (math.isfinite(corner) and corner > 0.0):
-        raise CaseError(f"'{name}' is no base line", remedy=f"give {KNOWN}")
+        raise CaseError(f"'{name}' is not a valid base line", remedy=f"give {KNOWN}")
     return lambda samples: _highpassed(samples, corner)
 
 

@@ -65,10 +65,10 @@ def read_record(path: Path) -> Record:
         commas = "," in line.strip(" ,;") and re.search(r"[;\t]", line.strip(" \t,;"))
         if row is None or len(row) not in (2, 3) or (columns and len(row) != columns) or commas:
             raise CaseError(
-                f"{mistyped(line.strip())} is no line of an accelerogram",
+                f"{mistyped(line.strip())} is not a line of an accelerogram",
                 where=f"{path}: line {number}",
                 remedy=REMEDY
-                + ("; decimals have a point" if commas else "; headings begin with #"),
+                + ("; write decimals with a point" if commas else "; begin headings with #"),
             )
         rows.append(row)
         lines.append(number)

@@ -96,7 +96,7 @@ def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | 
         return None
     return (
         f'unit is "{unit}" and scale {wanted.scale:g}, but the heading of {name} says that '
-        f"accelerations are in {named}: put unit right if they are"
+        f"accelerations are in {named}: correct unit if so"
     )
 
 
@@ -117,7 +117,7 @@ def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
     listed = ", ".join(f'"{name}"' for name in known)
     if unit is None:
         raise CaseError(
-            f"is missing: {series.name} does not say which unit its {quantity} is in",
+            f"is missing: {series.name} does not give the unit of its {quantity}",
             where="unit",
             remedy=f"give unit = one of {listed}",
         )
@@ -126,7 +126,7 @@ def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
         # What the heading says of the quantity is not to be changed for its unit.
         change = "" if series.quantity else f', or quantity = "{other}"'
         raise CaseError(
-            f"{unit} is no unit of {quantity}",
+            f"{unit} is not a valid unit of {quantity}",
             where="unit",
             remedy=f"give one of {listed}{change}",
         )

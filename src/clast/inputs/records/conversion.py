@@ -75,8 +75,8 @@ def from_velocity(time: Floats, values: Floats) -> Samples:
     if first > AT_REST * most:
         raise CaseError(
             f"the velocity begins with {first:.3g} m/s, of {most:.3g} m/s at most, but the ground "
-            "starts from rest",
-            remedy="let it begin with 0: put a stretch before it in which it rises from 0",
+            "must start from rest",
+            remedy="let it begin with 0: prepend an interval in which it rises from 0",
         )
     moved = np.concatenate([np.zeros_like(values[:1]), values[1:]])
     return HeldSamples(time=time, acceleration=np.diff(moved, axis=0) / np.diff(time)[:, None])

@@ -35,7 +35,7 @@ def check_rising(record: Record, path: Path) -> None:
     """Refuse instants that are not later than those before, by their line."""
     if len(record.time) < 2:
         remedy = "a record has at least 2 instants"
-        raise CaseError("holds one line of numbers", where=str(path), remedy=remedy)
+        raise CaseError("has only one line of numbers", where=str(path), remedy=remedy)
     for late in np.flatnonzero(np.diff(record.time) <= 0.0)[:1]:
         raise CaseError(
             f"time does not rise: {record.time[late + 1]:g} s comes after {record.time[late]:g} s",

@@ -15,7 +15,7 @@ OTHER_TIME = re.compile(
     r"(?<![a-z])(ms|msecs?|millisec\w*|us|usecs?|\u00b5s|\u03bcs|microsec\w*|min|mins|minutes?|hours?)"
     r"(?![a-z])"
 )
-"""Units of time that are no seconds."""
+"""Units of time that are not seconds."""
 COUNTER = re.compile(
     r"\W*(index|idx|no|nr|n|i|k|id|samples?|sample[ _]?(no|nr|number|index)|steps?|points?|rows?|"
     r"count|counter|number)\W*"
@@ -40,11 +40,11 @@ def check_heading(heading: Sequence[str], path: Path) -> None:
         raise CaseError(
             f"the heading says that times are in {unit[1]}",
             where=f"{path}: its heading",
-            remedy="give the time in s: convert the first column, and name it t",
+            remedy="give the time in s: convert the first column, and name the column t",
         )
     if COUNTER.fullmatch(parted[0] if len(parted) > 1 else words[0]):
         raise CaseError(
-            "the first column counts the values: it is no time",
+            "the first column counts the values: it is not time",
             where=f"{path}: its heading",
             remedy="give the time in s in the first column, in place of the counter",
         )
@@ -55,7 +55,8 @@ def check_sizes(time: Floats, values: Floats, name: str) -> None:
     shortest = float(np.diff(time).min())
     if float(np.abs(time).max()) > LONGEST or shortest < SHORTEST:
         raise CaseError(
-            f"times up to {float(np.abs(time).max()):.3g} s, {shortest:.3g} s apart, are no record",
+            f"times up to {float(np.abs(time).max()):.3g} s, {shortest:.3g} s apart, cannot be a "
+            "record",
             where=name,
             remedy="give the time in s in the first column",
         )
@@ -63,7 +64,7 @@ def check_sizes(time: Floats, values: Floats, name: str) -> None:
         raise CaseError(
             f"values of up to {float(np.abs(values).max()):.3g} are far too large",
             where=name,
-            remedy="put the file, its unit or scale right",
+            remedy="correct the file, its unit or its scale",
         )
 
 

@@ -55,14 +55,17 @@ def read_knet(path: Path) -> RecordSeries:
     example = "Scale Factor 3920(gal)/6182761"
     scale = given(SCALE, rf"\s{NUMBER}\s*\(gal\)", example)
     scale /= given(SCALE, rf"\(gal\)\s*/\s*{NUMBER}", example)
-    remedy = "give whole counts parted by blanks"
+    remedy = "give whole counts separated by spaces"
     counts = numbers_of(enumerate(lines[HEADING:], start=HEADING + 1), name, remedy)
     if len(counts) < 2 or abs(len(counts) - frequency * duration) >= frequency:
         raise CaseError(
             f"{duration:g} s at {frequency:g} Hz are {frequency * duration:g} values, but "
             f"{len(counts)} follow",
             where=f"{name}: line {DURATION}",
-            remedy="the file is cut short or was edited: get it anew, or put the duration right",
+            remedy=(
+                "the file is cut short or was edited: get the original file, or correct the "
+                "duration"
+            ),
         )
     return RecordSeries(
         name=name,

@@ -12,7 +12,7 @@ from clast.errors import CaseError
 from clast.inputs.declaring.text import read_bytes
 from clast.inputs.records.series import RecordSeries
 
-LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or the format that it has"
+LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or give its format"
 
 
 def read_sac(path: Path) -> RecordSeries:
@@ -58,5 +58,5 @@ def _trace(content: bytes, name: str) -> Any:
         return SACTrace.read(BytesIO(content))
     # obspy answers damaged files with errors of many kinds
     except Exception as error:
-        what = f"is no SAC file: {type(error).__name__}"
+        what = f"is not a SAC file: {type(error).__name__}"
         raise CaseError(what, where=name, remedy=LAYOUT) from None

@@ -51,7 +51,7 @@ class RecordSeries:
 def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floats:
     """Return all numbers of lines of words, shape (k,); ``lines`` have their number and text.
 
-    Raises CaseError naming the line for a text that is no finite number.
+    Raises CaseError naming the line for a text that is not a finite number.
     """
     found: list[float] = []
     for number, line in lines:
@@ -59,7 +59,7 @@ def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floa
             value = number_of(word)
             if value is None:
                 raise CaseError(
-                    f"{mistyped(word)} is no finite number",
+                    f"{mistyped(word)} is not a finite number",
                     where=f"{name}: line {number}",
                     remedy=remedy,
                 )

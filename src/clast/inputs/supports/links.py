@@ -44,9 +44,9 @@ class Link(Table):
     name: StrictStr | None = None
     """Name; its number if absent."""
     at: Point
-    """Point [x, y], which both blocks carry with them, m."""
+    """Point [x, y] of both blocks, m."""
     block: StrictStr | None = None
-    """Block that is linked with the ground, that is, with fixed blocks."""
+    """Block that is linked to the ground, that is, to fixed blocks."""
     blocks: tuple[StrictStr, StrictStr] | None = None
     """Blocks that are linked, in place of block."""
     direction: tuple[Number, Number] = (1.0, 0.0)
@@ -62,29 +62,29 @@ class Link(Table):
     yield_moment: Strength | None = None
     """Moment at which it yields, N; elastic if absent."""
     rupture: Stretch | None = None
-    """Stretch along or across at which it breaks for good, m; never if absent."""
+    """Elongation along or across at which it breaks, m; never if absent."""
     rupture_rotation: Annotated[Positive, Field(le=360.0)] | None = None
-    """Rotation at which it breaks for good, degrees; never if absent."""
+    """Rotation at which it breaks, degrees; never if absent."""
     gap: Length | None = None
     """Play to either side before it acts along and across, m."""
     damping: Dashpot = 0.0
-    """Force by velocity along and across, N s/m2."""
+    """Force per velocity along and across, N s/m2."""
     rotation_damping: Dashpot = 0.0
-    """Moment by angular velocity, N s."""
+    """Moment per angular velocity, N s."""
     contacts: StrictBool = True
     """False: the two blocks may overlap, and have no contacts with each other in the whole run."""
     stage: StrictStr | None = None
-    """Stage that installs it, as the blocks lie then; it is there from the start if absent."""
+    """Stage that installs it, without force; it exists from the start if absent."""
 
     @model_validator(mode="after")
     def _links_two(self) -> Self:
         if (self.block is None) == (self.blocks is None):
             what = "names no block" if self.block is None else "has both block and blocks"
-            remedy = 'give blocks = ["1", "2"], or block = "1" for a link with the ground'
+            remedy = 'give blocks = ["1", "2"], or block = "1" for a link to the ground'
             raise refusal(Fault(what=what, remedy=remedy))
         if self.blocks is not None and self.blocks[0] == self.blocks[1]:
             what = f"links block '{shortened(self.blocks[0])}' with itself"
-            remedy = "name two blocks, or one with block for a link with the ground"
+            remedy = "name two blocks, or one with block for a link to the ground"
             raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
         if not any(self.direction):
             what, remedy = "has no direction", "give a vector, e.g. [1, 0]"
@@ -96,7 +96,7 @@ class Link(Table):
         along = self.x is not None or self.y is not None
         if not along and self.rotation is None and not self.damping and not self.rotation_damping:
             remedy = 'give x, y or rotation a stiffness, or "rigid"; a hinge has x and y'
-            raise refusal(Fault(what="holds nothing", remedy=remedy))
+            raise refusal(Fault(what="restrains nothing", remedy=remedy))
         needs = {
             "yield_force": along,
             "rupture": along,
@@ -179,18 +179,18 @@ def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
         first = number_of(one.block or "", number, "block", f"{where}, block")
         fixed = [k for k in np.flatnonzero(ground.fixed).tolist() if k != first]
         if not fixed:
-            what = "there is no ground to link with: no other block is fixed"
+            what = "there is no ground to link to: no other block is fixed"
             remedy = "give a block with fixed = true, or a [[fixed_point]]"
             raise ModelError(what, where=f"{where}, block", remedy=remedy)
         second = fixed[0]
     if ground.fixed[first] and ground.fixed[second]:
-        what = "links blocks that are both fixed"
+        what = "links two fixed blocks"
         raise ModelError(what, where=where, remedy="leave it out, or fixed out of one of them")
     return first, second
 
 
 class Moment(Table):
-    """A moment that turns a block, whichever way it lies."""
+    """A moment on a block."""
 
     EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
@@ -199,7 +199,7 @@ class Moment(Table):
     moment: Force
     """Moment, N (N m per m of thickness), counter-clockwise."""
     amplitude: StrictStr | None = None
-    """Amplitude over time by which it is multiplied; none: it is constant."""
+    """Amplitude over time by which it is multiplied; constant if absent."""
 
     @classmethod
     def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:

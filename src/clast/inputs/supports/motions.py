@@ -63,24 +63,25 @@ class Motion(Table):
     EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     name: StrictStr | None = None
-    """Name, which its reaction has, too; "motion" and its number if absent."""
+    """Name, also of its reaction; "motion" and its number if absent."""
     block: StrictStr | None = None
     """Block that moves, fixed or free."""
     blocks: list[StrictStr] | None = None
-    """Blocks that move alike, in place of block."""
+    """Blocks with the same motion, in place of block."""
     fixed_point: Point | None = None
     """Coordinates [x, y] of a [[fixed_point]] that moves, in place of block, m; it has x and y
-    alone, and does not move in the one that is left out."""
+    only, and is held in a component left out."""
     x: Component | None = None
     """Velocity to the right, m/s, or an amplitude: {displacement = "NAME"}, {velocity =
     "NAME"}."""
     y: Component | None = None
     """Velocity upwards, m/s, or an amplitude."""
     rotation: Component | None = None
-    """Spin counter-clockwise, degrees/s, or an amplitude in degrees or degrees/s."""
+    """Angular velocity, counter-clockwise, degrees/s, or an amplitude in degrees or degrees/s."""
     about: Point | None = None
-    """Point [x, y] at the start that goes with the blocks: x and y are its own, 0 if absent, and
-    the blocks turn about it; the centroid of each block if absent, m."""
+    """Centre of rotation [x, y] at the start, m; it moves with the blocks by x and y, 0 if absent;
+    the centroid of each block if absent.
+    """
     force: tuple[Force, Force] | None = None
     """Force [x, y] with which a servo presses on each block, N per metre of thickness."""
     stress: tuple[Stress, Stress] | None = None
@@ -88,9 +89,9 @@ class Motion(Table):
     limit_speed: Annotated[Positive, within(ranges.SPEED)] | None = None
     """Speed of the servo without resistance, m/s; the force falls to 0 there."""
     amplitude: StrictStr | None = None
-    """Amplitude over time by which force or stress is multiplied; none: it is constant."""
+    """Amplitude over time by which force or stress is multiplied; constant if absent."""
     ease: Interval | None = None
-    """Time over which every jump of velocity is spread, s; jumps are shocks if absent."""
+    """Time over which jumps of velocity are smoothed, s; they are shocks if absent."""
     stage: StrictStr | None = None
     """Stage with which it begins; the start of the run if absent."""
     until: (
@@ -100,8 +101,9 @@ class Motion(Table):
         ]
         | None
     ) = None
-    """How long it lasts, s, or the stage with which it ends; then free blocks are let go and fixed
-    ones stand still."""
+    """Duration, s, or the stage with which it ends; then free blocks are released and fixed ones
+    stay.
+    """
 
     @model_validator(mode="after")
     def _says_what_moves(self) -> Self:
@@ -134,12 +136,12 @@ class Motion(Table):
     def _moves_somehow(self) -> Self:
         if not any(self.courses) and self.force is None and self.stress is None:
             remedy = "give x, y or rotation, or force or stress for a servo"
-            raise refusal(Fault(what="says nothing of how the block moves", remedy=remedy))
+            raise refusal(Fault(what="does not say how the block moves", remedy=remedy))
         if self.about is not None and self.rotation is None:
-            what, remedy = "about is a point to turn about", "give rotation, or leave about out"
+            what, remedy = "about is the centre of a rotation", "give rotation, or leave about out"
             raise refusal(Fault(place=("about",), what=what, remedy=remedy))
         if self.rotation is not None and len(self.named) > 1 and self.about is None:
-            what = "several blocks have no common point to turn about"
+            what = "several blocks need a common centre of rotation"
             remedy = "give about = [x, y], or a motion for each block"
             raise refusal(Fault(place=("rotation",), what=what, remedy=remedy))
         return self
@@ -150,21 +152,21 @@ class Motion(Table):
         if len(given) > 1:
             raise refusal(Fault(what="has both force and stress", remedy="give one of them"))
         if given and self.limit_speed is None:
-            remedy = "give the speed at which the servo goes where nothing resists, m/s"
+            remedy = "give the speed of the servo without resistance, m/s"
             raise refusal(Fault(what="limit_speed is missing", remedy=remedy))
         for key in ("limit_speed", "amplitude"):
             if not given and getattr(self, key) is not None:
-                what, remedy = f"{key} is that of a servo", "give force or stress, or leave it out"
+                what, remedy = f"{key} is for a servo", "give force or stress, or leave it out"
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
         if not given:
             return self
         pressed = getattr(self, given[0])
         if not any(pressed):
-            what, remedy = "presses with nothing", "give a force, or leave the motion out"
+            what, remedy = "applies no force", "give a force, or leave the motion out"
             raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
         for axis, size in zip(AXES, pressed, strict=False):
             if size and (getattr(self, axis) is not None or self.about is not None):
-                what = f"{axis} is moved and pressed at once"
+                what = f"{axis} is given both a motion and a force"
                 remedy = f"leave {axis} out, or 0 in {given[0]} where it moves"
                 raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
         return self
@@ -265,9 +267,10 @@ def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Cour
         return along_velocities(table, unit * given.scale, ease)
     if table.at(0.0) != 0.0:
         what = (
-            f"amplitude '{table.name}' is {table.at(0.0):g} where the motion begins: that is a jump"
+            f"amplitude '{table.name}' is {table.at(0.0):g} where the motion begins: it must "
+            "begin at 0"
         )
-        raise ModelError(what, where=place, remedy="let it be 0 at the time 0")
+        raise ModelError(what, where=place, remedy="make it 0 at time 0")
     return along_displacements(table, unit * given.scale, ease)
 
 
@@ -288,7 +291,7 @@ def _servo(one: Motion, blocks: Ints, where: str, ground: Any) -> Servo | None:
     if one.stress is not None:
         sizes = np.array([_size(ground, int(block)) for block in blocks])
         if np.ptp(sizes, axis=0).max() > 1e-9 * sizes.max():
-            what = "its blocks are not equally wide"
+            what = "its blocks differ in width"
             remedy = "give a motion for each, or force in place of stress"
             raise ModelError(what, where=f"{where}, stress", remedy=remedy)
         width, height = sizes[0]
@@ -296,10 +299,13 @@ def _servo(one: Motion, blocks: Ints, where: str, ground: Any) -> Servo | None:
     fixed = [int(block) for block in blocks if ground.fixed[block]]
     if fixed:
         raise ModelError(
-            f"block '{shortened(ground.outlines.names[fixed[0]])}' is fixed, and gives way to "
-            "no force",
+            f"block '{shortened(ground.outlines.names[fixed[0]])}' is fixed, so no force "
+            "can move it",
             where=where,
-            remedy="leave fixed out and hold what shall not move, e.g. x = 0, rotation = 0",
+            remedy=(
+                "leave fixed out and hold the components that should not move, e.g. x = 0, "
+                "rotation = 0"
+            ),
         )
     return Servo(force=force or (0.0, 0.0), limit_speed=one.limit_speed, factor=factor)
 
@@ -332,8 +338,8 @@ def _check_apart(each: tuple[OneMotion, ...], ground: Any) -> None:
                         f"{AXES[axis]} of block '{shortened(names[block])}' is moved by "
                         f"{other.label}, too",
                         where=where,
-                        remedy="leave it to one of them, or let one end (until) with the stage "
-                        "with which the other begins",
+                        remedy="let only one of them move it, or end one (until) with the stage in "
+                        "which the other begins",
                     )
                 since[block, axis] = one
 
@@ -347,7 +353,7 @@ def _check_points(each: tuple[OneMotion, ...], ground: Any) -> None:
         where, block = one.label, int(ground.points.block[one.point])
         if one.point in moved:
             what = f"{moved[one.point].label} moves the same fixed point"
-            raise ModelError(what, where=where, remedy="leave it to one of them")
+            raise ModelError(what, where=where, remedy="let only one of them move it")
         if ground.fixed[block]:
             what = f"its block '{shortened(ground.outlines.names[block])}' is fixed"
             raise ModelError(what, where=where, remedy="move the block, or leave fixed out")

@@ -42,21 +42,21 @@ class Stage:
     speed: float = 1e-6
     """Largest speed of a block in equilibrium, as a share of sqrt(g x its size)."""
     hold: int = 20
-    """Steps in a row in which that holds."""
+    """Consecutive steps in which that holds."""
     reset_displacement: bool = False
-    """True: displacements count from the end of the stage; positions stay as they are."""
+    """True: displacements are reset at the end of the stage; positions do not change."""
     step: float | None = None
     """Wanted length of a step, s; None: as without stages."""
     every: float | None = None
     """Time between frames, s; None: as without stages."""
     excavate: tuple[str, ...] = ()
-    """Openings and blocks that are taken out at its start."""
+    """Openings and blocks that are excavated at its start."""
     relax: float = 1.0
     """Share of the support forces of excavated blocks that is released at once."""
     relax_time: float = 0.0
     """Time over which the rest is released, s."""
     install: tuple[str, ...] = ()
-    """Bolts that are put in at its start, by their names or kinds."""
+    """Bolts that are installed at its start, by their names or kinds."""
     joints: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """Strengths of joints from its start on: {"bedding": {"friction_angle": 25.0}}."""
     bonds: str = BREAK

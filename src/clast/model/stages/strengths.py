@@ -75,12 +75,12 @@ def _of_sliding(joint: Joint) -> Contradiction | None:
         return Contradiction(
             key="kinetic_friction_angle",
             what=f"{kinetic:g} degrees are more than the friction angle, {joint.friction_angle:g}",
-            remedy="give the angle of what slides, or leave it out: then it is the same",
+            remedy="give an angle up to that, or leave it out: then they are equal",
         )
     if joint.critical_speed > 0.0 and kinetic is None:
         return Contradiction(
             key="critical_speed",
-            what="there is no kinetic friction for friction to fall to",
+            what="the joint has no kinetic friction angle",
             remedy="give kinetic_friction_angle, or leave this out",
         )
     if joint.strength_reduction != 1.0:
@@ -108,7 +108,7 @@ def _of_dilation(joint: Joint) -> Contradiction | None:
     if joint.dilation_until is not None and angle == 0.0:
         return Contradiction(
             key="dilation_until",
-            what="the joint does not open as it slides",
+            what="the joint does not dilate",
             remedy="give dilation_angle, or leave this out",
         )
     angles = joint.friction_angle, joint.residual_friction_angle, joint.kinetic_friction_angle
@@ -117,7 +117,7 @@ def _of_dilation(joint: Joint) -> Contradiction | None:
         return Contradiction(
             key="dilation_angle",
             what=f"{angle:g} degrees are more than the least friction angle, {least:g}: sliding "
-            "would lift more than it takes to slide",
+            "would create energy",
             remedy="give an angle up to that; the friction angle is that of a test, roughness "
             "included",
         )
@@ -131,18 +131,18 @@ def _of_residual(joint: Joint) -> Contradiction | None:
         return Contradiction(
             key="residual_cohesion",
             what=f"{cohesion:g} Pa are more than the cohesion, {joint.cohesion:g} Pa",
-            remedy="give the cohesion after slip, or leave it out: then all of it stays",
+            remedy="give a residual cohesion up to that, or leave it out: then all of it remains",
         )
     if angle is not None and angle > joint.friction_angle:
         return Contradiction(
             key="residual_friction_angle",
             what=f"{angle:g} degrees are more than the friction angle, {joint.friction_angle:g}",
-            remedy="give its value after sliding, or leave it out: then all of it stays",
+            remedy="give a residual value up to that, or leave it out: then all of it remains",
         )
     if joint.slip_weakening > 0.0 and cohesion is None and angle is None:
         return Contradiction(
             key="slip_weakening",
-            what="there is no residual strength for the peak strength to fall to",
+            what="the joint has no residual strength",
             remedy="give residual_friction_angle or residual_cohesion, or leave this out",
         )
     return None

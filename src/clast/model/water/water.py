@@ -58,7 +58,7 @@ class Water:
     """Water under one level or phreatic line."""
 
     name: str
-    """Name by which stages call it."""
+    """Name by which stages refer to it."""
     surface: Floats
     """Points of the phreatic line about the model's origin, m, x rising; one: a level, (m, 2).
 
@@ -92,7 +92,7 @@ class Water:
 
 
 def surface_at(surface: Floats, x: Floats) -> Floats:
-    """Return the height of a phreatic line (m, 2) at x, m; beyond its ends it goes on level."""
+    """Return the height of a phreatic line (m, 2) at x, m; it is horizontal beyond its ends."""
     return np.asarray(np.interp(x, surface[:, 0], surface[:, 1]))
 
 

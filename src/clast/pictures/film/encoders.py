@@ -44,8 +44,8 @@ def ffmpeg() -> str:
         return str(get_ffmpeg_exe())
     except (ImportError, RuntimeError):
         raise CaseError(
-            "MP4 needs the program ffmpeg, which is not there",
-            remedy="install it, or: pip install 'clast[film]'; GIF and WebP need nothing",
+            "MP4 needs the program ffmpeg, which is not installed",
+            remedy="install it, or: pip install 'clast[film]'; GIF and WebP need no other program",
         ) from None
 
 
@@ -87,7 +87,7 @@ def write_mp4(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps:
 def _last_line(said: IO[bytes]) -> str:
     said.seek(0)
     lines = said.read().decode("utf-8", "replace").strip().splitlines()
-    return lines[-1].strip() if lines else "it does not say why"
+    return lines[-1].strip() if lines else "no reason given"
 
 
 def write_gif(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
@@ -99,7 +99,7 @@ def write_gif(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps:
 
     if fps > FASTEST_GIF:
         raise CaseError(
-            f"a GIF shows {FASTEST_GIF:g} pictures a second at most",
+            f"a GIF shows {FASTEST_GIF:g} pictures per second at most",
             where="fps",
             remedy="give fewer, or write .mp4 or .webp",
         )

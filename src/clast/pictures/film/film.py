@@ -33,15 +33,15 @@ class FilmSpeed:
     def __post_init__(self) -> None:
         if not SLOWEST <= self.fps <= FASTEST:
             raise CaseError(
-                f"{self.fps:g} pictures a second cannot be shown",
+                f"{self.fps:g} pictures per second cannot be shown",
                 where="fps",
                 remedy=f"give {SLOWEST:g} to {FASTEST:g}",
             )
         if self.speed is not None and not (math.isfinite(self.speed) and self.speed > 0.0):
             raise CaseError(
-                f"{self.speed:g} is no speed",
+                f"{self.speed:g} is not a valid speed",
                 where="speed",
-                remedy="give the time of the run that passes in a second of the film, above 0",
+                remedy="give the simulated time per second of film, s, above 0",
             )
 
 

@@ -34,7 +34,7 @@ def main() -> None:
         server = LiveServer((host, int(port)), feed, _say)
     except (OSError, OverflowError) as error:
         why = getattr(error, "strerror", None) or str(error)
-        fault = f"no page can be served at {at}: {why}"
+        fault = f"the page cannot be served at {at}: {why}"
         _say(json.dumps({"fault": fault, "remedy": "name another address or port"}))
         return
     _say(json.dumps({"address": server.address}))

@@ -146,5 +146,5 @@ class Feed:
 
     def _read(self) -> Results:
         if self._results is None:
-            raise CaseError("the run has not begun", remedy="wait for its first frame")
+            raise CaseError("the run has not started", remedy="wait for the first frame")
         return self._results

@@ -143,7 +143,7 @@ class Handler(BaseHTTPRequestHandler):
         if origin is not None and not (
             origin.startswith("http://") and self.server.knows(origin.removeprefix("http://"))
         ):
-            self._refuse(HTTPStatus.FORBIDDEN, "another page may not ask")
+            self._refuse(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
             return False
         return True
 
@@ -167,7 +167,9 @@ class Handler(BaseHTTPRequestHandler):
         """Send news as they come, until the run is over or the browser has gone."""
         server, given = self.server, parse_qs(query).get("from", ["0"])[0]
         if server.pages >= MOST_PAGES:
-            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} pages look on already")
+            self._refuse(
+                HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} viewers are connected already"
+            )
             return
         if not given.isdecimal() or int(given) > server.feed.frames:
             self._refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")

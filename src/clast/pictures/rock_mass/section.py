@@ -91,7 +91,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
         )
     if look.limits is not None:
         raise CaseError(
-            "the colours of a cut are names, which have no limits",
+            "the colours of a cut are names, so limits do not apply",
             where="limits",
             remedy="leave them out",
         )

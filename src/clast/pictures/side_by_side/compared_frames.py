@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 BETWEEN = 0.55
 """Space between the two, inches."""
@@ -43,15 +47,7 @@ def plot_two_frames(
     part = _part(results, numbers, look)
     title = results.title or results.name
     above = tuple(name for name in look.layers if name in LAYERS)
-    last = numbers[-1]
-    waters = waters_of(results, last)
-    pressed = pressures_of(results, waters, last, results.vertices(last))
-    handles = [
-        *legend_handles(results, field, absent_in_frame(results, last)),
-        *handles_of_water(waters, pressed),
-        *draw_bolts.handles_of(results.bolts(last)),
-        *layer_handles(above, results, last),
-    ]
+    handles = _handles(results, numbers[-1], field, above)
     bars = int(field in SCALARS or field in JOINT_FIELDS)
     below = int("scale" in look.layers)
     size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, below)
@@ -72,31 +68,9 @@ def plot_two_frames(
         box = (wide.axes[0] + place * shift, *wide.axes[1:])
         axes = figure.add_axes(wide.share(box))
         canvas.view(axes, *seen, size)
+        coloured, unit = _draw_frame(axes, results, number, field, scale, seen, above)
         if place:
             axes.set_ylabel("")
-        stage = results.frame(number).stage
-        said = f"$t$ = {results.times[number]:.4g} s" + (
-            f", {canvas.literal(stage)}" if stage else ""
-        )
-        axes.set_title(said, fontsize=TEXT_SIZE, color=INK, loc="left")
-        here, absent = results.vertices(number), absent_in_frame(results, number)
-        draw_blocks.draw_start(axes, results, results.vertices(0), absent)
-        free = draw_blocks.draw_blocks(axes, results, here, 1.0, absent)
-        drawn, coloured, unit = ~(results.fixed | absent), free, ""
-        if scale is None:
-            draw_blocks.paint_kinds(free, results, field, number, drawn)
-        elif field in JOINT_FIELDS:
-            free.set_facecolor(GROUND)
-            faces = JOINT_FIELDS[field].faces(results, number)
-            coloured, unit = draw_faces(axes, faces, scale, field)  # type: ignore[assignment]
-        else:
-            values = SCALARS[field].values(results, number)[drawn]
-            unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
-        waters = waters_of(results, number)
-        draw_water(axes, results, waters, pressures_of(results, waters, number, here), seen)
-        draw_bolts.draw_bolts(axes, results.bolts(number))
-        draw_layers(above, axes, results, number)
-        draw_points(axes, results.point_name, places_of_points(results, [number])[0])
         if place and scale is not None:
             own = JOINT_FIELDS[field] if field in JOINT_FIELDS else SCALARS[field]
             label = f"{own.label} ({unit})"
@@ -107,6 +81,57 @@ def plot_two_frames(
     if "gravity" in look.layers:
         draw_gravity(figure, wide, results)
     return canvas.save(figure, Path(path))
+
+
+def _handles(results: Recording, number: int, field: str, above: tuple[str, ...]) -> list[Any]:
+    """Return the legend of both, as the later frame needs it, with the layers ``above``."""
+    waters = waters_of(results, number)
+    pressed = pressures_of(results, waters, number, results.vertices(number))
+    return [
+        *legend_handles(results, field, absent_in_frame(results, number)),
+        *handles_of_water(waters, pressed),
+        *draw_bolts.handles_of(results.bolts(number)),
+        *layer_handles(above, results, number),
+    ]
+
+
+def _draw_frame(
+    axes: Axes,
+    results: Recording,
+    number: int,
+    field: str,
+    scale: ColourScale | None,
+    seen: canvas.Part,
+    above: tuple[str, ...],
+) -> tuple[Any, str]:
+    """Draw one frame with the layers ``above``; return the coloured artist and its unit."""
+    axes.set_title(_time(results, number), fontsize=TEXT_SIZE, color=INK, loc="left")
+    here, absent = results.vertices(number), absent_in_frame(results, number)
+    draw_blocks.draw_start(axes, results, results.vertices(0), absent)
+    free = draw_blocks.draw_blocks(axes, results, here, 1.0, absent)
+    drawn, unit = ~(results.fixed | absent), ""
+    coloured: Any = free
+    if scale is None:
+        draw_blocks.paint_kinds(free, results, field, number, drawn)
+    elif field in JOINT_FIELDS:
+        free.set_facecolor(GROUND)
+        faces = JOINT_FIELDS[field].faces(results, number)
+        coloured, unit = draw_faces(axes, faces, scale, field)
+    else:
+        values = SCALARS[field].values(results, number)[drawn]
+        unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
+    waters = waters_of(results, number)
+    draw_water(axes, results, waters, pressures_of(results, waters, number, here), seen)
+    draw_bolts.draw_bolts(axes, results.bolts(number))
+    draw_layers(above, axes, results, number)
+    draw_points(axes, results.point_name, places_of_points(results, [number])[0])
+    return coloured, unit
+
+
+def _time(results: Recording, number: int) -> str:
+    """Return the time of a frame, and its stage if there are stages."""
+    stage = results.frame(number).stage
+    return f"$t$ = {results.times[number]:.4g} s" + (f", {canvas.literal(stage)}" if stage else "")
 
 
 def _half(look: Look, bars: int) -> Look:

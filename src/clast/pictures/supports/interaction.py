@@ -47,7 +47,7 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
     there = (history.state > 0) & (history.state < 4)
     if not there[row].any():
         raise CaseError(
-            f"lining '{lining}' is not there at {results.times[number]:.4g} s",
+            f"lining '{lining}' does not exist at {results.times[number]:.4g} s",
             where="interaction",
             remedy="ask for a later frame or stage",
         )
@@ -84,7 +84,7 @@ def _curve_of(history: LiningHistory, lining: str) -> InteractionCurve:
     """Return the interaction curve of a lining, or raise CaseError where it has none."""
     if not len(history.section):
         raise CaseError(
-            "the results were written before sections of linings were kept in them",
+            "these results are from an older version and have no sections of linings",
             where=f"lining '{lining}'",
             remedy="run the case again",
         )

@@ -70,7 +70,7 @@ def check_place(path: Path) -> None:
     """Raise CaseError where something else than a checkpoint is at a path, which stays."""
     if (path.exists() or path.is_symlink()) and not is_checkpoint(path):
         raise CaseError(
-            "exists and is no checkpoint of clast, or a damaged one; it is not written over",
+            "exists and is not a clast checkpoint, or a damaged one; it is not overwritten",
             where=str(path),
             remedy="remove it or move it away, or choose another name for the results",
         )
@@ -111,7 +111,7 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
 
     Whoever wrote it may have meant harm: a right checksum says only that the bytes are those that
     were written.  All that is made of them are clast's own dataclasses, with fields of their types.
-    Raises CaseError for a file that is no checkpoint, is damaged or is of another clast.
+    Raises CaseError for a file that is not a checkpoint, is damaged or comes from another version.
     """
     image = _sound_image(path)
     try:
@@ -127,16 +127,16 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
         found = put_together(written, arrays, known)
     except UnknownClassError as error:
         raise CaseError(
-            f"holds data unknown to this clast: {error}",
+            f"holds data unknown to this version: {error}",
             where=str(path),
-            remedy=f"resume with clast {version}, which has written it; objects of a script "
+            remedy=f"resume with clast {version}, which wrote it; objects of a script "
             "must be given again: clast.resume(file, model=...)",
         ) from None
     except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
         raise damaged(path, "its content is not as expected") from error
     if not isinstance(found, Checkpoint):
         raise CaseError(
-            "is no checkpoint of a run",
+            "is not a checkpoint of a run",
             where=str(path),
             remedy=f"name a file that ends in {ENDING}",
         )
@@ -157,15 +157,16 @@ def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
     version, layout = str(attributes["version"]), int(attributes["layout"])
     if layout > LAYOUT:
         raise CaseError(
-            f"was written by a newer clast ({shortened(version)})",
+            f"was written by a newer version of clast ({shortened(version)})",
             where=str(path),
             remedy="update clast",
         )
     if layout < LAYOUT:
-        lacks = "which run they belong to", "how far contacts have slipped", "how fast they slide"
+        lacks = "the name of their run", "the slip of contacts", "the sliding speed of contacts"
         lack = lacks[max(0, layout - 1)]
         raise CaseError(
-            f"was written by an older clast ({shortened(version)}), whose checkpoints do not say "
+            f"was written by an older version of clast ({shortened(version)}), whose checkpoints "
+            "lack "
             f"{lack}",
             where=str(path),
             remedy=f"resume with clast {shortened(version)}, or run the case again",
@@ -180,9 +181,9 @@ def _as_bytes(checkpoint: Checkpoint) -> bytes:
         written = taken_apart(checkpoint, arrays, "")
     except NotPlainError as error:
         raise CaseError(
-            f"no checkpoint can hold a {error.kind}",
+            f"a checkpoint cannot hold a {error.kind}",
             where=error.place,
-            remedy="let the own state of an action be a number, a text, an array, a tuple or a "
+            remedy="make the state of the action a number, a text, an array, a tuple or a "
             "frozen dataclass of these",
         ) from None
     buffer = io.BytesIO()
@@ -235,7 +236,7 @@ def _sound_image(path: Path) -> bytes:
     if content.startswith(SIGNATURE) and (b"clastchk" in content or path.name.endswith(ENDING)):
         raise damaged(path, "it is cut off, or bytes differ from those written")
     raise CaseError(
-        "is no checkpoint of clast", where=where, remedy=f"name a file that ends in {ENDING}"
+        "is not a clast checkpoint", where=where, remedy=f"name a file that ends in {ENDING}"
     )
 
 

@@ -49,7 +49,7 @@ OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0
 
 
 class NotPlainError(Exception):
-    """A value that is no plain data; ``place`` is where it is, ``kind`` its type."""
+    """A value that is not plain data; ``place`` is where it is, ``kind`` its type."""
 
     def __init__(self, kind: str, place: str) -> None:
         self.kind = kind
@@ -72,7 +72,7 @@ def name_of(kind: type) -> str:
 def taken_apart(value: Any, arrays: Arrays, place: str = "") -> Any:
     """Return a value as JSON has it; its arrays go into ``arrays``.
 
-    Raises NotPlainError, with the place, for values that are no plain data.
+    Raises NotPlainError, with the place, for values that are not plain data.
     """
     if value is None or type(value) in (bool, int, float, str):
         return value

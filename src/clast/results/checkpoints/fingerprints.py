@@ -73,7 +73,7 @@ def _parts(value: Any) -> Mapping[Any, Any]:
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if hasattr(value, "__qualname__"):
         return {"name": f"{value.__module__}.{value.__qualname__}"}
-    # what is computed when it is first asked for is no part of a thing
+    # what is computed when it is first asked for is not part of a thing
     computed = {name for name in vars(type(value)) if _is_computed(type(value), name)}
     held = getattr(value, "__dict__", {})
     return {name: held[name] for name in sorted(held) if name not in computed}

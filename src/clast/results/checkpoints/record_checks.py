@@ -61,9 +61,9 @@ def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
         rows, wanted = since[one.name], count if one.is_kept(model) else 0
         nan = [column.name for column in one.columns if column.may_be_nan]
         if not _fits(rows, one.rows(one.count(model)), wanted, nan):
-            yield f"its table '{one.name}' does not fit to the run"
+            yield f"its table '{one.name}' does not match the run"
         elif wanted and not _goes_on(rows["time"], recorded.frame["time"][0], time):
-            yield f"the times of its table '{one.name}' do not go on to {time:.6g} s"
+            yield f"the times of its table '{one.name}' do not continue to {time:.6g} s"
 
 
 def rows_in_all(recorded: Recorded) -> int:

@@ -39,12 +39,12 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
 
     def misfit(file: Any) -> str:
         if check_ours(file) != FORMAT:
-            return "an earlier clast has written it"
+            return "an older version of clast wrote it"
         if not np.array_equal(file["model/block_start"][()], model.block_start):
             return "it has other blocks"
         held = file["frames"]
         if len(held) < recorded.frames:
-            return f"it has {len(held)} frames, the checkpoint goes on from {recorded.frames}"
+            return f"it has {len(held)} frames, the checkpoint continues from {recorded.frames}"
         at = int(recorded.frame["instants"][0]) - 1
         if not belongs(recorded.lineage, recorded.frames, read_lineage(file)):
             return "its frames are those of another, later run"
@@ -62,7 +62,7 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
         ) from None
     if not stat.S_ISREG(status.st_mode):
         raise CaseError(
-            "is no regular file: the results of a checkpoint lie beside it",
+            "is not a regular file: the results of a checkpoint lie beside it",
             where=where,
             remedy=ELSEWHERE,
         )

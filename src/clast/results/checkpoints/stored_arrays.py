@@ -40,11 +40,11 @@ def _stored(group: Any, name: str) -> Any:
         raise ValueError(f"/arrays/{name} is not in this file")
     found = group[name]
     if not isinstance(found, h5py.Dataset) or found.shape is None:
-        raise TypeError(f"/arrays/{name} is no array")
+        raise TypeError(f"/arrays/{name} is not an array")
     if found.chunks is not None or found.external or found.is_virtual:
         raise ValueError(f"/arrays/{name} is not in one piece")
     if found.dtype.kind not in PLAIN or found.id.get_storage_size() != found.nbytes:
-        raise ValueError(f"/arrays/{name} says that it has more than there is")
+        raise ValueError(f"/arrays/{name} claims more data than the file holds")
     return found
 
 

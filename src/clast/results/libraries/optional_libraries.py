@@ -1,4 +1,4 @@
-"""Libraries that are no part of clast."""
+"""Libraries that are not part of clast."""
 
 from __future__ import annotations
 

@@ -59,15 +59,14 @@ def blocks_of(
         start = given.astype(np.int64)
         whole = np.array_equal(given, start)
     except (TypeError, ValueError, OverflowError) as error:
-        raise CaseError(f"the arrays are no numbers: {error}", where=where) from None
+        raise CaseError(f"the arrays are not numbers: {error}", where=where) from None
     joints = tuple(str(name) for name in ([""] * len(points) if edge_joint is None else edge_joint))
     rocks = tuple(str(name) for name in rock)
     faults = {
-        f"vertices have the shape {points.shape}, not (nv, 2)": points.ndim != 2
+        f"vertices have shape {points.shape}, not (nv, 2)": points.ndim != 2
         or points.shape[-1] != 2,
         "a vertex is not finite": not np.isfinite(points).all(),
-        f"block_start has the shape {start.shape}, not (nb + 1,)": start.ndim != 1
-        or len(start) == 0,
+        f"block_start has shape {start.shape}, not (nb + 1,)": start.ndim != 1 or len(start) == 0,
         "block_start has no whole numbers": not whole,
     }
     fault = next((what for what, there in faults.items() if there), "") or _uneven(
@@ -102,7 +101,7 @@ def counter_clockwise(blocks: Blocks) -> Blocks:
     edge = np.where(clockwise[owner], last - entry, entry)
     numbers = np.flatnonzero(clockwise) + 1
     listed = ", ".join(map(str, numbers[:NAMED])) + (", ..." if len(numbers) > NAMED else "")
-    note = f"{len(numbers)} blocks ran clockwise and were turned round: {listed}"
+    note = f"{len(numbers)} blocks ran clockwise and were reversed: {listed}"
     return replace(
         blocks,
         vertices=np.ascontiguousarray(blocks.vertices[vertex]),

@@ -106,7 +106,7 @@ def _check_together(rows: tuple[CsvRow, ...], names: list[str], first: list[int]
         }
         for fault, there in faults.items():
             if there:
-                remedy = "let the vertices of a block follow each other, a row for each"
+                remedy = "list the vertices of a block in consecutive rows"
                 raise CaseError(fault, where=f"{rows[k].where}, column block", remedy=remedy)
         seen.add(names[k])
 

@@ -81,9 +81,9 @@ def _check_size(path: Path) -> None:
         size = sum(one.file_size for one in parts)
         if size > LARGEST_EXPANDED or len(parts) > len(ARRAYS):
             raise CaseError(
-                f"has arrays of {size:.3g} bytes, more than blocks can be meant to need",
+                f"has arrays of {size:.3g} bytes, more than blocks should need",
                 where=str(path),
-                remedy="divide it, or write it anew with write_blocks_npz",
+                remedy="divide it, or write it again with write_blocks_npz",
             )
         for one in parts:
             with archive.open(one) as file:
@@ -95,7 +95,7 @@ def _check_size(path: Path) -> None:
                 raise CaseError(
                     f"the array {one.filename.removesuffix('.npy')} does not match its header",
                     where=str(path),
-                    remedy="write it anew with write_blocks_npz",
+                    remedy="write it again with write_blocks_npz",
                 )
 
 
@@ -120,14 +120,14 @@ def read_blocks_npz(path: str | Path) -> Blocks:
         raise
     except Exception as error:  # damaged archives end in errors of zlib, struct and others
         raise CaseError(
-            f"is no archive of blocks, or a damaged one: {shortened(str(error), 100)}",
+            f"is not an archive of blocks, or a damaged one: {shortened(str(error), 100)}",
             where=file,
-            remedy="write it anew with write_blocks_npz",
+            remedy="write it again with write_blocks_npz",
         ) from None
     for name in ("rock", "edge_joint"):
         if arrays[name].ndim != 1 or arrays[name].dtype.kind != "U":
             raise CaseError(
-                f"the array {name} is no list of texts", where=file, remedy="save names as texts"
+                f"the array {name} is not a list of texts", where=file, remedy="save names as texts"
             )
     for name, kinds in {"vertices": "fiu", "block_start": "iu"}.items():
         if arrays[name].dtype.kind not in kinds:

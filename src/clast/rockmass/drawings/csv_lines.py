@@ -71,7 +71,7 @@ class CsvRow:
         plain = written.replace(",", ".") if self.decimal_comma else written
         value = number_of(plain)
         if value is None:
-            what = f"{mistyped(written)} is no number" if written else "is empty"
+            what = f"{mistyped(written)} is not a number" if written else "is empty"
             remedy = "write a number such as 12.5"
             raise CaseError(what, where=f"{self.where}, column {column}", remedy=remedy)
         if abs(value) > LARGEST:
@@ -106,7 +106,7 @@ def read_csv(path: str | Path) -> Drawing:
             return kind.read(table, _left_out(table, kind))
     known = "; ".join(", ".join(kind.needed) for kind in KINDS)
     close = _misspelt(table.columns)
-    # The file may be anything: what is no heading is not repeated.
+    # The file may be anything: what is not a heading is not repeated.
     plain = len(table.columns) > 1 and all(map(PLAIN_NAME.fullmatch, table.columns))
     named = f"the columns {shortened(', '.join(table.columns), 100)}" if plain else "a heading"
     raise CaseError(
@@ -119,7 +119,7 @@ def read_csv(path: str | Path) -> Drawing:
 def read_traces(path: str | Path, joint: str = "") -> tuple[Polyline, ...]:
     """Return the traces of a CSV file, m; ``joint`` is the joint of those that name none.
 
-    Raises CaseError where the file is no table of traces.
+    Raises CaseError where the file is not a table of traces.
     """
     return noted_traces(path, joint)[0]
 
@@ -151,7 +151,7 @@ def _said(drawing: Drawing) -> tuple[str, ...]:
 def read_outline(path: str | Path) -> Floats:
     """Return the outline of a CSV file, m, counter-clockwise, shape (n, 2).
 
-    Raises CaseError where the file is no outline, or where it crosses itself.
+    Raises CaseError where the file is not an outline, or where it crosses itself.
     """
     return noted_outline(path)[0]
 
@@ -161,7 +161,7 @@ def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
     drawing = read_csv(path)
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
-        raise CaseError("is no outline", where=str(path), remedy=remedy)
+        raise CaseError("is not an outline", where=str(path), remedy=remedy)
     return drawing.boundary, _said(drawing)
 
 
@@ -211,7 +211,7 @@ def _split(line: str, separator: str, file: str, number: int) -> list[str]:
         return next(csv.reader([line], delimiter=separator, strict=True))
     except (csv.Error, StopIteration) as error:
         raise CaseError(
-            f"cannot be parted into columns: {error}",
+            f"cannot be split into columns: {error}",
             where=f"{file}: line {number}",
             remedy="close its quotes",
         ) from None
@@ -226,7 +226,7 @@ def _heading(cells: Sequence[str], file: str, number: int) -> list[str]:
         raise CaseError(
             f"has two columns {shortened(twice)}"
             if PLAIN_NAME.fullmatch(twice)
-            else "is no heading",
+            else "is not a heading",
             where=f"{file}: line {number}",
             remedy="give each column a name of its own",
         )
@@ -294,7 +294,7 @@ def _polylines(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
     for row in table.rows:
         name = row.text("id")
         if not name:
-            remedy = "name the trace that the point is of"
+            remedy = "name the trace of the point"
             raise CaseError("is empty", where=f"{row.where}, column id", remedy=remedy)
         groups.setdefault((name, row.text("part")), []).append(row)
     traces: list[Polyline] = []
@@ -361,7 +361,7 @@ def _within(row: CsvRow, column: str, most: float) -> float:
     value = row.number(column)
     if not 0.0 <= value <= most:
         raise CaseError(
-            f"{value:g} is no {column.replace('_', ' ')}",
+            f"{value:g} is not a valid {column.replace('_', ' ')}",
             where=f"{row.where}, column {column}",
             remedy=f"give degrees from 0 to {most:g}",
         )
@@ -376,7 +376,7 @@ def _length(row: CsvRow) -> float:
     if value <= 0.0:
         remedy = "give metres, or leave it empty where it was not measured"
         raise CaseError(
-            f"{value:g} is no length", where=f"{row.where}, column length", remedy=remedy
+            f"{value:g} is not a valid length", where=f"{row.where}, column length", remedy=remedy
         )
     return value
 

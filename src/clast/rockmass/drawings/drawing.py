@@ -108,7 +108,7 @@ class DrawnBoltKind:
     name: str
     """Name: [bolt_kind.NAME]."""
     stiffness: float
-    """Force by elongation, N/m per metre of thickness."""
+    """Force per elongation, N/m per metre of thickness."""
     yield_force: float
     """Largest force, N per metre of thickness; infinity if there is none."""
     pretension: float

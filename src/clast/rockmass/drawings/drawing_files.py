@@ -24,34 +24,34 @@ def checked_file(path: Path) -> Path:
             raise CaseError("is a directory, not a file", where=where, remedy="name a file in it")
         if not stat.S_ISREG(status.st_mode):
             raise CaseError(
-                "is no regular file but a pipe, a socket or a device",
+                "is a pipe, a socket or a device, not a regular file",
                 where=where,
                 remedy="write its content into a file first",
             )
         if status.st_size > LARGEST_FILE:
             raise CaseError(
-                f"has {status.st_size:.3g} bytes, more than a drawing can be meant to have",
+                f"has {status.st_size:.3g} bytes, more than a drawing should have",
                 where=where,
                 remedy="remove everything but outlines, joints, bolts and supports",
             )
         with path.open("rb"):
             return path
     except FileNotFoundError:
-        raise CaseError("there is no such file", where=where, remedy="see to its name") from None
+        raise CaseError("there is no such file", where=where, remedy="check its name") from None
     except ValueError:  # a NUL in the name
-        raise CaseError("is no name of a file", where=repr(where)) from None
+        raise CaseError("is not a valid file name", where=repr(where)) from None
     except OSError as error:
         raise CaseError(
             f"cannot be read: {error.strerror}",
             where=where,
-            remedy="see to the file's name and permissions",
+            remedy="check the file's name and permissions",
         ) from None
 
 
 def text_of(path: Path) -> str:
     """Return the text of a file in UTF-8 or, as old programs wrote it, in Latin-1.
 
-    Raises CaseError where there is no such file, or where it holds a NUL and so is no text.
+    Raises CaseError where there is no such file, or where it holds a NUL and so is not text.
     """
     content = checked_file(path).read_bytes()
     if b"\0" in content:
@@ -116,11 +116,11 @@ def _check_target(real: Path, path: Path) -> None:
         )
     if not real.parent.is_dir():
         raise CaseError(
-            f"the directory {real.parent} does not exist", where=str(path), remedy="make it first"
+            f"the directory {real.parent} does not exist", where=str(path), remedy="create it first"
         )
     if real.exists() and not stat.S_ISREG(real.stat().st_mode):
         raise CaseError(
-            "is a device, a pipe or the like; it is not written over",
+            "is a device, a pipe or the like; it is not overwritten",
             where=str(path),
             remedy="choose another name",
         )

@@ -151,7 +151,7 @@ def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: 
         raise CaseError(
             f"{len(here)} ends of lines meet at {point(ends[many[0]])}",
             where=f"{file}: {_listed([lines[k // 2].place for k in here])}",
-            remedy="an outline has two at each corner: put other lines on another layer",
+            remedy="an outline has two at each corner: move other lines to another layer",
         )
     order = np.argsort(label, kind="stable").reshape(-1, 2)
     partner = np.empty(len(ends), np.int64)
@@ -172,7 +172,7 @@ def _open_end(
     return CaseError(
         f"the outline is not closed: a gap of {gap:.4g} m from {point(ends[end])}{between}",
         where=f"{file}: {lines[end // 2].place}",
-        remedy=f"close it, or join ends further apart than {tolerance:.3g} m by tolerance=",
+        remedy=f"close it, or join ends farther apart than {tolerance:.3g} m by tolerance=",
     )
 
 
@@ -193,7 +193,9 @@ def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
         found = re.search(r"\[(\S+) (\S+)\]", reason)
         at = f" at ({float(found[1]):.6g}, {float(found[2]):.6g}) m" if found else ""
         raise CaseError(
-            f"{what} crosses or touches itself{at}", where=where, remedy="draw it as one plain loop"
+            f"{what} crosses or touches itself{at}",
+            where=where,
+            remedy="draw it as one simple loop",
         )
     if shapely.LinearRing(points).is_ccw:
         return np.ascontiguousarray(points), notes
@@ -245,7 +247,7 @@ def cutting(
 
 def lengthened(reach: float) -> str:
     """Return the note that lines were lengthened to meet."""
-    return f"lines were lengthened by {reach:.3g} m at both ends, for the domain to close"
+    return f"lines were extended by {reach:.3g} m at both ends, to close the domain"
 
 
 def _lengthened(line: Floats, reach: float) -> Floats:

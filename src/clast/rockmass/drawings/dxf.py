@@ -70,7 +70,9 @@ class DxfReading:
         for key in ("sagitta", "tolerance"):
             value = getattr(self, key)
             if value is not None and not (isinstance(value, int | float) and 0.0 < value < np.inf):
-                raise CaseError(f"{value!r} is no distance", where=key, remedy="give m, above 0")
+                raise CaseError(
+                    f"{value!r} is not a valid distance", where=key, remedy="give m, above 0"
+                )
 
 
 class MissingLayer(CaseError):
@@ -116,9 +118,9 @@ def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
 def lines_of_layer(
     path: str | Path, layer: str, joint: str = "", reading: DxfReading | None = None
 ) -> tuple[Polyline, ...]:
-    """Return the lines of one layer, case-blind, m, as joints of that name (else the layer's).
+    """Return the lines of one layer, case-blind, m, as joints with that name (else the layer's).
 
-    Raises CaseError where there is no such layer, and for entities that are no lines.
+    Raises CaseError where there is no such layer, and for entities that are not lines.
     """
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
@@ -149,7 +151,7 @@ def noted_outline_of_layer(
         raise CaseError(
             f"the layer {layer} has {len(rings)} outlines, not one",
             where=str(path),
-            remedy="put each on a layer of its own",
+            remedy="put each on its own layer",
         )
     return rings[0].points, tuple(collected.notes)
 
@@ -188,7 +190,7 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
         raise CaseError(
             "its lines enclose no area, or several that do not touch",
             where=str(path),
-            remedy="draw the outline of the domain as lines that cross or meet at its corners",
+            remedy="draw the outline of the domain as lines that meet or cross at its corners",
         )
     collected.traces, along = cutting(collected.traces, found[0], [])
     collected.left_out += [
@@ -410,7 +412,7 @@ def _plane(content: DxfContent, path: Path) -> list[str]:
     size = float(np.hypot(*np.ptp(points[:, :2], axis=0)))
     if top - bottom > FLAT * size:
         raise CaseError(
-            f"the drawing is not plane: z goes from {bottom:.6g} ({low.place}) to {top:.6g} "
+            f"the drawing is not planar: z ranges from {bottom:.6g} ({low.place}) to {top:.6g} "
             f"({high.place})",
             where=str(path),
             remedy="draw the section in the plane of x and y",

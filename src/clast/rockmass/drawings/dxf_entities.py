@@ -97,7 +97,7 @@ def dxf_content(
 
     ``unit`` is a symbol (m, cm, mm, km, in, ft) or the metres in a unit of the file, in place of
     $INSUNITS; ``sagitta`` is in metres, SAGITTA of the diagonal if absent.  Raises CaseError for a
-    file that is no DXF file, for entities that make no sense, and where ezdxf is not installed.
+    file that is not a DXF file, for entities that make no sense, and where ezdxf is not installed.
     """
     document, notes = _document(path)
     metres, source = unit_of(document.header.get("$INSUNITS", 0), unit, str(path))
@@ -132,17 +132,21 @@ def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str
     if isinstance(given, str):
         if given not in SYMBOLS:
             remedy = f"give one of {', '.join(SYMBOLS)}, or the metres in a unit of the file"
-            raise CaseError(f"'{shortened(given)}' is no unit", where="unit", remedy=remedy)
-        return SYMBOLS[given], f"unit = {given}, as asked for"
+            raise CaseError(
+                f"'{shortened(given)}' is not a valid unit", where="unit", remedy=remedy
+            )
+        return SYMBOLS[given], f"unit = {given}, as given"
     if given is not None:
         if not (isinstance(given, int | float) and 0.0 < given < math.inf):
-            raise CaseError(f"{given!r} is no length", where="unit", remedy="give metres, above 0")
-        return float(given), f"unit = {given:g} m, as asked for"
+            raise CaseError(
+                f"{given!r} is not a valid length", where="unit", remedy="give metres, above 0"
+            )
+        return float(given), f"unit = {given:g} m, as given"
     if code in (0, None):
         return 1.0, "the file is unitless ($INSUNITS 0): its coordinates were taken as metres"
     if code not in UNITS:
         raise CaseError(
-            f"$INSUNITS is {shortened(str(code))}, a unit that no rock mass is drawn in",
+            f"$INSUNITS is {shortened(str(code))}, not a unit for drawings of rock",
             where=file,
             remedy=f"give unit=, one of {', '.join(SYMBOLS)}",
         )
@@ -158,8 +162,8 @@ def _document(path: Path) -> tuple[Any, list[str]]:
     with checked_file(path).open("rb") as file:
         beginning = file.read(BEGINNING)
     if b"SECTION" not in beginning:
-        what = "is a DWG file" if beginning.startswith(b"AC10") else "is no DXF file"
-        raise CaseError(what, where=str(path), remedy="save it anew as DXF (R2000 or later)")
+        what = "is a DWG file" if beginning.startswith(b"AC10") else "is not a DXF file"
+        raise CaseError(what, where=str(path), remedy="save it again as DXF (R2000 or later)")
     try:
         from ezdxf import recover
     except ImportError:
@@ -173,9 +177,9 @@ def _document(path: Path) -> tuple[Any, list[str]]:
             document, auditor = recover.readfile(path)
         except Exception as error:  # damaged files end in errors of many kinds
             raise CaseError(
-                f"is no DXF file that can be read: {shortened(str(error), 150)}",
+                f"is not a DXF file that can be read: {shortened(str(error), 150)}",
                 where=str(path),
-                remedy="save it anew as DXF (R2000 or later); a DWG file is another format",
+                remedy="save it again as DXF (R2000 or later); a DWG file is another format",
             ) from error
     faults = [*auditor.errors, *auditor.fixes]
     notes = []
@@ -257,8 +261,7 @@ def _check_copies(document: Any, path: Path) -> None:
                     f"draws more than {MOST_ENTITIES} entities: its block, and the blocks in it, "
                     f"{_rounded(count)} times in all",
                     where=f"{path}: {place}",
-                    remedy="see to the rows and columns of the references to blocks, also of those "
-                    "within blocks",
+                    remedy="check the rows and columns of block references, nested ones included",
                 )
 
 
@@ -281,7 +284,7 @@ def _inside(insert: Any, path: Path, place: str) -> list[Any]:
             raise CaseError(
                 f"repeats its block {insert.mcount} times",
                 where=f"{path}: {place}",
-                remedy="see to its rows and columns",
+                remedy="check its rows and columns",
             )
         if insert.mcount > 1:
             return list(insert.multi_insert())
@@ -300,7 +303,7 @@ def _guarded(path: Path, place: str) -> Iterator[None]:
         raise CaseError(
             f"cannot be drawn: {type(error).__name__} {shortened(str(error), 100)}".rstrip(),
             where=f"{path}: {place}",
-            remedy="draw it anew, or remove it",
+            remedy="redraw it, or remove it",
         ) from error
 
 
@@ -349,7 +352,7 @@ def _flattened(
         if entity.dxftype() in DRAWN:
             drawable.append((entity, layer, place))
         else:
-            reason = f"a {entity.dxftype()} is no line, curve or point that is read"
+            reason = f"a {entity.dxftype()} is not a line, curve or point"
             left.append(LeftOut(what=f"on layer {layer}", place=place, reason=reason))
     rough = [_drawn(entity, path, place, math.inf)[0] for entity, _, place in drawable]
     corners = np.vstack([points for points in rough if len(points)] or [np.zeros((1, 3))])
@@ -358,7 +361,9 @@ def _flattened(
     if given is None and size == 0.0:
         sagitta = 1.0  # nothing but points
     if not 0.0 < sagitta < math.inf:
-        raise CaseError(f"{given!r} is no distance", where="sagitta", remedy="give metres, above 0")
+        raise CaseError(
+            f"{given!r} is not a valid distance", where="sagitta", remedy="give metres, above 0"
+        )
     pieces, curved = [], False
     for entity, layer, place in drawable:
         points, closed, is_curved = _drawn(entity, path, place, sagitta)
@@ -384,9 +389,9 @@ def _drawn(entity: Any, path: Path, place: str, sagitta: float) -> Drawn:
         points, closed, curved = DRAWN[entity.dxftype()](entity, sagitta)
     if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e12:
         raise CaseError(
-            "has a coordinate that is no finite number, or far too large a one",
+            "has a coordinate that is not a finite number, or far too large a one",
             where=f"{path}: {place}",
-            remedy="draw it anew, or remove it",
+            remedy="redraw it, or remove it",
         )
     return points, closed, curved
 

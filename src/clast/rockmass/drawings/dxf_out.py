@@ -140,7 +140,7 @@ def _check_layers(names: Sequence[str]) -> None:
         if bad or not name.strip() or len(name) > LONGEST_NAME:
             listed = ", ".join(repr(one) for one in bad[:5])
             raise CaseError(
-                f"'{shortened(name)}' cannot be the name of a DXF layer"
+                f"'{shortened(name)}' cannot be used as the name of a DXF layer"
                 + (f": it has {listed}" if bad else ""),
                 remedy="rename the rock or the joint, or write .csv or .npz",
             )
@@ -148,8 +148,8 @@ def _check_layers(names: Sequence[str]) -> None:
         seen[name.casefold()] = name
         if other is not None:
             raise CaseError(
-                f"'{shortened(other)}' and '{shortened(name)}' would be one layer",
-                remedy="rename the rock or the joint: layers do not tell capitals",
+                f"'{shortened(other)}' and '{shortened(name)}' would be the same layer",
+                remedy="rename the rock or the joint: layer names ignore case",
             )
 
 

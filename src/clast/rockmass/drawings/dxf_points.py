@@ -69,7 +69,7 @@ def _lwpolyline(entity: Any, sagitta: float) -> Drawn:
 def _polyline(entity: Any, sagitta: float) -> Drawn:
     if not (entity.is_2d_polyline or entity.is_3d_polyline):
         raise ValueError("it is a mesh, not a line")
-    # Control points of a fitted spline are no points of the line (flag 16).
+    # Control points of a fitted spline are not points of the line (flag 16).
     vertices = [vertex for vertex in entity.vertices if not vertex.dxf.flags & 16]
     at = np.array([tuple(vertex.dxf.location) for vertex in vertices]).reshape(-1, 3)
     if entity.is_3d_polyline:

@@ -136,7 +136,7 @@ class JointSet:
             value = getattr(self, key)
             number = value if isinstance(value, int | float | np.number) else math.nan
             if value is not None and not math.isfinite(number):
-                self._refuse(key, f"{value!r} is no finite number", "give SI units and degrees")
+                self._refuse(key, f"{value!r} is not a finite number", "give SI units and degrees")
         if self.intensity is not None:
             if self.intensity <= 0.0:
                 self._refuse("intensity", f"{self.intensity:g} must be above 0", "give m per m2")
@@ -148,14 +148,14 @@ class JointSet:
         if (self.dip is None) != (self.dip_direction is None):
             self._refuse("dip", "dip and dip_direction belong together", "give both")
         if self.dip is not None and not 0.0 <= self.dip <= 90.0:
-            self._refuse("dip", f"{self.dip:g} is no dip", "give degrees from 0 to 90")
+            self._refuse("dip", f"{self.dip:g} is not a valid dip", "give degrees from 0 to 90")
         if self.spacing_is is not None and self.spacing_is not in ("true", "apparent"):
             self._refuse("spacing_is", f"{self.spacing_is!r} is unknown", '"true" or "apparent"')
         if self.dip is not None and self.spacing is not None and self.spacing_is is None:
             self._refuse(
                 "spacing_is",
-                "the spacing may be meant in space or in the section",
-                'say spacing_is = "true" (in space) or "apparent" (in the section)',
+                "the spacing may be true (in space) or apparent (in the section)",
+                'give spacing_is = "true" (in space) or "apparent" (in the section)',
             )
         if self.angle is not None and self.spacing_is == "true":
             self._refuse(
@@ -182,7 +182,7 @@ class JointSet:
         if section_azimuth is None:
             self._refuse(
                 "dip",
-                "the direction of the section is not known",
+                "the azimuth of the section is not given",
                 "give domain.section_azimuth: the direction of +x, degrees clockwise from north",
             )
         azimuth = float(section_azimuth or 0.0)
@@ -215,7 +215,8 @@ class JointSet:
             self._refuse(
                 "trace_length",
                 f"traces of up to {trace.large:.3g} m are more than {LONGEST:g} times as long as "
-                f"the place is wide, {window.radius:.3g} m about its middle",
+                "the domain is wide"
+                f", {window.radius:.3g} m about its middle",
                 "for lines without end choose the model parallel without trace_length, or "
                 "poisson-lines",
             )
@@ -237,7 +238,7 @@ class JointSet:
         except (TypeError, ValueError, OverflowError):
             origin = np.zeros(0)
         if origin.shape != (2,) or not np.isfinite(origin).all():
-            self._refuse("origin", f"{self.origin!r} is no point", "give [x, y] in m")
+            self._refuse("origin", f"{self.origin!r} is not a point", "give [x, y] in m")
         return origin
 
     def _at(self, key: str) -> str:

@@ -35,10 +35,10 @@ class RunningBond:
         return (course % 2) * (0.5 if joint_offset is None else joint_offset)
 
     def check(self, joint_offset: float | None, where: str) -> None:
-        """Refuse offsets that are no share between 0 and 1."""
+        """Refuse offsets that are not between 0 and 1."""
         if joint_offset is not None and not 0.0 < joint_offset < 1.0:
             raise ModelError(
-                f"{joint_offset!r} is no share of a brick",
+                f"{joint_offset!r} is not a valid share of a brick",
                 where=f"{where}, joint_offset",
                 remedy="give a number between 0 and 1; head joints in line are a stack bond",
             )
@@ -83,7 +83,7 @@ class BlockPattern:
     joint: str | None = None
     """Joint of bed and head joints; None: that of the pair of blocks, the rocks, or the default."""
     head_joint: str | None = None
-    """Joint of the head joints where it is another."""
+    """Joint of the head joints, if it differs."""
     name: str = "masonry"
     """Name, for the report."""
 

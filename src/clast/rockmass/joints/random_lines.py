@@ -20,7 +20,7 @@ DENSE = ("intensity", "spacing")
 
 @dataclass(frozen=True)
 class Baecher:
-    """Traces whose middles are uniform in the plane, until P21 is reached.
+    """Traces with uniformly distributed midpoints, until P21 is reached.
 
     Lengths from their distribution, directions from theirs, all independent (Baecher, Lanney and
     Einstein 1977).  Middles are drawn beyond the window, too, so that its rim is like its interior.
@@ -53,7 +53,7 @@ class Baecher:
 
 @dataclass(frozen=True)
 class PoissonLines:
-    """Endless lines whose distances from any point are uniform: P21 for every direction.
+    """Infinite lines at uniformly distributed distances: P21 for every direction.
 
     The number that meets a circle of radius R has Poisson's distribution with the mean 2 R P21
     (Miles 1964, Proc. Natl. Acad. Sci. 52).
@@ -75,7 +75,7 @@ class PoissonLines:
 
 @dataclass(frozen=True)
 class Veneziano:
-    """Lines of Poisson that points of Poisson divide into traces and rock bridges.
+    """Poisson lines, divided into traces and rock bridges by Poisson points.
 
     Marking the parts of a line as joint or rock at random makes both lengths exponential, with
     the means ``trace_length`` and ``bridge_length`` (Veneziano 1978; Dershowitz and Einstein
@@ -120,7 +120,7 @@ class Veneziano:
 
 @dataclass(frozen=True)
 class Voronoi:
-    """Cells about random points: every place belongs to the nearest of them.
+    """Voronoi cells of random points.
 
     Area over ``spacing`` squared cells, or ``count`` of them.  With ``rounds`` above 0 the points
     move to the centroids of their cells, which then become more regular (Lloyd 1982).
@@ -132,7 +132,7 @@ class Voronoi:
     count: int | None = None
     """Number of cells; from the spacing if absent."""
     rounds: int = 0
-    """How often points move to the centroids of their cells."""
+    """Number of times that points move to the centroids of their cells."""
 
     @property
     def needs(self) -> tuple[tuple[str, ...], ...]:

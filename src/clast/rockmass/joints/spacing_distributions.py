@@ -61,7 +61,7 @@ def _deviation(value: Any, where: str) -> None:
     number = value if isinstance(value, int | float | np.number) else math.nan
     _refuse(
         not 0.0 <= number < math.inf,
-        f"{shortened(repr(value))} is no standard deviation",
+        f"{shortened(repr(value))} is not a standard deviation",
         f"{where}, std",
         "give 0 or more, in m",
     )
@@ -185,8 +185,8 @@ class Lognormal:
         _deviation(self.std, where)
         _refuse(
             self.std > WIDEST * self.mean,
-            f"{self.std:g} is more than {WIDEST:g} times the mean: nearly all values would be next "
-            "to nothing",
+            f"{self.std:g} is more than {WIDEST:g} times the mean: nearly all values would be "
+            "close to zero",
             f"{where}, std",
             "give the standard deviation of the values, not of their logarithms, in m",
         )

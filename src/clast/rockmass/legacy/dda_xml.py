@@ -97,7 +97,7 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     if not any(True for name in ("jointlist", "boundlist") for _ in root.all(name)):
         if not analysis.rocks and analysis.step is None:
             raise CaseError(
-                "has neither lines nor materials", where=file, remedy="see whether it is whole"
+                "has no lines and no materials", where=file, remedy="check that it is complete"
             )
         return Drawing(file=file, analysis=analysis, left_out=left)
     drawing = legacy_drawing(_geometry(root, file, scale))
@@ -209,7 +209,7 @@ def _rock(
     for name in ("istrain", "damping"):
         for one in material.all(name):
             if any(_numbers(_written(one), one, file)):
-                reason = "clast has no such thing by rock"
+                reason = "clast has no such property of a rock"
                 what = f"{name} {_written(one)} of block material {number}"
                 left.append(LeftOut(what=what, place=one.place, reason=reason))
     values = (*given.values, *parts["istress"], *parts["ivelocity"])
@@ -255,7 +255,7 @@ def _type_of_analysis(root: Element, file: str) -> float | None:
     if value is None or not 0.0 <= value <= 1.0:
         remedy = "give static, dynamic, or 0 to 1"
         raise CaseError(
-            f"'{shortened(word)}' is no type of analysis",
+            f"'{shortened(word)}' is not a type of analysis",
             where=f"{file}: {found.place}",
             remedy=remedy,
         )
@@ -269,7 +269,7 @@ def _plane(root: Element, file: str) -> str | None:
     word = found.value("flag").casefold()
     if word not in FLAGS:
         raise CaseError(
-            f"'{shortened(word)}' is neither yes nor no",
+            f"'{shortened(word)}' is neither 1 nor 0",
             where=f"{file}: {found.place}",
             remedy="give 1 for plane strain, 0 for plane stress",
         )
@@ -297,7 +297,7 @@ def _forces(root: Element, file: str, scale: float) -> Iterator[PointForce]:
                 f"has {len(entries)} instants, but numpoints is "
                 f"{shortened(element.attributes.get('numpoints', ''))}",
                 where=f"{file}: {element.place}",
-                remedy="part instants by semicolons: t fx fy; t fx fy",
+                remedy="separate instants by semicolons: t fx fy; t fx fy",
             )
         for entry in entries:
             values = _numbers(entry, element, file)
@@ -305,7 +305,7 @@ def _forces(root: Element, file: str, scale: float) -> Iterator[PointForce]:
                 raise CaseError(
                     f"'{shortened(entry.strip())}' is not t fx fy",
                     where=f"{file}: {element.place}",
-                    remedy="part instants by semicolons: t fx fy; t fx fy",
+                    remedy="separate instants by semicolons: t fx fy; t fx fy",
                 )
             force = (values[1] * scale, values[2] * scale)
             yield PointForce(point=number, time=values[0], force=force, place=element.place)
@@ -338,15 +338,15 @@ def _written(element: Element) -> str:
 
 
 def _numbers(written: str, element: Element, file: str) -> tuple[float, ...]:
-    """Return numbers parted by blanks or commas, or say which is none."""
+    """Return numbers separated by spaces or commas, or say which is none."""
     values = []
     for word in written.replace(",", " ").split():
         value = number_of(word)
         if value is None:
             raise CaseError(
-                f"{mistyped(word)} is no number",
+                f"{mistyped(word)} is not a number",
                 where=f"{file}: {element.place}",
-                remedy="write numbers such as 12.5, parted by blanks",
+                remedy="write numbers such as 12.5, separated by spaces",
             )
         values.append(value)
     return tuple(values)

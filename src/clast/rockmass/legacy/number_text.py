@@ -11,7 +11,7 @@ from clast.rockmass.legacy.words import NumberRow
 
 
 class NumberText:
-    """The numbers of a file in their order, parted by blanks and ends of lines."""
+    """The numbers of a file in their order, separated by spaces and ends of lines."""
 
     def __init__(self, path: Path) -> None:
         self.file = str(path)
@@ -20,22 +20,22 @@ class NumberText:
         self._next = 0
 
     def number(self, what: str) -> float:
-        """Return the next number, or say where ``what`` is missing or is no number."""
+        """Return the next number, or say where ``what`` is missing or is not a number."""
         if self._next == len(self._words):
             line = f"line {self._words[-1][1]}" if self._words else "line 1"
             raise CaseError(
                 f"ends before {what}",
                 where=f"{self.file}: {line}",
-                remedy="see whether the file is whole, and its counts right",
+                remedy="check that the file is complete and its counts are right",
             )
         word, line_number = self._words[self._next]
         self._next += 1
         value = number_of(word)
         if value is None:
             raise CaseError(
-                f"{mistyped(word)} is no number, or far too large: {what} is due here",
+                f"{mistyped(word)} is not a number, or far too large: {what} is expected here",
                 where=f"{self.file}: line {line_number}",
-                remedy="see whether it is the file that it is taken for, and its counts right",
+                remedy="check that it is the right kind of file and that its counts are right",
             )
         return value
 
@@ -46,15 +46,15 @@ class NumberText:
         left = len(self._words) - self._next
         if value != round(value) or value < 0:
             raise CaseError(
-                f"{value:g} is no number of {what}",
+                f"{value:g} is not a valid number of {what}",
                 where=f"{self.file}: line {line}",
                 remedy="give a whole number, 0 or more",
             )
         if value * width > left:
             raise CaseError(
-                f"there are to be {value:.0f} {what}, but only {left} numbers follow",
+                f"{value:.0f} {what} are announced, but only {left} numbers follow",
                 where=f"{self.file}: line {line}",
-                remedy="see whether the file is whole, and its counts right",
+                remedy="check that the file is complete and its counts are right",
             )
         return int(value)
 

@@ -1,6 +1,6 @@
 """Shi's analysis file in: materials, number of steps and their length.
 
-Numbers in this order, parted by blanks, and the meaning of each in a case of clast:
+Numbers in this order, separated by spaces, and the meaning of each in a case of clast:
 
 | numbers | in a case of clast |
 | --- | --- |
@@ -45,7 +45,7 @@ def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
     kind = text.number("the analysis type")
     if not 0.0 <= kind <= 1.0:
         raise CaseError(
-            f"{kind:g} is no analysis type",
+            f"{kind:g} is not an analysis type",
             where=f"{text.file}: line 1",
             remedy="an analysis file begins with 0, static, or 1, dynamic",
         )

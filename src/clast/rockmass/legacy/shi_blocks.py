@@ -1,6 +1,6 @@
 """Shi's block file in: blocks as his cutting program leaves them.
 
-Numbers in this order, parted by blanks: the numbers of blocks, bolts and vertices; the numbers of
+Numbers in this order, by spaces: the numbers of blocks, bolts and vertices; the numbers of
 fixed, load and measured points; for each block its material, its first and its last vertex (from 1,
 counter-clockwise); for each vertex its joint and x, y.  After the last - first + 1 vertices of a
 block come four more slots, which are passed over.  The edge from a vertex to the next one carries
@@ -93,7 +93,7 @@ def _notes(turned: list[int]) -> tuple[str, ...]:
     if not turned:
         return ()
     listed = ", ".join(str(number) for number in turned[:10])
-    return (f"{len(turned)} blocks ran clockwise and were turned round: {listed}",)
+    return (f"{len(turned)} blocks ran clockwise and were reversed: {listed}",)
 
 
 def _left_out(text: NumberText, bolts: int, points: list[int]) -> tuple[LeftOut, ...]:

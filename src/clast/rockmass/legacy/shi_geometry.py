@@ -1,6 +1,6 @@
 """Shi's text geometry in: the input of the block cutting program of Shi's DDA.
 
-Numbers in this order, parted by blanks: the node distance e00; the number of lines and, of these,
+Numbers in this order, by spaces: the node distance e00; the number of lines and, of these,
 the number of boundary lines, which come first; the numbers of material lines, bolts, fixed points,
 load points, measured points and hole points; then
 
@@ -38,14 +38,14 @@ def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     distance = text.number("the node distance e00")
     if not 0.0 <= distance < 1.0:
         raise CaseError(
-            f"{distance:g} is no node distance e00",
+            f"{distance:g} is not a node distance e00",
             where=f"{text.file}: line 1",
             remedy="a text geometry begins with a share of the domain's size, such as 0.001",
         )
     lines, boundary = text.count("lines", 5), text.count("boundary lines")
     if boundary > lines:
         raise CaseError(
-            f"there are to be {boundary} boundary lines among {lines} lines",
+            f"{boundary} boundary lines are announced, but only {lines} lines in all",
             where=text.file,
             remedy="the first number counts all lines, boundary lines included",
         )
@@ -80,5 +80,5 @@ def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
 def rest_of(text: NumberText) -> tuple[LeftOut, ...]:
     """Return the rest of the file."""
     words, place = text.rest()
-    reason = "it stands behind all that such a file has"
+    reason = "it follows the end of the expected data"
     return (LeftOut(what=words, place=place, reason=reason),) if words else ()

@@ -47,7 +47,7 @@ from clast.rockmass.drawings.drawing import (
 from clast.rockmass.drawings.drawn_loops import cutting, lengthened, outline_of_lines, point
 
 LIGHT = 100.0
-"""A density below this is no rock's in kg/m3, but looks like t/m3."""
+"""A density below this is not rock's in kg/m3, but looks like t/m3."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ class NumberRow:
         value = self.values[position]
         if value != round(value) or not 1 <= value <= 10_000:
             raise CaseError(
-                f"{value:g} is no number of a {what}",
+                f"{value:g} is not a valid {what} number",
                 where=f"{file}: {self.place}",
                 remedy=f"{what}s are numbered from 1",
             )
@@ -236,7 +236,7 @@ def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind]
         e0, t0, f0 = (given.mass_unit * value for value in (*one.values[4:], 0.0, 0.0, 0.0)[:3])
         if length == 0.0 or e0 < 0.0 or t0 < 0.0:
             raise CaseError(
-                f"a bolt of the length {length:g} m, e0 {e0:g}, t0 {t0:g}",
+                f"a bolt of length {length:g} m, e0 {e0:g}, t0 {t0:g}",
                 where=f"{given.file}: {one.place}",
                 remedy="a bolt has two ends; its stiffness and strength are 0 or more",
             )
@@ -294,7 +294,7 @@ def unit_notes(rocks: Sequence[DrawnRock], mass_unit: float) -> list[str]:
     """Return the unit of mass as a note, and whether it looks like another."""
     notes = []
     if mass_unit != 1.0:
-        notes.append(f"the unit of mass is {mass_unit:g} kg, as asked for")
+        notes.append(f"the unit of mass is {mass_unit:g} kg, as given")
     light = [rock for rock in rocks if 0.0 < rock.density < LIGHT]
     if light:
         notes.append(
@@ -308,7 +308,7 @@ def check_mass_unit(mass_unit: float) -> float:
     """Return a unit of mass in kg, or raise CaseError."""
     if not (isinstance(mass_unit, int | float) and 0.0 < mass_unit < math.inf):
         raise CaseError(
-            f"{mass_unit!r} is no mass",
+            f"{mass_unit!r} is not a valid mass",
             where="mass_unit",
             remedy="give kg: 1, or 1000 for t and kN",
         )

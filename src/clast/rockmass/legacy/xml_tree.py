@@ -36,7 +36,7 @@ class Element:
         return " ".join("".join(self.texts).split())
 
     def all(self, name: str) -> Iterator[Element]:
-        """Yield the elements of that name below this one, in their order."""
+        """Yield the elements with that name below this one, in their order."""
         for child in self.children:
             if child.name == name:
                 yield child
@@ -50,7 +50,7 @@ class Element:
 def xml_tree(path: Path) -> Element:
     """Return the root element of an XML file.
 
-    Raises CaseError with the line where it is no XML, and for document types, which can make a
+    Raises CaseError with the line where it is not XML, and for document types, which can make a
     small file grow without bound or read other files.
     """
     content = checked_file(path).read_bytes()
@@ -61,7 +61,7 @@ def xml_tree(path: Path) -> Element:
         raise CaseError(
             f"is not XML: {expat.ErrorString(error.code)}",
             where=f"{path}: line {error.lineno}, column {error.offset + 1}",
-            remedy="see whether the file is whole",
+            remedy="check that the file is complete",
         ) from None
     except (ValueError, LookupError) as error:  # an encoding that nobody knows
         raise CaseError(f"is not XML: {shortened(str(error), 100)}", where=str(path)) from None
@@ -88,7 +88,7 @@ class _Builder:
         raise CaseError(
             "declares a document type or an entity, which are not read",
             where=f"{self.file}: line {self.parser.CurrentLineNumber}",
-            remedy="remove <!DOCTYPE ...> and write entities out",
+            remedy="remove <!DOCTYPE ...> and replace entities by their text",
         )
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:

@@ -10,14 +10,14 @@ from clast.rockmass.network.noding import Noded
 from clast.rockmass.network.planar import Graph
 
 SHORT_OF = 10.0
-"""Ends that are so near to a line, in cells, are taken to be meant to lie on it."""
+"""Ends that are so near to a line, in cells, are taken to be intended to lie on it."""
 
 
 def loose_ends(net: Noded, dangling: Graph, ends: Floats, free: Bools) -> Floats:
     """Return the ends of lines, in cells, that were taken out just short of another line, (k, 2).
 
     ``dangling`` are the pieces that were taken out, ``ends`` (n, 2, 2) all lines, ``free`` (n,)
-    those that are no outlines.  An end that has crossed the line beside it has reached it.
+    those that are not outlines.  An end that has crossed the line beside it has reached it.
     """
     degree = np.bincount(net.edge.reshape(-1), minlength=len(net.xy))
     line = np.repeat(dangling.line, 2)

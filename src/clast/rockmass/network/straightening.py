@@ -1,4 +1,4 @@
-"""Vertices on straight edges that are no junction, taken out of the blocks on both sides."""
+"""Vertices on straight edges that are not junctions, taken out of the blocks on both sides."""
 
 from __future__ import annotations
 

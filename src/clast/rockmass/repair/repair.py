@@ -94,7 +94,7 @@ def repaired(
 
     ``start`` (nb + 1,) are first vertices and the number of all; ``label`` names a block in
     messages.  ModelError where a block would vanish, turn over or cross itself, with the blocks and
-    the places, and where the tolerance is no distance or a tenth of the median edge.
+    the places, and where the tolerance is not a valid distance or a tenth of the median edge.
     """
     drawn, first = np.asarray(vertices, np.float64), np.asarray(start, np.int64)
     called = label or (lambda block: f"block {block + 1}")
@@ -142,7 +142,9 @@ def checked(tolerance: float, edges: Floats) -> float:
     median = float(np.median(edges))
     if not 0.0 < tolerance < np.inf:
         raise ModelError(
-            f"{tolerance:g} m is no distance", where="repair, tolerance", remedy="give m, above 0"
+            f"{tolerance:g} m is not a valid distance",
+            where="repair, tolerance",
+            remedy="give m, above 0",
         )
     if tolerance > LARGEST * median:
         raise ModelError(

@@ -72,9 +72,9 @@ class _Names:
 
 
 _NAMED = (
-    _Names("excavate", "opening or block", excavatable, "has been excavated"),
-    _Names("install", "bolt or kind of bolt", installable, "has been installed"),
-    _Names("loads", "named load or table", load_names, "acts"),
+    _Names("excavate", "opening or block", excavatable, "was already excavated"),
+    _Names("install", "bolt or kind of bolt", installable, "was already installed"),
+    _Names("loads", "named load or table", load_names, "already acts"),
 )
 
 
@@ -87,7 +87,7 @@ def _check_lengths(stage: Stage) -> None:
     where = _where(stage)
     if stage.until == TIME and stage.time is None:
         raise ModelError(
-            "is missing", where=f"{where}, time", remedy="say how long the stage lasts, s"
+            "is missing", where=f"{where}, time", remedy="give the duration of the stage, s"
         )
     if stage.time is not None and stage.step is not None and stage.step > stage.time:
         raise ModelError(
@@ -104,19 +104,20 @@ def _check_relaxation(stage: Stage) -> None:
     given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
     if given and not stage.excavate:
         raise ModelError(
-            "there is nothing to relax: the stage excavates nothing",
+            "there is nothing to release: the stage excavates nothing",
             where=f"{where}, {given[0]}",
             remedy='name the excavated blocks, e.g. excavate = ["heading"]',
         )
     if lasting > 0.0 and stage.relax == 1.0:
         raise ModelError(
-            "there is nothing left to relax: all support forces are released at once",
+            "there is nothing left to release: all support forces end at once",
             where=f"{where}, relax_time",
             remedy="give relax, the share that is released at once, below 1, e.g. relax = 0.3",
         )
     if lasting == 0.0 and stage.relax < 1.0:
         raise ModelError(
-            f"{lasting:g} s is no time over which {1.0 - stage.relax:.3g} of the support forces "
+            f"{lasting:g} s is too short a time in which {1.0 - stage.relax:.3g} of the support "
+            "forces "
             "could be released",
             where=f"{where}, relax_time",
             remedy="give it in s, above 0",
@@ -151,7 +152,7 @@ def _check_ground_motion(stage: Stage, model: Model) -> None:
     """Refuse a motion of the ground that the model does not have."""
     if stage.ground_motion and isinstance(model.ground_motion, Still):
         raise ModelError(
-            "there is no motion of the ground",
+            "the case has no ground motion",
             where=f"{_where(stage)}, ground_motion",
             remedy="give it with [ground_motion], or leave this key out",
         )
@@ -181,9 +182,9 @@ def _check_acts(stages: Sequence[Stage], model: Model) -> None:
         return
     if stages:
         raise ModelError(
-            "acts in no stage",
+            "is used in no stage",
             where="ground_motion",
-            remedy="add ground_motion = true to the stage that it belongs to, or remove it",
+            remedy="add ground_motion = true to one of the stages, or remove it",
         )
 
 
@@ -196,8 +197,8 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
             for block in blocks_called([name], model.openings, model.block_name).tolist():
                 if block in since:
                     raise ModelError(
-                        f"block '{shortened(model.block_name[block])}' has been excavated already "
-                        f"since {since[block]}",
+                        f"block '{shortened(model.block_name[block])}' was already excavated "
+                        f"in {since[block]}",
                         where=f"{_where(stage)}, excavate",
                         remedy="name it once, by itself or with its opening",
                     )
@@ -213,7 +214,7 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
             _check_bolt(bolt, stage, model, since)
             if bolt in installed:
                 raise ModelError(
-                    f"bolt '{shortened(model.bolts.name[bolt])}' has been installed already since "
+                    f"bolt '{shortened(model.bolts.name[bolt])}' was already installed in "
                     f"{installed[bolt]}",
                     where=f"{_where(stage)}, install",
                     remedy="let one stage install it, by install or by the bolt's own stage",
@@ -247,7 +248,7 @@ def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str])
         block = int(springs[left_out][0])
         raise ModelError(
             f"bolt '{shortened(model.bolts.name[bolt])}' would be anchored in block "
-            f"'{shortened(model.block_name[block])}', which has been excavated since "
+            f"'{shortened(model.block_name[block])}', which was excavated in "
             f"{since[block]}",
             where=f"{_where(stage)}, install",
             remedy="anchor it in blocks that stay, or install it before",
@@ -261,7 +262,7 @@ def _check_once(stages: Sequence[Stage], names: _Names) -> None:
         for name in getattr(stage, names.key):
             if name in first:
                 raise ModelError(
-                    f"'{shortened(name)}' {names.again} already since {_where(first[name])}",
+                    f"'{shortened(name)}' {names.again} in {_where(first[name])}",
                     where=f"{_where(stage)}, {names.key}",
                     remedy="name it once",
                 )
@@ -276,7 +277,7 @@ def _check_table_names(stages: Sequence[Stage], model: Model) -> None:
         for name in stage.loads:
             if name in loads & tables:
                 raise ModelError(
-                    f"'{name}' is the name of loads and of a table",
+                    f"'{name}' names both a load and a table",
                     where=f"{_where(stage)}, loads",
                     remedy="give one of them another name",
                 )

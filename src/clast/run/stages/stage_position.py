@@ -36,7 +36,7 @@ class Judgement:
     mover: Mover = field(default_factory=Mover)
     """The block that has it."""
     hindrance: str = ""
-    """Why this is no equilibrium; "" where it is."""
+    """Why this is not an equilibrium; "" where it is."""
     balanced: bool = False
     """True where only things that change with time hinder it."""
 

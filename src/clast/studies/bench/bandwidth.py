@@ -104,7 +104,7 @@ def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
     """
     matrix = PCG(tolerance=DIRECTION).factor(system, Patterns())
     if not isinstance(matrix, IteratedMatrix) or matrix.ready is None:
-        raise TypeError("this system is not iterated")
+        raise TypeError("this system is not solved iteratively")
     factor, blocks, _ = matrix.ready
     return blocks, factor[0]
 

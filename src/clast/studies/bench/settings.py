@@ -73,11 +73,15 @@ class BenchSettings:
             raise CaseError("both are given", where="--steps and --end", remedy="give one of them")
         if self.steps is not None and self.steps < 1:
             raise CaseError(
-                f"{self.steps} is no number of steps", where="--steps", remedy="give 1 or more"
+                f"{self.steps} is not a valid number of steps",
+                where="--steps",
+                remedy="give 1 or more",
             )
         if self.settle < 0:
             raise CaseError(
-                f"{self.settle} is no number of steps", where="--settle", remedy="give 0 or more"
+                f"{self.settle} is not a valid number of steps",
+                where="--settle",
+                remedy="give 0 or more",
             )
         if self.end is not None:
             _check_positive(self.end, "--end", "give the end of the runs in s")
@@ -88,7 +92,7 @@ class BenchSettings:
                 remedy=spelling.advice(self.solver, SOLVERS, kind="solver"),
             )
         if self.results is not None and not self.results.is_dir():
-            raise CaseError("is no folder", where=str(self.results), remedy="make it first")
+            raise CaseError("is not a folder", where=str(self.results), remedy="create it first")
 
     @property
     def models(self) -> tuple[Scene, ...]:
@@ -154,7 +158,7 @@ def sizes_in(listed: str) -> tuple[int, ...]:
             number = math.nan
         if not number.is_integer():
             raise CaseError(
-                f"'{word}' is no number of blocks",
+                f"'{word}' is not a valid number of blocks",
                 where="--size",
                 remedy="give whole numbers separated by commas, e.g. 100,1000,1e5",
             )
@@ -185,7 +189,7 @@ def _check_sizes(sizes: Sequence[int]) -> None:
     for size in sizes:
         if not SMALLEST <= size <= LARGEST:
             raise CaseError(
-                f"{size} is no size of a scene",
+                f"{size} is not a valid size of a scene",
                 where="--size",
                 remedy=f"give a number of blocks from {SMALLEST} to {LARGEST:,}",
             )

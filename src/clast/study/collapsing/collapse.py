@@ -153,7 +153,9 @@ def collapse(
     search_of(how, by)  # NaN and infinity are rejected before any run
     if not (isinstance(how.refine, int) and 0 <= how.refine <= 500):
         raise CaseError(
-            f"{how.refine!r} is no number of trials", where="refine", remedy="give 0 to 500"
+            f"{how.refine!r} is not a valid number of trials",
+            where="refine",
+            remedy="give 0 to 500",
         )
     if folder is None:
         return TrialMaker(case=case, how=how, by=by, watch=watch).all()
@@ -284,6 +286,6 @@ def _drop_files(folder: StudyFolder, found: Collapse) -> None:
 def _names(joints: Any) -> tuple[str, ...]:
     if isinstance(joints, str) or not all(isinstance(one, str) for one in joints):
         raise CaseError(
-            f"{joints!r} are no names of joints", where="joints", remedy='e.g. joints=["bedding"]'
+            f"{joints!r} are not names of joints", where="joints", remedy='e.g. joints=["bedding"]'
         )
     return tuple(joints)

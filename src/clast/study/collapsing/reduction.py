@@ -150,7 +150,7 @@ class Push:
         _weight(content)
         if SEISMIC in content:
             raise CaseError(
-                "the case has a push that lasts, and its factor cannot be found as well",
+                "the case already has a seismic coefficient, which excludes finding another one",
                 where=SEISMIC,
                 remedy=f"leave {SEISMIC} out",
             )
@@ -196,7 +196,7 @@ class Load:
                 raise CaseError(
                     f"load '{self.name}' begins with stage '{stage.get('name')}'",
                     where="by",
-                    remedy="leave it out of the stages: the study lets it begin",
+                    remedy="remove it from the stages: the study starts it",
                 )
 
     def base(self, content: Content, factor: float) -> Content:
@@ -239,7 +239,7 @@ def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
     rest = rest.strip()
     if joints and word != "strength":
         raise CaseError(
-            "joints are chosen where their strength is reduced",
+            "joints is for strength reduction only",
             where="joints",
             remedy=f"leave them out with by = '{shortened(by)}'",
         )
@@ -252,7 +252,7 @@ def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
     if word == "pga" and rest in ("", "right", "left"):
         return Push(sign=-1.0 if rest == "left" else 1.0)
     raise CaseError(
-        f"a factor cannot act on '{shortened(by)}'",
+        f"a factor cannot be applied to '{shortened(by)}'",
         where="by",
         remedy='give strength, gravity, "load NAME", pga or "pga left"',
     )
@@ -335,7 +335,7 @@ def _weight(content: Content) -> None:
         )
     if "gravity_amplitude" in content:
         raise CaseError(
-            "gravity follows an amplitude, and its factor cannot be found as well",
+            "gravity follows an amplitude, so its factor cannot be found",
             where="gravity_amplitude",
             remedy="leave gravity_amplitude out",
         )

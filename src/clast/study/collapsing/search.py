@@ -39,13 +39,13 @@ class FactorSearch:
             value = getattr(self, name)
             if not (isinstance(value, int | float) and low < value < high):
                 raise CaseError(
-                    f"{value!r} is no {name}",
+                    f"{value!r} is not a valid {name}",
                     where=name,
                     remedy=f"give a number between {low:g} and {high:g}",
                 )
         if not 1.01 <= self.growth <= 100.0:
             raise CaseError(
-                f"{self.growth!r} is no growth from trial to trial",
+                f"{self.growth!r} is not a valid growth from trial to trial",
                 where="growth",
                 remedy="give a number from 1.01 to 100, e.g. 1.25",
             )

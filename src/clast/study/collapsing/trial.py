@@ -121,7 +121,7 @@ def settled(case: Case, by: Reduction, base: float) -> Settled:
         raise CaseError(
             f"the run stops before its blocks have come to rest: {run.report.outcome}",
             where=case.file,
-            remedy="see to the case first: clast check, clast run",
+            remedy="check the case first: clast check, clast run",
         )
     return Settled(
         case=case,

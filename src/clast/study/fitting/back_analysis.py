@@ -90,7 +90,7 @@ class ParameterScale:
         drawn: Distribution = one.drawn
         if not drawn.CONTINUOUS or isinstance(drawn, Values | Range):
             raise CaseError(
-                f"'{shortened(one.name)}' has no range to be sought in",
+                f"'{shortened(one.name)}' has no range to search",
                 where=f"vary {shortened(one.name)}",
                 remedy="give e.g. uniform(1e8, 1e10)",
             )

@@ -110,7 +110,7 @@ def _sound(
     if sum(kept) < ENOUGH * how.members:
         reason = next(str(one) for one in found if isinstance(one, ClastError))
         raise CaseError(
-            f"{len(kept) - sum(kept)} of {len(kept)} members cannot be run to their end: {reason}",
+            f"{len(kept) - sum(kept)} of {len(kept)} members cannot be completed: {reason}",
             where="vary",
             remedy="choose ranges with which the case can be run",
         )

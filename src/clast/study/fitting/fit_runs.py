@@ -79,7 +79,7 @@ class FitRuns:
             raise CaseError(
                 f"run {run} was removed while it was needed",
                 where=str(self.folder.path),
-                remedy="leave the folder to one study; clast study resume makes it again",
+                remedy="use the folder for one study only; clast study resume makes it again",
             )
         if result["status"] != DONE:
             return CaseError(result["reason"], where="vary")

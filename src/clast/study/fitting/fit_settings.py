@@ -41,7 +41,9 @@ class FitSettings:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
                 raise CaseError(
-                    f"{value!r} is no number of {name}" if name != "seed" else "is no seed",
+                    f"{value!r} is not a valid number of {name}"
+                    if name != "seed"
+                    else "is not a valid seed",
                     where=name,
                     remedy=f"give a whole number from {least} to {most:,}",
                 )

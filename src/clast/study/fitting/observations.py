@@ -88,7 +88,9 @@ def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:
             raise CaseError(what, where=where, remedy=remedy)
         time, sd = (_number(cells.get(key, ""), where, key) for key in ("time", "sd"))
         if time is not None and time < 0.0:
-            raise CaseError("is before the beginning", where=where, remedy="give a time from 0 on")
+            raise CaseError(
+                "lies before the start of the run", where=where, remedy="give a time from 0 on"
+            )
         if sd is not None and sd <= 0.0:
             raise CaseError("has no positive sd", where=where, remedy="leave it empty, or give one")
         for part, key in enumerate(("x", "y")):
@@ -112,5 +114,5 @@ def _number(text: str, where: str, column: str) -> float | None:
         value = math.nan
     if not math.isfinite(value):
         remedy = "write a number, or leave it empty"
-        raise CaseError(f"'{shortened(text)}' is no {column}", where=where, remedy=remedy)
+        raise CaseError(f"'{shortened(text)}' is not a valid {column}", where=where, remedy=remedy)
     return value

@@ -102,7 +102,7 @@ class Expression:
             raise CaseError(
                 f"'{shortened(self.text)}' has no value: {error}",
                 where=self.where,
-                remedy="see to its functions and numbers",
+                remedy="check its functions and numbers",
             ) from None
         return bool(found) if isinstance(found, bool | np.bool_) else number(found)
 
@@ -155,11 +155,11 @@ def read(text: Any, where: str, names: Iterable[str], functions: Iterable[str]) 
     """
     remedy = 'e.g. "displacement(A)", "largest(speed(A))", "crest > 0.05"'
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
-        raise CaseError(f"{shortened(repr(text))} is no expression", where=where, remedy=remedy)
+        raise CaseError(f"{shortened(repr(text))} is not an expression", where=where, remedy=remedy)
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        what = f"'{shortened(text)}' is no expression"
+        what = f"'{shortened(text)}' is not an expression"
         quoted = _with_quotes(text, functions)
         raise CaseError(what, where=where, remedy=quoted or remedy) from None
     _check(tree, where, list(names), list(functions), 0)
@@ -204,7 +204,9 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
             if called in OF_NUMBERS:
                 inner = node.args
                 if not inner:
-                    raise CaseError(f"{called}() is of nothing", where=where, remedy="give a value")
+                    raise CaseError(
+                        f"{called}() has no argument", where=where, remedy="give a value"
+                    )
             elif called not in functions:
                 raise CaseError(
                     f"there is no function '{shortened(called)}'",
@@ -213,13 +215,13 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
                 )
             elif not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
                 raise CaseError(
-                    f"'{shortened(ast.unparse(node))}' is not of a name",
+                    f"'{shortened(ast.unparse(node))}' needs a name",
                     where=where,
                     remedy=f'write {called}(A), or {called}("the name")',
                 )
         case _:
             raise CaseError(
-                f"'{shortened(ast.unparse(node))}' is nothing that an expression may have",
+                f"'{shortened(ast.unparse(node))}' is not allowed in an expression",
                 where=where,
                 remedy="use numbers, measures, + - * / **, < <= > >= == !=, and, or, not",
             )

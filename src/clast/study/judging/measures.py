@@ -306,7 +306,7 @@ def check(
 
 
 def _check_time(text: str, where: str, end: float) -> None:
-    """Raise CaseError where a text is no time, or one after the end of the run, s."""
+    """Raise CaseError where a text is not a time, or one after the end of the run, s."""
     try:
         time = float(text)
     except ValueError:
@@ -337,7 +337,7 @@ def _too_late(time: float, end: float, where: str) -> CaseError:
     return CaseError(
         f"the run ends at {end:g} s, before {time:g} s",
         where=where,
-        remedy="let it run longer: time.end",
+        remedy="raise time.end",
     )
 
 

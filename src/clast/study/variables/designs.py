@@ -48,15 +48,15 @@ class Saltelli(Sampling):
         return np.where(np.arange(parameters) == place - 1, second, first)
 
     def checked(self, count: int, parameters: int) -> int:
-        """Return the number of runs; raises CaseError where it is no power of two of groups."""
+        """Return the number of runs; raises CaseError where it is not a power of two of groups."""
         size = parameters + 2
         groups = count // size
         if count % size or groups < 2 or groups & (groups - 1):
             near = size << max(1, round(math.log2(max(2.0, count / size))))
             raise CaseError(
-                f"{count} runs are no power of two times {size}, the runs of a group",
+                f"{count} runs are not a power of two times {size}, the runs of a group",
                 where="n",
-                remedy=f"give one, e.g. {near}",
+                remedy=f"e.g. {near}",
             )
         Sobol().checked(groups, 2 * parameters)
         return count

@@ -347,7 +347,7 @@ class Range(Distribution):
 class Numbered(Distribution):
     """The number of the run: a seed of its own for each, as in ``domain.seed``.
 
-    Raises CaseError for a first number that is no whole number.
+    Raises CaseError for a first number that is not a whole number.
     """
 
     WORD: ClassVar[str] = "numbered"
@@ -404,7 +404,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _check_numbers(one: Distribution) -> None:
-    """Raise CaseError where a field is no number, and make floats of them."""
+    """Raise CaseError where a field is not a number, and make floats of them."""
     for entry in fields(one):  # type: ignore[arg-type]
         value = getattr(one, entry.name)
         if value is None and entry.default is None:
@@ -430,7 +430,7 @@ def _check_order(one: Distribution, first: str, second: str) -> None:
 
 
 def _check_list(one: Distribution, values: Any) -> None:
-    """Raise CaseError for a value that is no list of numbers and texts, or an empty one."""
+    """Raise CaseError for a value that is not a list of numbers and texts, or an empty one."""
     if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
         raise _bad(one, "needs a list", "e.g. [20, 30, 40]")
     if not 0 < len(values) <= MOST_VALUES:

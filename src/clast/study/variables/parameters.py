@@ -59,7 +59,7 @@ def keys_of(path: str) -> tuple[str, ...]:
         match = PART.match(path, at)
         if match is None:
             raise CaseError(
-                f"'{shortened(path)}' is no path of a key",
+                f"'{shortened(path)}' is not a path of a key",
                 where="vary",
                 remedy="write it as table.key, e.g. joint.bedding.friction_angle",
             )
@@ -77,7 +77,7 @@ def places(content: Mapping[str, Any], path: str) -> list[Keys]:
     found = list(_found(content, keys, (), path))
     if not found:
         raise CaseError(
-            f"'{shortened(path)}' is no key of the case", where="vary", remedy="see to its name"
+            f"'{shortened(path)}' is not a key of the case", where="vary", remedy="check its name"
         )
     return found
 
@@ -191,9 +191,9 @@ class ParameterPlaces:
             for keys in own:
                 if keys in taken:
                     raise CaseError(
-                        f"'{_written(keys)}' varies twice: {taken[keys]}, {one.name}",
+                        f"'{_written(keys)}' is varied twice: {taken[keys]}, {one.name}",
                         where="vary",
-                        remedy="let one parameter set it",
+                        remedy="let only one parameter set it",
                     )
                 taken[keys] = one.name
                 if one.multiplies:
@@ -224,7 +224,7 @@ def _check_factor(content: Mapping[str, Any], keys: Keys, one: Parameter) -> Non
     parts = value if isinstance(value, list) and value else [value]
     if not all(isinstance(part, int | float) and not isinstance(part, bool) for part in parts):
         raise CaseError(
-            f"'{_written(keys)}' is no number of the case that could be multiplied",
+            f"'{_written(keys)}' is not a number of the case that could be multiplied",
             where=f"vary {one.name}",
             remedy="give it in the case, or draw the value itself: leave out times(...)",
         )

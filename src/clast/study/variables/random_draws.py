@@ -103,7 +103,7 @@ class LatinHypercube(Sampling):
             raise CaseError(
                 f"{count} runs cannot be divided among {self.replicates} Latin hypercubes",
                 where="replicates",
-                remedy=f"let n be a multiple of {self.replicates}, or give another number of "
+                remedy=f"make n a multiple of {self.replicates}, or give another number of "
                 "replicates",
             )
         return count
@@ -130,12 +130,10 @@ class Sobol(Sampling):
         return ((whole ^ np.array(shift, np.int64)) + 0.5) / 2.0**self.BITS
 
     def checked(self, count: int, parameters: int) -> int:
-        """Return the number of runs; raises CaseError where it is no power of two."""
+        """Return the number of runs; raises CaseError where it is not a power of two."""
         if count & (count - 1) or count < 2:
             near = 1 << max(1, round(math.log2(max(2, count))))
-            raise CaseError(
-                f"{count} is no power of two", where="n", remedy=f"give one, e.g. {near}"
-            )
+            raise CaseError(f"{count} is not a power of two", where="n", remedy=f"e.g. {near}")
         if parameters > 1000:
             raise CaseError("there are more than 1000 parameters", remedy="vary fewer")
         return count
@@ -182,10 +180,9 @@ def copula(pairs: Sequence[tuple[int, int, float]], parameters: int) -> tuple[Fl
         return matrix, np.asarray(np.linalg.cholesky(matrix), np.float64)
     except np.linalg.LinAlgError:
         raise CaseError(
-            "no variables can be correlated like this: the matrix of correlations is not positive "
-            "definite",
+            "these correlations are impossible: the correlation matrix is not positive definite",
             where="correlate",
-            remedy="bring the correlations nearer to 0",
+            remedy="move the correlations towards 0",
         ) from None
 
 

@@ -49,7 +49,7 @@ def parsed(text: str, where: str) -> Distribution:
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        what = f"'{shortened(text)}' is no distribution"
+        what = f"'{shortened(text)}' is not a valid distribution"
         raise CaseError(what, where=where, remedy=remedy) from None
     return _made(tree, where, remedy)
 
@@ -108,7 +108,7 @@ def _plain(tree: ast.expr, where: str) -> Any:
         return ast.literal_eval(tree)
     except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
         raise CaseError(
-            f"'{shortened(ast.unparse(tree))}' is no number",
+            f"'{shortened(ast.unparse(tree))}' is not a number",
             where=where,
             remedy="write numbers; texts in quotes",
         ) from None

@@ -44,7 +44,7 @@ SEARCHED = 1.0
 PRESSED_IN = MASS * GRAVITY / (2.0 * STIFFNESS)
 """Penetration of the block at rest on two corners, m."""
 LOW = 0.9
-"""Step that is no obstacle, in units of this."""
+"""Step that is not an obstacle, in units of this."""
 PIECES, PUSHED_OVER = (1, 4, 16), 5
 """Numbers of blocks that the surface is cut into: for sliding, and for pushing."""
 CLOSED, OPEN = 0.0, 0.01

@@ -39,7 +39,7 @@ PULSE, PEAK = 0.2, 0.1
 FREQUENCIES = (1.0, 2.5, 5.0)
 """Frequencies compared, Hz."""
 RIGID = 1e6
-"""Multiple of rho c_p at the bottom: the pile, which is no endless layer, must not rock."""
+"""Multiple of rho c_p at the bottom: the pile, which is not an endless layer, must not rock."""
 STIFF = 1e13
 """Normal stiffness of the contacts, N/m per m."""
 STEP, DURATION = 4e-4, 3.0
