@@ -76,7 +76,7 @@ def check_ours(file: Any) -> int:
     """Return the version of a file's layout; raises CaseError where clast does not know it."""
     if not _has_our_mark(file):
         raise CaseError(
-            "is an HDF5 file, but no result file of clast",
+            "is an HDF5 file, but not a clast result file",
             remedy="name a file that clast run has written",
         )
     layout = int(file["model"].attrs["format"])
