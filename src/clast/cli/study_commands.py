@@ -32,6 +32,9 @@ Out = Annotated[
     typer.Option("-o", "--output", metavar="DIR", help="Folder; build/study-CASE if absent."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study.")]
+FactorOf = Annotated[
+    str, typer.Option(help="Of factor_of_safety(): the quantity it multiplies or divides.")
+]
 Joints = Annotated[
     str, typer.Option(metavar="NAME,...", help="Joints whose strength is reduced; all if absent.")
 ]
@@ -129,9 +132,7 @@ def sweep(
     keep: Keep = "none",
     settings: Settings = None,
     output: Out = None,
-    by: Annotated[
-        str, typer.Option(help="Of factor_of_safety(): the quantity it multiplies or divides.")
-    ] = "strength",
+    by: FactorOf = "strength",
     joints: Joints = "",
     tolerance: Tolerance = 0.01,
     workers: Workers = None,
@@ -179,9 +180,7 @@ def montecarlo(
     keep: Keep = "none",
     settings: Settings = None,
     output: Out = None,
-    by: Annotated[
-        str, typer.Option(help="Of factor_of_safety(): the quantity it multiplies or divides.")
-    ] = "strength",
+    by: FactorOf = "strength",
     joints: Joints = "",
     tolerance: Tolerance = 0.01,
     workers: Workers = None,

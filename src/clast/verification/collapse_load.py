@@ -64,6 +64,29 @@ def unbalanced(
     return a_step / (method.integrator.theta * step**2 * gravity)
 
 
+def standing(
+    model: Model,
+    variant: Variant,
+    *,
+    normal_stiffness: float,
+    step: float,
+    steps: int,
+    max_displacement: float,
+    unit: float | None = None,
+) -> bool:
+    """Return whether the blocks of a static run stand at its end; arguments as of unbalanced()."""
+    moving = unbalanced(
+        model,
+        variant,
+        normal_stiffness=normal_stiffness,
+        step=step,
+        steps=steps,
+        max_displacement=max_displacement,
+        unit=unit,
+    )
+    return moving < AT_REST
+
+
 def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> Bracket:
     """Return the bracket of the value between ``low``, which fails, and ``high``, which holds.
 

@@ -19,7 +19,7 @@ from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import limit, standing
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -125,7 +125,7 @@ def compare_reactions(variant: Variant) -> Outcome:
 
 def holds(level: float, friction_angle: float, step: float, variant: Variant) -> bool:
     """Return whether the dam stays, with steps of so many s."""
-    moving = unbalanced(
+    return standing(
         dam(level, friction_angle),
         variant,
         normal_stiffness=STIFFNESS,
@@ -133,7 +133,6 @@ def holds(level: float, friction_angle: float, step: float, variant: Variant) ->
         steps=STEPS,
         max_displacement=0.02,
     )
-    return moving < AT_REST
 
 
 def compare_limits(variant: Variant) -> Outcome:

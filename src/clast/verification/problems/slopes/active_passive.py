@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import limit, standing
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -114,7 +114,7 @@ def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20
 
 def holds(flat: float, angles: tuple[float, float, float], variant: Variant) -> bool:
     """Return whether both blocks stay."""
-    moving = unbalanced(
+    return standing(
         slope(flat, angles),
         variant,
         normal_stiffness=5e8,
@@ -122,7 +122,6 @@ def holds(flat: float, angles: tuple[float, float, float], variant: Variant) -> 
         steps=STEPS,
         max_displacement=0.02,
     )
-    return moving < AT_REST
 
 
 def examine(flats: tuple[float, ...], variant: Variant) -> Outcome:

@@ -28,7 +28,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import limit, standing
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -123,7 +123,7 @@ def slide(variant: Variant) -> Run:
 
 def holds(share: float, variant: Variant) -> bool:
     """Return whether the blocks stay with F of 1/``share``."""
-    moving = unbalanced(
+    return standing(
         train(factor() / share),
         variant,
         normal_stiffness=STATIC_STIFFNESS,
@@ -131,7 +131,6 @@ def holds(share: float, variant: Variant) -> bool:
         steps=STATIC_STEPS,
         max_displacement=0.02,
     )
-    return moving < AT_REST
 
 
 def examine(variant: Variant) -> Outcome:

@@ -29,7 +29,7 @@ from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import AT_REST, limit, standing
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
@@ -81,7 +81,7 @@ def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
 
 def stands(model: Model, variant: Variant, stiffness: float = 2e9, step: float = STEP) -> bool:
     """Return whether the blocks stay, weight coming on without inertia."""
-    moving = unbalanced(
+    return standing(
         model,
         variant,
         normal_stiffness=stiffness,
@@ -89,7 +89,6 @@ def stands(model: Model, variant: Variant, stiffness: float = 2e9, step: float =
         steps=STEPS,
         max_displacement=0.02,
     )
-    return moving < AT_REST
 
 
 def stands_shaken(model: Model, variant: Variant) -> bool:
@@ -166,7 +165,7 @@ def factor_of_wedges(variant: Variant) -> float:
     exact = exact_factor_of_wedges()
 
     def holds(share: float) -> bool:
-        return stands(wedges(exact / share), variant, 5e8, WEDGE_STEP)
+        return standing(wedges(exact / share), variant, 5e8, WEDGE_STEP)
 
     return exact / limit(holds, 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN, BISECTIONS)
 

@@ -28,7 +28,7 @@ from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import limit, standing
 from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
 from clast.verification.problems.slopes.wet_slope import (
     GRAVITY,
@@ -138,7 +138,7 @@ def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
     exact = water.factor(slope)
 
     def stays(share: float) -> bool:
-        moving = unbalanced(
+        return standing(
             wet(water, exact / share),
             variant,
             normal_stiffness=STIFFNESS,
@@ -146,7 +146,6 @@ def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
             steps=STEPS,
             max_displacement=0.02,
         )
-        return moving < AT_REST
 
     found = limit(stays, 1.0 - SPAN, 1.0 + SPAN, bisections)
     return Bracket(exact / found.low, exact / found.high)

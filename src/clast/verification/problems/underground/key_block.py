@@ -14,7 +14,7 @@ import numpy as np
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import limit, standing
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -62,7 +62,7 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
 
 def holds(force: float, friction_angle: float, variant: Variant) -> bool:
     """Return whether the wedge stays in the roof."""
-    moving = unbalanced(
+    return standing(
         roof(force, friction_angle),
         variant,
         normal_stiffness=4e8,
@@ -70,7 +70,6 @@ def holds(force: float, friction_angle: float, variant: Variant) -> bool:
         steps=STEPS,
         max_displacement=0.02,
     )
-    return moving < AT_REST
 
 
 def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
