@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -24,65 +25,61 @@ OF_CONTACTS = (
 
 def curves_of(results: Recording) -> list[dict[str, Any]]:
     """Return the curves over time: points, bolts, contacts, supports, energies, steps."""
-    found = []
+    found = (*_of_measurements(results), *_of_supports(results), *_of_run(results))
+    return [one for one in found if len(one["time"])]
+
+
+def _of_measurements(results: Recording) -> Iterator[dict[str, Any]]:
+    """Yield the curves of measured points, of bolts and of measured contacts."""
     for name in results.point_name:
-        history = results.history(name)
-        found.append(
-            _curve(
-                f"Point {name}, displacement",
-                "m",
-                history.time,
-                {"x": history.displacement[:, 0], "y": history.displacement[:, 1]},
-            )
-        )
-        found.append(
-            _curve(
-                f"Point {name}, velocity",
-                "m/s",
-                history.time,
-                {"x": history.velocity[:, 0], "y": history.velocity[:, 1]},
-            )
-        )
+        point = results.history(name)
+        for quantity, unit in (("displacement", "m"), ("velocity", "m/s")):
+            x, y = getattr(point, quantity).T
+            yield _curve(f"Point {name}, {quantity}", unit, point.time, {"x": x, "y": y})
     for name in results.bolt_name:
-        history_of_bolt = results.bolt_history(name)
-        found.append(
-            _curve(f"Bolt {name}, force", "N/m", history_of_bolt.time, {"": history_of_bolt.force})
-        )
+        bolt = results.bolt_history(name)
+        yield _curve(f"Bolt {name}, force", "N/m", bolt.time, {"": bolt.force})
     for name in results.measured_contact_name:
         rows = results.measured_contact(name)
         for quantity, unit, columns in OF_CONTACTS:
             lines = {column: rows[column] for column in columns}
-            found.append(_curve(f"Contact {name}, {quantity}", unit, rows["time"], lines))
+            yield _curve(f"Contact {name}, {quantity}", unit, rows["time"], lines)
+
+
+def _of_supports(results: Recording) -> Iterator[dict[str, Any]]:
+    """Yield the curves of reactions, links and linings."""
     for name in results.reaction_name:
         reaction = results.reaction(name)
         lines = {"x": reaction.force[:, 0], "y": reaction.force[:, 1]}
-        found.append(_curve(f"Reaction {name}, force", "N/m", reaction.time, lines))
-        lines = {"": reaction.moment}
-        found.append(_curve(f"Reaction {name}, moment", "N", reaction.time, lines))
+        yield _curve(f"Reaction {name}, force", "N/m", reaction.time, lines)
+        yield _curve(f"Reaction {name}, moment", "N", reaction.time, {"": reaction.moment})
     for name in results.link_name:
         link = results.link(name)
         lines = {"along": link.force[:, 0], "across": link.force[:, 1]}
-        found.append(_curve(f"Link {name}, force", "N/m", link["time"], lines))
-        found.append(_curve(f"Link {name}, moment", "N", link["time"], {"": link["moment"]}))
+        yield _curve(f"Link {name}, force", "N/m", link["time"], lines)
+        yield _curve(f"Link {name}, moment", "N", link["time"], {"": link["moment"]})
     for name in results.lining_name:
         lining = results.lining(name)
         for one in DIAGRAMS.values():
             values = np.nan_to_num(getattr(lining, one.column))
             lines = {"most": values.max(axis=1), "least": values.min(axis=1)}
-            found.append(_curve(f"Lining {name}, {one.letter}", one.unit, lining.time, lines))
+            yield _curve(f"Lining {name}, {one.letter}", one.unit, lining.time, lines)
+
+
+def _of_run(results: Recording) -> Iterator[dict[str, Any]]:
+    """Yield the curves of energies and steps."""
     energy = results.energy
     parts = {key: values for key, values in energy.items() if key != "time" and np.any(values)}
-    found.append(_curve("Energy", "J/m", energy["time"], parts))
+    yield _curve("Energy", "J/m", energy["time"], parts)
     steps = results.steps
     if len(steps):
         time = steps["time"]
-        found.append(_curve("Step", "s", time, {"": steps["step"]}))
-        found.append(_curve("Deepest penetration", "m", time, {"": steps["penetration"]}))
-        found.append(_curve("Contacts", "", time, {"": steps["contacts"]}))
+        yield _curve("Step", "s", time, {"": steps["step"]})
+        yield _curve("Deepest penetration", "m", time, {"": steps["penetration"]})
+        yield _curve("Contacts", "", time, {"": steps["contacts"]})
         if "unbalanced" in steps and np.isfinite(steps["unbalanced"]).any():
             lines = {"of all forces": steps["unbalanced"]}
-            found.append(_curve("Unbalanced force", "", time, lines))
-    return [one for one in found if len(one["time"])]
+            yield _curve("Unbalanced force", "", time, lines)
 
 
 def _curve(name: str, unit: str, time: Floats, lines: dict[str, Any]) -> dict[str, Any]:

@@ -101,8 +101,7 @@ def _curve_of(history: LiningHistory, lining: str) -> InteractionCurve:
 def _draw(
     axes: Axes, history: LiningHistory, curve: InteractionCurve, there: Bools, row: int
 ) -> None:
-    """Draw curve, limit of cracks and points of all instants, those of one ``row`` above."""
-    normal, moment = history.normal_force, history.moment
+    """Draw the curve, the limit of cracks, and N and M of all instants and of one ``row``."""
     of_force, newton = prefixed(float(np.abs(curve.normal).max()), "N/m")
     of_moment, metre = prefixed(curve.largest, "N")
     sides = np.concatenate([curve.moment, -curve.moment[::-1]])
@@ -117,6 +116,25 @@ def _draw(
         ls="--",
         label="a face cracks",
     )
+    _draw_states(axes, history, there, row, (of_force, of_moment))
+    axes.axhline(0.0, color=FAINT, lw=0.6)
+    axes.axvline(0.0, color=FAINT, lw=0.6)
+    axes.invert_yaxis()
+    axes.set_xlabel(f"M ({metre}), positive: stretched inside", fontsize=TEXT_SIZE, color=INK)
+    axes.set_ylabel(f"N ({newton}), compression upwards", fontsize=TEXT_SIZE, color=INK)
+    axes.grid(color="#e4e4e4", lw=0.6)
+    canvas.style(axes)
+
+
+def _draw_states(
+    axes: Axes, history: LiningHistory, there: Bools, row: int, scale: tuple[float, float]
+) -> None:
+    """Draw N and M of all instants, those of one ``row`` above, and the largest utilisation.
+
+    ``scale`` has the units of N and M in the picture.
+    """
+    of_force, of_moment = scale
+    normal, moment = history.normal_force, history.moment
     every = np.flatnonzero(there.ravel())
     every = every[:: max(1, -(-len(every) // MOST_POINTS))]
     axes.plot(
@@ -154,13 +172,6 @@ def _draw(
         f"$t$ = {history.time[at]:.4g} s",
         zorder=4,
     )
-    axes.axhline(0.0, color=FAINT, lw=0.6)
-    axes.axvline(0.0, color=FAINT, lw=0.6)
-    axes.invert_yaxis()
-    axes.set_xlabel(f"M ({metre}), positive: stretched inside", fontsize=TEXT_SIZE, color=INK)
-    axes.set_ylabel(f"N ({newton}), compression upwards", fontsize=TEXT_SIZE, color=INK)
-    axes.grid(color="#e4e4e4", lw=0.6)
-    canvas.style(axes)
 
 
 def _cracks(section: Floats) -> Floats:
