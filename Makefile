@@ -5,10 +5,12 @@
 #   PORT         port on which docs-serve shows the documentation site
 #   SINCE        branch or commit since which test-changed looks for changes
 #   BENCH_ARGS   arguments of clast bench, for example BENCH_ARGS="slope --size 100"
+#   EXTRAS       extras of clast that tests are run with; CI adds those that one test needs
 #   PYTEST_ARGS  further arguments for pytest, for example PYTEST_ARGS="-k incline"
 
 PYTHON ?= python3
 WORKERS ?= 2
+EXTRAS ?= dev
 PYTEST_ARGS ?=
 BENCH_ARGS ?= wall heap --size 1000
 SINCE ?= main
@@ -74,7 +76,7 @@ $(VENV)/.stamp-env: pyproject.toml constraints.txt | $(BIN)/pip
 
 $(VENV)/.stamp-env-test: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing clast with its tests and checks into $(VENV)"
-	@$(PIP) install --quiet --no-compile -c constraints.txt -e '.[dev]'
+	@$(PIP) install --quiet --no-compile -c constraints.txt -e '.[$(EXTRAS)]'
 	@touch $@ $(VENV)/.stamp-env
 
 $(VENV)/.stamp-env-docs: pyproject.toml constraints.txt | $(BIN)/pip

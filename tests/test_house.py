@@ -5,6 +5,7 @@ list may only shrink: more than is listed fails, and so does a line that is no l
 """
 
 import ast
+import re
 import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
@@ -27,6 +28,7 @@ COMMANDS = {"bench", "film", "fit", "fos", "import_", "montecarlo", "plot", "res
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",
     "inputs/declaring/alternatives.py": "types of the parts of a method, and keys of their tables",
+    "inputs/declaring/field_docs.py": "docstrings of a class are those of its file",
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""
@@ -326,7 +328,7 @@ def test_no_test_imports_another_test():
     found = [
         f"{path.relative_to(TESTS)} imports {module}"
         for path in TESTS.rglob("*.py")
-        for module in _imported(path)
+        for module in re.findall(r"^\s*(?:from|import) ([\w.]+)", path.read_text("utf-8"), re.M)
         if module in tests or module.rpartition(".")[2] in tests
     ]
     assert not found

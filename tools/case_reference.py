@@ -11,11 +11,12 @@ shows what a change of an input means to users.
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+
+from clast.inputs.declaring.field_docs import UNIT
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "case-file.md"
 SCHEMA = PAGE.with_suffix(".schema.json")
@@ -36,23 +37,6 @@ Each key is a name, or a table with the name and its numbers:
 `process = "modified"` or `process = {name = "modified", passes = 2}`.
 
 """
-
-UNITS = (
-    "m/s2",
-    "m/s and rad/s",
-    "kg/m3",
-    "N/m per metre of thickness",
-    "N per metre of thickness",
-    "N/m per m",
-    "degrees",
-    "Pa",
-    "m",
-    "s",
-    "-",
-)
-"""Units as the meanings of keys name them: after a comma, before a stop, comma or semicolon."""
-
-UNIT = re.compile(r", (" + "|".join(map(re.escape, UNITS)) + r")(?=[.,;])")
 
 Schema = dict[str, Any]
 

@@ -42,8 +42,10 @@ def at(time: float) -> float:
     return max(1.0 - 30.0 * (time - 0.15), -0.5)
 
 
-@pytest.mark.parametrize("kind", ["point", "line", "pressure"])
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("way", "kind"),
+    [*((way, "pressure") for way in WAYS), (WAYS[-2], "point"), (WAYS[1], "line")],
+)
 def test_a_free_block_takes_up_the_impulse(way: tuple[str, str], kind: str):
     """m v = F times the sum of the factors at the ends of the steps, times h."""
     builder = block()

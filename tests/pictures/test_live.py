@@ -22,6 +22,7 @@ from clast.pictures.live.feed import Feed
 from clast.pictures.live.leader import LivePage
 from clast.pictures.live.server import MOST_PAGES, LiveServer
 from clast.run.run_state import Halt
+from clast.run.schedule import Progress
 
 
 @pytest.fixture
@@ -332,7 +333,8 @@ def test_an_earlier_file_of_the_name_is_not_shown(wall, tmp_path):
 
 def test_a_leader_costs_a_step_next_to_nothing(tmp_path):
     page = LivePage(tmp_path / "run.vtkhdf")
-    halt = Halt(let_go=lambda: None, keep_frame=lambda: None, checkpoint=str)
+    where = Progress(time=0.0, end=1.0, step=1e-3, steps=0, contacts=0, penetration=0.0)
+    halt = Halt(let_go=lambda: None, keep_frame=lambda: None, checkpoint=str, where=lambda: where)
     try:
         begun = time.process_time()
         for _ in range(100_000):
@@ -358,12 +360,31 @@ def test_a_run_that_is_resumed_has_its_page(tmp_path):
     assert target == tmp_path / "run.vtkhdf"
     assert result_file(run.checkpoint, "b.vtkhdf") == Path("b.vtkhdf")
     page = LivePage(target)
-    client = Client(page)
+    client, seen = Client(page), []
+
+    def look():
+        paused = client.until(lambda scene: scene["status"].get("paused"))
+        seen.append(paused["status"])
+        client.do("go")
+
+    page._order("pause")  # before its first step it has a place already
+    thread = threading.Thread(target=look)
+    thread.start()
     try:
         whole = clast.resume(run.checkpoint, model=run.model, progress=page)
+        thread.join()
         scene = client.until(lambda scene: len(scene["times"]) == len(whole.times))
     finally:
         page.close()
+    told = {key: seen[0][key] for key in ("time", "end", "step", "steps", "stage", "paused")}
+    assert told == {
+        "time": pytest.approx(1e-3),
+        "end": pytest.approx(0.2),
+        "step": pytest.approx(1e-3),
+        "steps": 1,
+        "stage": "",
+        "paused": True,
+    }
     assert whole.report.finished
     assert scene["times"] == pytest.approx(clast.read(target).times.tolist())
 

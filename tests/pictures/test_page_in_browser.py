@@ -149,7 +149,7 @@ def said_of_chosen(page):
 
 def number(text):
     """Return a number with a unit and its prefix in SI units."""
-    value, unit = text.split()
+    value, unit = text.replace("°", " °").split()
     factors = {"µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6}
     prefix = factors.get(unit[0], 1.0) if unit not in ("m", "°") else 1.0
     return float(value.replace("−", "-")) * prefix
@@ -220,6 +220,7 @@ def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp
     contacts = results.contacts(-1)
     most = np.hypot(*contacts.force.T).max()
     assert f"contact force, up to {most / 1e3:.3g} kN/m" in text
+    assert f"contact force as width, up to {most / 1e3:.3g} kN/m" in text
     for part in ("Stress σyy", "bed", "head", "compression, up to", "tension, up to", "fixed"):
         assert part in text, part
     with page.expect_download() as taken:
@@ -228,6 +229,36 @@ def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp
     svg = (tmp_path / "taken.svg").read_text("utf-8")
     ElementTree.fromstring(svg)
     assert "A wall, t = 1 s" in svg and ">bed<" in svg and "kN/m" in svg
+    assert page.faults == []
+
+
+@pytest.mark.parametrize(("room", "anchor"), [(200, "start"), (10, "end")])
+def test_a_name_at_the_right_edge_stands_on_the_left(opened, parted, tmp_path, room, anchor):
+    page = opened(parted, address="#layers=points")
+    page.evaluate(
+        """(room) => {
+          const { view, run, state } = clastPage;
+          view.x = run.points[0].x[state.frame] - (0.5 * view.width - room) / view.scale;
+        }""",
+        room,
+    )
+    with page.expect_download() as taken:
+        page.click("[data-part=svg]")
+    taken.value.save_as(tmp_path / "taken.svg")
+    texts = ElementTree.parse(tmp_path / "taken.svg").iter("{http://www.w3.org/2000/svg}text")
+    assert [one.get("text-anchor") for one in texts if one.text == "A"] == [anchor]
+    assert page.faults == []
+
+
+def test_the_legend_of_a_chart_has_the_values_of_the_frame(opened, parted):
+    page = opened(parted)
+    moved = parted.history("A").displacement
+    for frame, at in ((0, 0), (-1, -1)):
+        page.evaluate("(time) => clastPage.goTo(clastPage.run.frameAt(time))", parted.times[frame])
+        settled(page)
+        said = [number(one) for one in page.locator(".u-legend .u-value").all_inner_texts()]
+        exact = [parted.times[frame], *moved[at]]
+        assert said == pytest.approx(exact, rel=1e-3, abs=1e-12)
     assert page.faults == []
 
 

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import dataclasses
 from itertools import combinations, pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from clast.inputs.builder import InputBuilder
-from clast.pictures.verification import ARROWS, Chart, curve, exact_curve, figure_of
+from clast.pictures.canvas import SMALL_SIZE
+from clast.pictures.verification import (
+    COMPUTED,
+    CROWD,
+    ROOM,
+    Chart,
+    curve,
+    draw_problem,
+    exact_curve,
+    figure_of,
+)
 
 X = np.linspace(0.0, 0.02, 60)
 
@@ -70,7 +81,10 @@ def test_numbers_of_an_axis_do_not_meet(set_up: Any):
 
 def test_of_many_arrows_and_marks_some_are_drawn():
     few, many = (figure_of(blocks(count), []).axes[0] for count in (3, 150))
-    assert len(few.texts) == 3 and 0.5 * ARROWS < len(many.texts) <= ARROWS
+    assert len(few.texts) == 3
+    foot = np.sort([text.xyann[0] for text in many.texts])
+    assert CROWD / 2 < len(foot) < 1.0 / ROOM + 2
+    assert np.diff(foot).min() >= ROOM * (149 * 1.5 + 1.0)
     dense = dataclasses.replace(
         chart(1), curves=(curve("dense", np.linspace(0.0, 1.0, 4000), np.zeros(4000)),)
     )
@@ -85,3 +99,57 @@ def test_every_one_of_a_few_values_has_its_mark():
     figure = figure_of(blocks(1), [dataclasses.replace(chart(1), curves=few)])
     figure.canvas.draw()
     assert [line.get_markevery() for line in figure.axes[1].lines] == [None, None]
+
+
+@pytest.mark.parametrize(
+    "span", [(50.0, 100.0), (2e8, 2e9), (1e-7, 2e-6), (250.0, 6000.0), (3.0, 4.5), (1e-3, 1e5)]
+)
+@pytest.mark.parametrize("scales", [("log", "linear"), ("linear", "log"), ("log", "log")])
+def test_numbers_of_logarithmic_axes_are_few_and_as_small_as_others(span: Any, scales: Any):
+    line = curve("one", np.geomspace(*span, 5), np.geomspace(*span, 5))
+    wide = dataclasses.replace(chart(1), curves=(line,), x_scale=scales[0], y_scale=scales[1])
+    figure = figure_of(blocks(1), [wide])
+    figure.canvas.draw()
+    axes = figure.axes[1]
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        labels = [
+            one
+            for place, one in zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=True)
+            if low <= place <= high and one.get_text()
+        ]
+        assert 2 <= len(labels) <= 7
+        assert {one.get_fontsize() for one in labels} <= {SMALL_SIZE}
+        assert not any(one.get_text() for one in axis.get_ticklabels(minor=True))
+        boxes = [one.get_window_extent() for one in labels]
+        assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+
+
+def test_every_curve_has_a_colour_and_a_mark_of_its_own():
+    figure = figure_of(blocks(1), [chart(31)])
+    marks = [(line.get_color(), line.get_marker()) for line in figure.axes[1].lines[1:]]
+    assert len(set(marks)) == 30
+
+
+def test_a_palette_keeps_the_colours_of_thin_marks(tmp_path: Path):
+    """Marks of few points of each colour, and a set-up of many colours beside them."""
+    from PIL import Image
+
+    some = tuple(curve(str(k), np.arange(3.0), k + np.arange(3.0)) for k in range(6))
+    file = tmp_path / "few.png"
+    draw_problem(blocks(3), [dataclasses.replace(chart(1), curves=some)], file)
+    found = np.unique(np.asarray(Image.open(file).convert("RGB")).reshape(-1, 3), axis=0)
+    for colour in COMPUTED:
+        asked = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+        assert np.abs(found - asked).sum(axis=1).min() < 24
+
+
+@pytest.mark.parametrize(("away", "seen"), [(0.0, 2), (1.2, 2), (5.0, 1)])
+def test_fixed_blocks_far_away_are_left_out(away: float, seen: int):
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    builder.block(vertices=square)
+    builder.block(vertices=np.add(square, (1.0 + away, 0.0)), fixed=True)
+    axes = figure_of(builder.build(), []).axes[0]
+    assert len(axes.patches) == seen

@@ -133,5 +133,14 @@ def test_supports_that_are_made_up_are_refused(
         everything(path)
     assert caught.value.where == str(path)
     assert caught.value.remedy
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("change", MADE_UP.values(), ids=MADE_UP.keys())
+def test_plots_of_supports_that_are_made_up_end_in_words(
+    good: Path, tmp_path: Path, change: Callable[[Any], None]
+):
+    path = tmp_path / "out.vtkhdf"
+    crafted(good, path, change)
     result = CliRunner().invoke(app, ["plot", str(path), "-o", str(tmp_path / "a.png")])
     assert "Traceback" not in result.output and result.exit_code in (0, 2)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -279,3 +280,54 @@ def test_a_run_without_stages_has_none(tmp_path: Path):
     read = clast.read(tmp_path / "plain.vtkhdf")
     assert read.stages == () and read.frame().stage == ""
     assert "stages" not in read.about
+
+
+def slab(process: str, time: float, **keys: Any) -> clast.Run:
+    """Return a slab of 1 m by 0.5 m that a static stage sets on a joint of 0.1 GPa/m."""
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("rock", young=1e12, poisson=0.0, density=2500.0)
+    builder.add_joint(friction_angle=30.0, normal_stiffness=1e8, shear_stiffness=1e8)
+    builder.block(vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], name="floor", fixed=True)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 0.5), (0, 0.5)], name="slab")
+    stage = Stage(name="set", until="time", time=time, **{"dynamic_ratio": 0.0, **keys})
+    rest = Stage(name="rest", time=1.0, dynamic_ratio=0.0)
+    stages = [stage, rest]
+    return clast.simulate(builder.build(), step=2e-3, process=process, stages=stages)
+
+
+def unbalanced_by_hand(steps: int) -> float:
+    """Return the share of forces that static steps leave unbalanced on the slab.
+
+    A step of h from rest solves (2 m/h2 + k) d = r W: it leaves r/(1 + k h2/(2 m)) of the weight W,
+    and floor and weight together press with (1 - r) W + W.
+    """
+    left = (1.0 + 1e8 * 2e-3**2 / (2.0 * 1250.0)) ** -steps
+    return left / (2.0 - left)
+
+
+@pytest.mark.parametrize("steps", [5, 20])
+def test_a_static_stage_that_its_time_ends_out_of_balance_is_warned_of(steps: int):
+    run = slab("open-close", steps * 2e-3)
+    share = unbalanced_by_hand(steps)
+    assert run.stages[0].outcome == "time over"
+    assert run.stages[0].force_ratio == pytest.approx(share, rel=1e-4)
+    (said,) = run.report.warnings
+    assert "stage 'set'" in said
+    assert f"block 'slab' is {share:.3g} of the forces" in said
+    assert 'process = "convex"' in said
+    # the paper's first step has no spring yet
+    paper = slab("modified", steps * 2e-3)
+    assert paper.stages[0].force_ratio == pytest.approx(share, rel=0.05)
+    assert any("stage 'set'" in one for one in paper.report.warnings)
+
+
+def test_a_static_stage_whose_time_is_long_enough_is_not_warned_of():
+    # a step more than the share of 1 % takes
+    steps = next(k for k in range(100) if unbalanced_by_hand(k) < 0.01)
+    assert slab("open-close", steps * 2e-3).report.warnings == ()
+    assert slab("open-close", (steps - 1) * 2e-3).report.warnings != ()
+    assert slab("convex", 2e-3).report.warnings == ()
+    # who asks for less is not warned
+    assert slab("open-close", 10 * 2e-3, force_ratio=0.2).report.warnings == ()
+    # dynamic stages may end in any state
+    assert slab("open-close", 10 * 2e-3, dynamic_ratio=1.0).report.warnings == ()

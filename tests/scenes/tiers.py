@@ -47,6 +47,7 @@ LONGEST = (
     *EACH_BY_ITSELF,
     "run/test_forged_checkpoints.py",
     "system/study/test_fit.py",
+    "system/study/test_runs.py",
     "system/actions/test_motions.py",
     "system/contact/test_seams.py",
     "contact/test_joint_stiffness.py",
@@ -67,6 +68,7 @@ REFERENCE = 0.025
 """Processor time of ``reference_work`` on the machine on which LIMIT was chosen, s."""
 
 
+@cache  # tests of a file have one path, and to resolve it takes a while
 def tier_of(path: Path) -> str:
     """Return the tier of the tests of a file."""
     first = path.resolve().relative_to(TESTS).parts[0]
@@ -88,6 +90,7 @@ def can_have(path: Path, tier: str) -> bool:
 # Order -------------------------------------------------------------------------------------------
 
 
+@cache
 def name_of(path: Path) -> str:
     """Return how a file is named here: below tests/."""
     return path.resolve().relative_to(TESTS).as_posix()

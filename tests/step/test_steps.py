@@ -1,6 +1,7 @@
 """Steps: free motion, collisions, rejection and retrying, repeatability, invariance."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -89,6 +90,7 @@ def test_spinning_block_keeps_its_rate_and_its_energy():
 # --- collisions ----------------------------------------------------------------------------
 
 
+@cache
 def collision(process, scheme, friction_angle, step=1e-3):
     """Return model, method and results of two blocks of different mass that meet off centre."""
     outlines = [regular(5, 0.5, 0.2), box(0.62, -0.2, 0.8, 1.0)]
@@ -180,16 +182,19 @@ def tumbling(seed=3, count=8):
     return system([trough, *balls], fixed=[0], friction_angle=25.0)
 
 
+@cache
+def tumbled(process, scheme="constant acceleration", end=0.3):
+    """Return model, method and results of them; nobody writes into a state."""
+    model = tumbling()
+    law = Penalty(normal_stiffness=5e6)
+    how = method(process=PROCESSES[process], integrator=SCHEMES[scheme], contact_law=law)
+    return model, how, march(model, how, 2e-3, end)
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("process", PROCESSES)
 def test_ledger_explains_all_energy_at_every_step(process, scheme):
-    model = tumbling()
-    how = method(
-        process=PROCESSES[process],
-        integrator=SCHEMES[scheme],
-        contact_law=Penalty(normal_stiffness=5e6),
-    )
-    results = march(model, how, 2e-3, 0.4)
+    model, how, results = tumbled(process, scheme, 0.4)
     first = open_ledger(model, how, at_start(model)).ledger
     moved = max(abs(one.state.ledger.gravity) for one in results)
     assert moved > 1e4
@@ -401,9 +406,8 @@ def test_rolling_on_soft_springs_is_not_taken_for_tunnelling(process):
 @pytest.mark.parametrize("process", PROCESSES)
 def test_retried_step_is_the_smaller_step(process):
     """A rejected step leaves nothing behind: the retry is what it would have been at once."""
-    model = tumbling()
-    how = method(process=PROCESSES[process], contact_law=Penalty(normal_stiffness=5e6))
-    state = march(model, how, 2e-3, 0.3)[-1].state
+    model, how, results = tumbled(process)
+    state = results[-1].state
     direct = how.process.step(model, how, state, 2e-3).state
     with pytest.raises(StepRejected):
         how.process.step(model, replace(how, max_displacement=1e-3), state, 2e-3)
@@ -423,10 +427,8 @@ def same_bits(one, other):
 
 @pytest.mark.parametrize("process", PROCESSES)
 def test_two_runs_agree_bit_for_bit(process):
-    runs = [
-        march(tumbling(), method(process=PROCESSES[process], contact_law=Penalty(5e6)), 2e-3, 0.3)
-        for _ in range(2)
-    ]
+    again = method(process=PROCESSES[process], contact_law=Penalty(5e6))
+    runs = tumbled(process)[2], march(tumbling(), again, 2e-3, 0.3)
     assert len(runs[0]) == len(runs[1])
     assert all(
         same_bits(one.state, other.state) for one, other in zip(runs[0], runs[1], strict=True)
@@ -435,9 +437,8 @@ def test_two_runs_agree_bit_for_bit(process):
 
 @pytest.mark.parametrize("process", PROCESSES)
 def test_fixed_blocks_keep_every_bit(process):
-    model = tumbling()
-    how = method(process=PROCESSES[process], contact_law=Penalty(5e6))
-    last = march(model, how, 2e-3, 0.3)[-1].state
+    model, _, results = tumbled(process)
+    last = results[-1].state
     still = model.vertex_block == 0
     assert np.array_equal(last.vertices[still], model.vertices[still])
     assert np.array_equal(last.velocity[0], np.zeros(6))

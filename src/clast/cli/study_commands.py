@@ -11,7 +11,7 @@ import typer
 
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
 from clast.cli.study_tables import print_collapse, print_collected, print_fit, print_trial
-from clast.cli.terminal import status, tell
+from clast.cli.terminal import status, tell, warn
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
 
@@ -109,6 +109,7 @@ def fos(
         refine=refine,
     )
     folder = output or Path("build") / f"study-{loaded.name}"
+    warn(loaded.examine().warnings)
     with heard(), status() as show:
 
         def watch(number: int, trial: Any) -> None:
@@ -230,6 +231,7 @@ def fit(
     ranges = dict(_pairs("--vary", vary, "joint.bedding.shear_stiffness=uniform(1e8, 1e10)"))
     study, made = described(loaded, observe, ranges, how), _how(workers, scheduler, "")
     check_study(loaded, study)
+    warn(loaded.examine().warnings)
     there = StudyFolder.made(_folder(case, output), loaded, study)
     _go_on_fitting(there, made, as_json, quiet)
 
@@ -383,6 +385,7 @@ def _make(
 
     described = study.described(**drawn)
     check_study(study.case, described)
+    warn(study.case.examine().warnings)
     _go_on(StudyFolder.made(folder, study.case, described), how, as_json, quiet)
 
 

@@ -192,9 +192,13 @@ class JointTable:
 
         Those with a stiffness or a strength per area, but no weld, which gives way to nothing.
         """
-        own = self.strengths[1:]
-        bonded = (np.max(own, axis=0) > 0.0) & (np.min(own, axis=0) < WELD_STRENGTH)
+        bonded = (np.max(self.strengths[1:], axis=0) > 0.0) & ~self.welds
         return bonded | ~np.isnan(self.stiffnesses).all(axis=0)
+
+    @kept_property
+    def welds(self) -> Bools:
+        """True for joints that stand for none: their bonds never break, shape (joints,)."""
+        return np.asarray(np.min(self.strengths[1:], axis=0) >= WELD_STRENGTH)
 
     @kept_property
     def integrates(self) -> bool:

@@ -242,7 +242,10 @@ def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> Non
 
 def style(axes: Axes) -> None:
     """Draw axes thin and small, without a frame at the top and on the right."""
-    axes.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
+    axes.tick_params(
+        which="both", labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3
+    )
+    axes.tick_params(which="minor", length=1.5)
     for axis in (axes.xaxis, axes.yaxis):
         axis.get_offset_text().set_fontsize(SMALL_SIZE)
     axes.set_axisbelow(True)
@@ -250,6 +253,45 @@ def style(axes: Axes) -> None:
         spine.set_linewidth(0.6)
         spine.set_color(FAINT)
         spine.set_visible(name in ("left", "bottom"))
+
+
+FEW_DECADES = 0.7
+"""Powers of ten up to which a logarithmic axis has round numbers, as a linear one."""
+
+
+def label_logarithms(axes: Axes) -> None:
+    """Write numbers beside axes that are logarithmic, as many as there is room for.
+
+    Numbers of all digits would lie on each other.
+    """
+    from matplotlib import ticker
+
+    for axis, scale, (low, high) in (
+        (axes.xaxis, axes.get_xscale(), axes.get_xlim()),
+        (axes.yaxis, axes.get_yscale(), axes.get_ylim()),
+    ):
+        if scale != "log":
+            continue
+        axis.set_minor_locator(ticker.LogLocator(subs="auto"))
+        axis.set_minor_formatter(ticker.NullFormatter())
+        first, last = np.log10((low, high))
+        if np.floor(last) - np.ceil(first) >= 1:
+            axis.set_major_formatter(ticker.LogFormatterMathtext())
+            continue
+        axis.set_major_formatter(ticker.FuncFormatter(_power))
+        axis.set_major_locator(
+            ticker.MaxNLocator(4, steps=[1, 2, 5, 10])
+            if last - first < FEW_DECADES
+            else ticker.LogLocator(subs=(1.0, 2.0, 5.0))
+        )
+
+
+def _power(value: float, _: int) -> str:
+    """Return 200 as it is, and 2e8 as 2 x 10^8."""
+    if 1e-3 <= value < 1e4:
+        return f"{value:g}"
+    exponent = int(np.floor(np.log10(value) + 1e-9))
+    return rf"${value / 10.0**exponent:g} \times 10^{{{exponent}}}$"
 
 
 def wrapped(text: str, width: float, size: float) -> list[str]:

@@ -139,6 +139,7 @@ def _draw(axes: Axes, diagram: Diagram) -> None:
         )
     axes.set_xscale(diagram.x_scale)
     axes.set_yscale(diagram.y_scale)
+    canvas.label_logarithms(axes)
     axes.set_title(diagram.title, fontsize=TEXT_SIZE, fontweight="bold", color=INK, loc="left")
     axes.set_xlabel(diagram.x_label, fontsize=TEXT_SIZE, color=INK)
     axes.set_ylabel(diagram.y_label, fontsize=TEXT_SIZE, color=INK)

@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
-from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE, style
+from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE, label_logarithms, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,16 +26,20 @@ EXACT = "#222222"
 """Colour of exact curves."""
 EXACT_STYLES = ("-", "--", ":", "-.")
 COMPUTED = ("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00")
-MARKS = ("o", "s", "^", "D", "v")
-"""Colours and marks of computed values, in turn."""
+MARKS = ("o", "s", "^", "D", "v", "<", ">")
+"""Colours and marks of computed values, in turn: 35 pairs before the first comes again."""
 SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
 """Width of the set-up and of a chart, and their height, inches."""
 KEY, LETTER, LINE = 0.5, 0.062, 0.175
 """Width of a line in a legend, width of a letter and height of a line of text, inches."""
 APART, FEW = 0.03, 40
 """Distance of the marks of a curve at least, in diagonals of the axes, and values all marked."""
-ARROWS, MANY = 40, 100
-"""Arrows of a set-up at most, and blocks from which their outlines are thin."""
+CROWD, ROOM, MANY = 12, 0.12, 100
+"""Arrows all drawn, how far apart more are, in widths of the set-up; blocks with thin lines."""
+SHARE = 0.18
+"""Length of the longest arrow, in widths of the set-up."""
+FAR = 1.25
+"""Distance from free blocks beyond which fixed ones are left out, in widths of the free ones."""
 DOTS = 150
 """Dots per inch."""
 COLOURS = 160
@@ -129,7 +133,9 @@ def _save_small(figure: Figure, path: Path) -> None:
     buffer = BytesIO()
     figure.savefig(buffer, dpi=DOTS, format="png")
     picture = Image.open(buffer).convert("RGB")
-    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    # the median cut would give thin marks the grey of their neighbours
+    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
 
 
 def draw_chart(axes: Axes, chart: Chart) -> None:
@@ -155,12 +161,8 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
         )
     axes.set_xscale(chart.x_scale)
     axes.set_yscale(chart.y_scale)
-    if chart.x_scale == "log":
-        from matplotlib.ticker import LogLocator
-
-        # labels of all digits would lie on each other
-        axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 4.0)))
-    else:
+    label_logarithms(axes)
+    if chart.x_scale == "linear":
         axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(chart.x_label, fontsize=SMALL_SIZE, color=INK)
     axes.set_ylabel(chart.y_label, fontsize=SMALL_SIZE, color=INK)
@@ -181,7 +183,8 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     """Draw the blocks at the start with their supports, loads and velocities."""
     from matplotlib.patches import Polygon
 
-    for block in range(model.block_count):
+    drawn = _in_sight(model)
+    for block in drawn:
         fixed = bool(model.fixed[block])
         patch = Polygon(
             model.polygon(block),
@@ -196,15 +199,16 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     if len(held):
         # without a point an artist that is not clipped would ask for room at the edge of the figure
         axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=6, clip_on=False)
-    size = float(np.ptp(model.vertices, axis=0).max())
-    _draw_arrows(axes, *_loads(model), 0.18 * size)
-    _draw_arrows(axes, *_velocities(model), 0.18 * size)
+    corners = np.concatenate([model.polygon(block) for block in drawn])
+    width, height = np.ptp(corners, axis=0)
+    size = float(max(width, height))
+    _draw_arrows(axes, *_loads(model), SHARE * size)
+    _draw_arrows(axes, *_velocities(model), SHARE * size)
     _draw_spins(axes, model)
     _draw_ground_motion(axes, model, size)
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
-    width, height = np.ptp(model.vertices, axis=0)
     # numbers beside each other take more room than above each other
     axes.locator_params(axis="x", nbins=max(1, min(3, round(3 * width / height))))
     axes.locator_params(axis="y", nbins=max(1, min(6, round(6 * height / width))))
@@ -214,6 +218,21 @@ def draw_set_up(axes: Axes, model: Model) -> None:
         axes.set_yticks([])  # no room for numbers
     if width < 0.4 * height:
         axes.set_xticks([])
+
+
+def _in_sight(model: Model) -> list[int]:
+    """Return the blocks of a set-up, without fixed ones that are far away."""
+    low, high = (
+        np.array([end(model.polygon(block), axis=0) for block in range(model.block_count)])
+        for end in (np.min, np.max)
+    )
+    free = ~model.fixed.astype(bool)
+    if not free.any():
+        return list(range(model.block_count))
+    first, last = low[free].min(axis=0), high[free].max(axis=0)
+    reach = FAR * float((last - first).max())
+    near = ((low <= last + reach) & (high >= first - reach)).all(axis=1)
+    return np.flatnonzero(near | free).tolist()
 
 
 def _loads(model: Model) -> tuple[Floats, Floats]:
@@ -287,17 +306,27 @@ def _draw_ground_motion(axes: Axes, model: Model, size: float) -> None:
     axes.plot((middle - half, middle + half), 2 * [below], color=ARROW, lw=0.5)
 
 
+def _apart(at: Floats, vectors: Floats, distance: float) -> list[int]:
+    """Return indices of vectors (k, 2) at (k, 2), m, so far apart, the longest first."""
+    kept: list[int] = []
+    for k in np.argsort(-np.hypot(*vectors.T), kind="stable").tolist():
+        if not kept or np.hypot(*(at[kept] - at[k]).T).min() >= distance:
+            kept.append(k)
+    return kept
+
+
 def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None:
     """Draw vectors (k, 2) at (k, 2); the longest has the length given.
 
     An arrow that would run into the picture ends at its place instead of starting there.  Of many
-    arrows some are drawn.
+    arrows the longest are drawn, as far as there is room between them.
     """
     largest = np.hypot(*vectors.T).max(initial=0.0)
     if largest == 0.0:
         return
-    every = -(-len(at) // ARROWS)
-    at, vectors = at[::every], vectors[::every]
+    if len(at) > CROWD:
+        kept = _apart(at, vectors, ROOM / SHARE * length)
+        at, vectors = at[kept], vectors[kept]
     arrows = vectors * length / largest
     middle = at.mean(axis=0)
     inwards = np.sum((middle - at) * arrows, axis=1) > 1e-9 * length**2

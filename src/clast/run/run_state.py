@@ -116,6 +116,8 @@ class Halt:
     """Keeps a frame of the last step, if it is in none yet."""
     checkpoint: Callable[[], str]
     """Writes a checkpoint of the last step and says where, or why not."""
+    where: Callable[[], Progress]
+    """Returns where the run is: a run that goes on has time and steps before its first step."""
 
 
 @runtime_checkable

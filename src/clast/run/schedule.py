@@ -59,7 +59,7 @@ class Progress:
     end: float
     """End of the run, or of its stage at the latest, s."""
     step: float
-    """Length of the last step, s."""
+    """Length of the last step, or before the first of that to come, s."""
     steps: int
     """Accepted steps so far."""
     contacts: int

@@ -362,7 +362,12 @@ class _March:
         """Step to the end of the schedule, or of a stage."""
         stepping = self.stepping
         leader = self.watch if isinstance(self.watch, Leader) else None
-        halt = Halt(let_go=let_go, keep_frame=self.recorder.keep_last, checkpoint=self._checkpoint)
+        halt = Halt(
+            let_go=let_go,
+            keep_frame=self.recorder.keep_last,
+            checkpoint=self._checkpoint,
+            where=lambda: _progress(self.now, stepping, len(self.now.state.memory), 0.0),
+        )
         while not stepping.is_over(self.now):
             let_go()
             if leader is not None:
@@ -371,7 +376,8 @@ class _March:
             self.touching = result.contacts if len(result.contacts) else self.touching
             self.recorder.step(result, self.now.taken, self._unbalanced())
             if self.watch:
-                self.watch(_progress(self.now, result, stepping))
+                contacts = len(result.contacts)
+                self.watch(_progress(self.now, stepping, contacts, result.penetration))
             if stepping.frame_is_due(self.now):
                 self.recorder.frame(result.state, result.contacts, result.response)
                 self.now = stepping.with_frame(self.now)
@@ -464,15 +470,15 @@ class _March:
         )
 
 
-def _progress(now: RunState, result: StepResult, stepping: Stepping) -> Progress:
-    """Return where a run is after a step."""
+def _progress(now: RunState, stepping: Stepping, contacts: int, penetration: float) -> Progress:
+    """Return where a run is after a step with so many contacts that penetrate so far, m."""
     progress = Progress(
         time=now.state.time,
         end=stepping.schedule.end,
-        step=now.taken,
+        step=now.taken or now.step,
         steps=now.tally.steps,
-        contacts=len(result.contacts),
-        penetration=result.penetration,
+        contacts=contacts,
+        penetration=penetration,
     )
     if now.position is None or stepping.judge is None:
         return progress

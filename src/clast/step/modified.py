@@ -18,6 +18,7 @@ from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
+from clast.contact.joints.along_joint import softest_beside_welds
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.errors import StepOutcome, shortened
 from clast.linear.factor_cache import FactorOfStep
@@ -150,21 +151,20 @@ class Modified:
         number = stability_number(model, method, state, step)
         if self.passes > 1 or number <= STABILITY_LIMIT:
             return swing
-        soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
         return (
             f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): contacts "
-            "of the modified process will not settle in one pass. Use normal_stiffness <= "
-            f"{soft:.2g}, time.step <= {step * np.sqrt(STABILITY_LIMIT / number):.2g} "
-            "or passes >= 2.",
+            "of the modified process will not settle in one pass. Use "
+            f"{softer_springs(model, method, state, step)}"
+            f"time.step <= {step * np.sqrt(STABILITY_LIMIT / number):.2g} or passes >= 2.",
             *swing,
         )
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return E, or less where one pass could not settle (p h2/m = 1)."""
-        stable, reason = bearable_stiffness(model, step)
-        if stable < model.stiffest:
-            return stable, reason
-        return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
+        bearable, reason = bearable_stiffness(model, step)
+        if bearable < model.stiffest:
+            return bearable, reason
+        return model.stiffest, "E of the stiffest rock; steps bear no less"
 
 
 def pass_result(
@@ -258,8 +258,18 @@ def bearable_stiffness(model: Model, step: float) -> tuple[float, str]:
 
     p h2/m = 1 for the lightest block with four contacts; no more than the limit for any block with
     the contacts that it has at the start, the points of a face counted by their shares of p.
-    Infinity where all blocks are fixed.
+    Where only welds have the springs of the law, no less than the softest one of a joint: the step
+    has to bear that anyway.  Infinity where all blocks are fixed.
     """
+    stable, reason = _stable_stiffness(model, step)
+    beside = softest_beside_welds(model)
+    if stable < beside:
+        return beside, "that of the softest joint; nothing but welds has it"
+    return stable, reason
+
+
+def _stable_stiffness(model: Model, step: float) -> tuple[float, str]:
+    """Return the stiffness with which blocks settle, N/m per m, whatever their joints say."""
     free = ~model.fixed
     if not free.any():
         return np.inf, "all blocks are fixed"
@@ -293,6 +303,27 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
     Springs are those of contacts within critdis at ``state``; a block that touches nothing yet is
     counted with the single vertex that it will land on.
     """
+    of_law, of_joints = _stability_of_springs(model, method, state, step)
+    return float((of_law + of_joints).max(initial=0.0))
+
+
+def softer_springs(model: Model, method: Method, state: State, step: float) -> str:
+    """Return the springs of the law with which p h2/m is below its limit, as a remedy.
+
+    "" where joints with a stiffness of their own are beyond it without them.
+    """
+    of_law, of_joints = _stability_of_springs(model, method, state, step)
+    left = STABILITY_LIMIT - of_joints
+    if left.min(initial=np.inf) <= 0.0:
+        return ""
+    share = float((left[of_law > 0.0] / of_law[of_law > 0.0]).min(initial=1.0))
+    return f"normal_stiffness <= {method.contact_law.normal_stiffness * share:.2g}, "
+
+
+def _stability_of_springs(
+    model: Model, method: Method, state: State, step: float
+) -> tuple[Floats, Floats]:
+    """Return p h2/m of the springs of the law and of those of joints, of each free block, (f,)."""
     frames = block_frames(model, state)
     contacts = detect(
         model,
@@ -301,12 +332,16 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
         frames.centroid,
         search_of_modified(method),
     )
-    sides = _sides(contacts)
-    own = np.tile(normal_stiffness_of(contacts, method.contact_law), 2)
-    together = np.bincount(sides, own, model.block_count)
-    touches = np.bincount(sides, minlength=model.block_count) > 0
-    number = np.where(touches, together, method.contact_law.normal_stiffness) / model.mass
-    return float(step**2 * number[~model.fixed].max(initial=0.0))
+    sides, count, law = _sides(contacts), model.block_count, method.contact_law
+    own = np.tile(normal_stiffness_of(contacts, law), 2)
+    is_of_law = np.tile(np.isnan(contacts.normal_stiffness), 2)
+    touches = np.bincount(sides, minlength=count) > 0
+    of_law = np.bincount(sides, np.where(is_of_law, own, 0.0), count)
+    of_law = np.where(touches, of_law, law.normal_stiffness)
+    of_joints = np.bincount(sides, np.where(is_of_law, 0.0, own), count)
+    free = ~model.fixed
+    number = step**2 / model.mass[free]
+    return number * of_law[free], number * of_joints[free]
 
 
 __all__ = [
@@ -317,5 +352,6 @@ __all__ = [
     "bearable_stiffness",
     "forces_in_equations",
     "search_of_modified",
+    "softer_springs",
     "stability_number",
 ]

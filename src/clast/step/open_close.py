@@ -37,6 +37,7 @@ from clast.step.modified import (
     counts_of,
     factor_of,
     pass_result,
+    softer_springs,
     solution_of,
     stability_number,
 )
@@ -126,12 +127,11 @@ class OpenClose:
         number = stability_number(model, method, state, step)
         if method.integrator.theta > 0.5 or number <= STABILITY_LIMIT:
             return usual
-        soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
         return (
             f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): constant "
             "acceleration throws back blocks that hit such stiff contacts, with more energy than "
             "they had. "
-            f"Use normal_stiffness <= {soft:.2g}, time.step <= "
+            f"Use {softer_springs(model, method, state, step)}time.step <= "
             f'{step * np.sqrt(STABILITY_LIMIT / number):.2g} or integrator = "backward-euler".',
             *usual,
         )
@@ -142,9 +142,9 @@ class OpenClose:
         Shi's 10 to 100 E L are for a length L of 1 m.
         """
         stiff = SHI_FACTOR * model.stiffest
-        stable, reason = bearable_stiffness(model, step)
-        if stable < stiff:
-            return stable, reason
+        bearable, reason = bearable_stiffness(model, step)
+        if bearable < stiff:
+            return bearable, reason
         return stiff, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -32,6 +32,7 @@ from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
 from clast.study.sensitivity import MEANING, sensitivities
 from clast.study.trial_cases import content_of
+from clast.study.variables.parameter_units import units_of, with_units
 from clast.study.variables.parameters import ParameterPlaces
 from clast.study.work import RUN_FILE
 
@@ -52,7 +53,8 @@ STYLE = (
     "padding:3px 9px;text-align:right}td:first-child,th:first-child{text-align:left}"
     "td.text{text-align:left}img{max-width:100%;vertical-align:top}"
     ".answer{font-size:1.15rem;border-left:4px solid #1f6f8b;padding:.4rem .9rem;"
-    "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem}.figures img{width:30rem}"
+    "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem;align-items:flex-start}"
+    ".figures img{flex:1 1 24rem;min-width:0;max-width:min(100%,30rem)}"
     "iframe{width:100%;height:46rem;border:1px solid #ccc}.remark{color:#666;font-size:13px}"
     ".table{overflow-x:auto}th.text{text-align:left}p{overflow-wrap:anywhere}"
     "@media (prefers-color-scheme:dark){body{background:#17181c;color:#e2e2e2}"
@@ -124,28 +126,29 @@ def write_report(folder: StudyFolder) -> Path:
     Its worst run is made again for its page, the same as it was.
     """
     study, columns = folder.study, columns_of(folder)
+    units = parameter_units(folder)
     page = Page(f"{folder.base.title or 'Study'}: {KIND_TITLES[study.kind]}")
     _answer(page, columns)
     pictures = folder.path / FIGURES
     pictures.mkdir(exist_ok=True)
-    _failure(page, columns, pictures)
+    _failure(page, columns, units, pictures)
     for name, values in columns.measures.items():
         unit = study.units[name]
         page.head(f"{name} = {study.measure[name]}{f', {unit}' if unit else ''}")
         _spread(page, columns, values)
         add_figures(
-            page, lambda name=name, values=values: _figures(columns, name, values, pictures)
+            page, lambda name=name, values=values: _figures(columns, units, name, values, pictures)
         )
-        _influence(page, columns, values)
+        _influence(page, columns, units, values)
         _sensitivity(page, columns, values)
     if len(columns.fails):
         page.head("Which blocks fail")
         _blocks(page, folder, columns, pictures)
-    _what_varies(page, folder)
+    _what_varies(page, folder, units)
     for number in probabilities.worst(columns):
         page.head(f"Worst run: {number}")
-        drawn = zip((one.name for one in study.vary), folder.values(number), strict=True)
-        page.table(["parameter", "value"], list(drawn))
+        names = with_units((one.name for one in study.vary), units)
+        page.table(["parameter", "value"], [*zip(names, folder.values(number), strict=True)])
         _worst(page, folder, number)
     return write_html(page.text(), folder.path / REPORT)
 
@@ -176,7 +179,9 @@ def _spread(page: Page, columns: StudyResults, values: Any) -> None:
     page.table(heads, [[found.mean, found.sd, found.least, *found.quantiles, found.largest]])
 
 
-def _figures(columns: StudyResults, name: str, values: Any, folder: Path) -> list[tuple[Path, str]]:
+def _figures(
+    columns: StudyResults, units: Mapping[str, str], name: str, values: Any, folder: Path
+) -> list[tuple[Path, str]]:
     """Return the figures of a measure, and their captions."""
     safe = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
     x, share, half = probabilities.cumulative(columns.study, values)
@@ -190,23 +195,31 @@ def _figures(columns: StudyResults, name: str, values: Any, folder: Path) -> lis
         (figures.draw_histogram(values, columns.fails, label, paths[0]), "histogram"),
         (figures.draw_cumulative(band, label, paths[1]), "cumulative"),
     ]
-    return [*drawn, *_tornado(columns, values, f"mean of {label}", paths[2])]
+    return [*drawn, *_tornado(columns, units, values, f"mean of {label}", paths[2])]
 
 
-def _tornado(columns: StudyResults, values: Any, label: str, path: Path) -> list[tuple[Path, str]]:
+def _tornado(
+    columns: StudyResults, units: Mapping[str, str], values: Any, label: str, path: Path
+) -> list[tuple[Path, str]]:
     """Return the tornado of a measure, and its caption; nothing where no parameter orders runs."""
     found = probabilities.influences(columns, values)
     if not found:
         return []
     bars = [
-        figures.Bar(label=one.parameter, low=one.low, high=one.high, ends=one.ends)
+        figures.Bar(
+            label=one.parameter,
+            low=one.low,
+            high=one.high,
+            ends=one.ends,
+            unit=units[one.parameter],
+        )
         for one in found[:MOST_BARS]
     ]
     middle = float(values[np.isfinite(values)].mean())
     return [(figures.draw_tornado(bars, middle, label, path), "tornado")]
 
 
-def _failure(page: Page, columns: StudyResults, pictures: Path) -> None:
+def _failure(page: Page, columns: StudyResults, units: Mapping[str, str], pictures: Path) -> None:
     """Say and draw how the share of runs that fail goes with each parameter."""
     share = columns.fails
     if not len(share) or not 0.0 < share.mean() < 1.0:
@@ -214,15 +227,19 @@ def _failure(page: Page, columns: StudyResults, pictures: Path) -> None:
     if not probabilities.influences(columns, share):
         return
     page.head("How failure depends on the parameters")
-    path = pictures / "failure-tornado.png"
-    add_figures(page, lambda: _tornado(columns, share, "share of the runs that fail", path))
-    _influence(page, columns, share)
+    label, path = "share of the runs that fail", pictures / "failure-tornado.png"
+    add_figures(page, lambda: _tornado(columns, units, share, label, path))
+    _influence(page, columns, units, share)
 
 
-def _influence(page: Page, columns: StudyResults, values: Any) -> None:
+def _influence(page: Page, columns: StudyResults, units: Mapping[str, str], values: Any) -> None:
     """Say how a measure goes with each parameter."""
     found = probabilities.influences(columns, values)
-    rows = [[one.parameter, one.ends[0], one.low, one.ends[1], one.high, one.rank] for one in found]
+    names = with_units((one.parameter for one in found), units)
+    rows = [
+        [name, one.ends[0], one.low, one.ends[1], one.high, one.rank]
+        for name, one in zip(names, found, strict=True)
+    ]
     if rows:
         heads = ["parameter", "least", "mean there", "largest", "mean there", "rank correlation"]
         page.table(heads, rows)
@@ -285,12 +302,20 @@ def _same_blocks(folder: StudyFolder) -> bool:
     return not any(keys[0] in shaping for own in places for keys in own)
 
 
-def _what_varies(page: Page, folder: StudyFolder) -> None:
+def parameter_units(folder: StudyFolder) -> dict[str, str]:
+    """Return the units of the parameters of a study by name; "" where there is none."""
+    return units_of(ParameterPlaces.of(content_of(folder.base), folder.study.vary))
+
+
+def _what_varies(page: Page, folder: StudyFolder, units: Mapping[str, str]) -> None:
     """Write the parameters, and how runs were drawn."""
     study = folder.study
     page.head("Parameters")
-    rows = [[one.name, ", ".join(one.paths), str(one.distribution)] for one in study.vary]
-    page.table(["parameter", "keys", "is"], rows)
+    rows = [
+        [one.name, ", ".join(one.paths), str(one.distribution), units[one.name]]
+        for one in study.vary
+    ]
+    page.table(["parameter", "keys", "is", "unit"], rows)
     if study.correlate:
         pairs = [(f"{a}, {b}", value) for a, b, value in study.correlate]
         page.table(["correlated", "of normal scores"], pairs)

@@ -68,3 +68,52 @@ def test_a_given_stiffness_that_is_too_high_is_warned_of(process: str):
     law = {"name": "penalty", "normal_stiffness": 1e11}
     case = brick(1e-3, process=process, contact_law=law)
     assert [text for text in case.examine().warnings if "p h2/m" in text]
+
+
+def hung(process: str, joint: float | None, other: float | None = None) -> clast.Case:
+    """A block that is welded to a ceiling, and one on a floor along a joint."""
+    builder = clast.ModelBuilder(gravity=(0.0, -GRAVITY))
+    builder.add_rock("stone", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0, normal_stiffness=joint, shear_stiffness=joint)
+    builder.add_joint("bed", friction_angle=30.0, normal_stiffness=other, shear_stiffness=other)
+    builder.add_weld("weld")
+    welds = ["weld"] * 4
+    builder.block(vertices=[(-1, 2), (3, 2), (3, 3), (-1, 3)], edge_joint=welds, fixed=True)
+    hangs = [(0, 1), (1, 1), (1, 2), (0, 2)]
+    builder.block(name="hangs", vertices=hangs, edge_joint=welds)
+    builder.block(name="floor", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
+    stands = [(2, 0), (3, 0), (3, 0.25), (2, 0.25)]
+    builder.block(name="stands", vertices=stands, edge_joint=["bed"] * 4)
+    return builder.case(step=1e-2, end=2.0, dynamic_ratio=0.0, process=process)
+
+
+def automatic(case: clast.Case) -> float:
+    """Return the automatic normal stiffness of a case, N/m per m."""
+    return case.method(case.model()).contact_law.normal_stiffness
+
+
+@pytest.mark.parametrize(("process", "most"), [("modified", 5e9), ("open-close", 2e11)])
+def test_welds_are_no_softer_than_the_softest_joint(process: str, most: float):
+    # half of the size of the smallest block, of 1 m by 0.25 m
+    half = 0.5 * np.sqrt(0.25)
+    for soft in (1e8, 1e9):
+        assert automatic(hung(process, soft, 2.0 * soft)) == pytest.approx(half * soft, rel=1e-12)
+        assert automatic(hung(process, 2.0 * soft, soft)) == pytest.approx(half * soft, rel=1e-12)
+    assert automatic(hung(process, 1e13, 1e13)) == most
+    # joints that have the springs of the law are to settle in a step
+    without = automatic(hung(process, None))
+    assert without < 0.01 * half * 1e9
+    assert automatic(hung(process, 1e9)) == without
+    assert automatic(hung(process, None, 1e9)) == without
+
+
+@pytest.mark.parametrize("process", ["modified", "open-close", "convex"])
+def test_a_weld_opens_less_than_a_joint_would(process: str):
+    """Two corners bear the weight; without the rule it opened by 8 mm in the other processes."""
+    case = hung(process, 1e9, 1e9)
+    run = case.run(progress=False)
+    sunk = -run.block("hangs").displacement[-1, 1]
+    weight, stiffness = 2500.0 * GRAVITY, automatic(case)
+    # half a block's stretch beside the springs
+    assert sunk == pytest.approx(weight / (2.0 * stiffness) + weight / (4.0 * 5e9), rel=0.05)
+    assert sunk < 2.1 * weight / 1e9

@@ -69,26 +69,55 @@ def test_all_ways_of_making_runs_give_the_same_table(slab, tmp_path):
     assert tables[0] == tables[1] == tables[2]
 
 
+RESUME = [sys.executable, "-m", "clast", "study", "resume", "part", "-q"]
+
+
+def workers_of(driver: subprocess.Popen[bytes]) -> list[int]:
+    """Return the processes that a driver has started and that make runs."""
+    listed = ["ps", "-o", "pid=,args=", "--ppid", str(driver.pid)]
+    lines = subprocess.run(listed, capture_output=True, text=True, check=False).stdout.splitlines()
+    return [int(line.split()[0]) for line in lines if "spawn_main" in line]
+
+
+def killed(driver: subprocess.Popen[bytes], victim: str) -> None:
+    """Kill a driver, all of its processes with it, or one of its workers."""
+    if victim == "all":
+        os.killpg(driver.pid, signal.SIGKILL)
+    elif victim == "driver":
+        os.kill(driver.pid, signal.SIGKILL)
+    else:
+        for one in workers_of(driver)[:1]:
+            os.kill(one, signal.SIGKILL)
+        assert driver.poll() is None
+        time.sleep(2.0)  # it goes on with another one
+        os.killpg(driver.pid, signal.SIGKILL)
+    driver.wait()
+
+
 @pytest.mark.slow
 def test_a_study_that_is_killed_again_and_again_ends_with_the_same_table(slab, tmp_path):
-    whole = study(slab).run(tmp_path / "whole", n=40, how=HERE)
+    """Five times while it makes its 500 runs, in an order and at moments that are drawn."""
+    study(slab).run(tmp_path / "whole", n=500, seed=5, how=HERE)
     resume(tmp_path / "whole", HowMade(workers=1))
-    study(slab).run(tmp_path / "part", n=40, how=HowMade(array=(40, 40)))
-    order = random.Random(3)
-    command = [sys.executable, "-m", "clast", "study", "resume", "part", "--workers", "2", "-q"]
-    for _ in range(5):
-        driver = subprocess.Popen(command, cwd=tmp_path, start_new_session=True)
-        time.sleep(order.uniform(3.0, 9.0))
-        # all of it, or the driver alone
-        victim = -driver.pid if order.random() < 0.5 else driver.pid
-        (os.killpg if victim < 0 else os.kill)(abs(victim), signal.SIGKILL)
-        driver.wait()
+    study(slab).run(tmp_path / "part", n=500, seed=5, how=HowMade(array=(500, 500)))
+    part, order, before = StudyFolder.opened(tmp_path / "part"), random.Random(3), []
+    victims = ["driver", "worker", "all", "worker", "driver"]
+    for victim in order.sample(victims, k=5):
+        driver = subprocess.Popen([*RESUME, "--workers", "2"], cwd=tmp_path, start_new_session=True)
+        goal = part.count() + order.randint(10, 60)
+        while part.count() < goal and driver.poll() is None:
+            time.sleep(0.05)
+        assert driver.poll() is None, "it had ended before it was killed"
+        before.append(part.count())
+        killed(driver, victim)
+    assert before == sorted(set(before)) and before[-1] < 500
     time.sleep(1.0)
-    subprocess.run(command, cwd=tmp_path, check=True)
-    assert (tmp_path / "part/results.csv").read_bytes() == (
-        tmp_path / "whole/results.csv"
-    ).read_bytes()
-    assert len(whole) == 40
+    subprocess.run([*RESUME, "--workers", "1"], cwd=tmp_path, check=True)
+    table = (tmp_path / "part/results.csv").read_bytes()
+    assert table == (tmp_path / "whole/results.csv").read_bytes()
+    found = probabilities.probability(probabilities.columns_of(part))
+    assert (found.runs, found.lost) == (500, 0)
+    assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
 
 
 def test_a_run_with_wrong_numbers_has_no_result_and_the_others_go_on(slab, tmp_path):

@@ -57,6 +57,7 @@ def test_parts_of_an_array_are_collected():
     assert 0.0 <= chance["low"] <= chance["value"] <= chance["high"] <= 1.0
     report = Path("out/report.html").read_text(encoding="utf-8")
     assert "Worst run" in report and "<iframe" in report
+    assert f'<td class="text">{PHI}, °</td>' in report
     good("check", "out/runs/0000/00000003/case.toml")
 
 
@@ -105,6 +106,7 @@ def test_indices_of_sensitivity_are_printed():
 
 VARY = ["--vary", f"{PHI}=normal(30, 4)"]
 MORRIS = ["--sampling", "morris"]
+MODIFIED = ["--set", "method.process=modified", "--set", "time.step=1e-5", "--set", "time.end=3e-5"]
 
 
 @pytest.mark.parametrize(
@@ -246,7 +248,12 @@ MORRIS = ["--sampling", "morris"]
             ["fos", "slab.toml", "--by", "pga", "--set", "joint.plane.cohesion=0"],
             "do not come to rest",
         ),
+        (
+            ["fos", "slab.toml", *MODIFIED],
+            "give it passes",
+        ),
         (["fit", "slab.toml", "--observe", "slab.toml", "--vary", f"{PHI}=[20, 30]"], "column"),
+        (["sweep", "slab.toml", "--vary", "domain.seed=[1, 2]", "--measure", U], "no [domain]"),
         (["sweep", "slab.toml", "--vary", f"{PHI}=range(20, 40, 0.5)", "--measure", U], "how many"),
         (
             [
@@ -344,6 +351,13 @@ MORRIS = ["--sampling", "morris"]
 def test_what_cannot_be_done_is_said(words, what):
     assert what in refused("study", *words)
     assert not Path("build").exists() or not any(Path("build").rglob("result.json"))
+
+
+def test_a_study_begins_with_the_warnings_of_its_case():
+    words = ["--vary", f"{PHI}=[30]", "--measure", U, "--array", "1/1", "-o", "out"]
+    done = clast_command("study", "sweep", "slab.toml", "--set", "method.critdis=2.0", *words)
+    assert done.exit_code == 0, done.output
+    assert done.stderr.count("warning: critdis is 2 m") == 1
 
 
 def test_a_refused_study_leaves_its_folder_to_the_next():

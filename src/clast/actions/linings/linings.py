@@ -2,11 +2,12 @@
 
     N = E A/l u,    Q = k G A/l v,    M = E I/l phi
 
-u and v are how far two neighbours have moved apart along and across the lining, phi is the angle
-between them, l the distance of their middles, A = t and I = t^3/12 per metre of thickness and
-k = 5/6.  At an end that is clamped l is half of the segment.  In plane strain E/(1 - nu^2) stands
-for E.  Segments keep their shape: all of the compliance is in the springs, the sum of which over a
-beam of n segments differs from the integral by 1/(2 n^2) (the trapezoidal rule).
+u and v are how far two neighbours have moved apart along and across the lining, whose direction
+there is the mean of theirs, phi is the angle between them, l the distance of their middles, A = t
+and I = t^3/12 per metre of thickness and k = 5/6.  At an end that is clamped l is half of the
+segment.  In plane strain E/(1 - nu^2) stands for E.  Segments keep their shape: all of the
+compliance is in the springs, the sum of which over a beam of n segments differs from the integral
+by 1/(2 n^2) (the trapezoidal rule).
 
 A section yields where N and M reach its strength (sections.py).  N is clipped to the strength
 of the section without a moment, M to its strength under the N of the same step: where a solution

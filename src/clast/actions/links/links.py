@@ -4,9 +4,9 @@
 
 is the force on the first block of a component with the stretch x: a.(P_1 - P_2) along the link,
 t.(P_1 - P_2) across it, or the angle between the blocks.  P_1 and P_2 are the point of the link as
-each of its blocks carries it, a and t turn with the first block.  The plastic stretch p grows where
-F would exceed F_y, and beyond a stretch it breaks for good.  With a play g there is a spring for
-either side, each of which begins g away.  A dashpot has F = -c dx/dt.
+each of its blocks carries it, a and t turn with the first block, or with shares of both.  The
+plastic stretch p grows where F would exceed F_y, and beyond a stretch it breaks for good.  With a
+play g there is a spring for either side, each of which begins g away.  A dashpot has F = -c dx/dt.
 
 A spring against rotation is a row as well, at the end of arms that reach far out along t: there
 the blocks move apart by -L r along a, r being their angle, and by a part 1/L of their motion at P.
@@ -58,6 +58,8 @@ class Links:
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
     limits: ForceLimits = field(default_factory=YieldForces)
     """Bounds of the forces."""
+    turning: tuple[float, float] = (1.0, 0.0)
+    """Shares of the turns of its two blocks by which the direction of a link turns."""
     support: ClassVar[str] = ""
     """They hold blocks by each other."""
 
@@ -196,9 +198,9 @@ class Links:
         """Return the rows that act in a step."""
         rows, model = self.rows, start.model
         ahead = _halfway(start)
-        turn = start.state.rotation[rows.block[:, 0]]
+        turn = start.state.rotation[rows.block] @ self.turning
         now = _turned_by(rows.along, turn)
-        along = _turned_by(rows.along, turn + ahead[rows.block[:, 0], 2])
+        along = _turned_by(rows.along, turn + ahead[rows.block, 2] @ self.turning)
         offset = state.at - start.frames.centroid[rows.block]
         apart = state.at[:, 0] - state.at[:, 1]
         across = np.stack([-now[:, 1], now[:, 0]], axis=1)

@@ -211,6 +211,23 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
         return stiffness, stiffness
     normal = table.stiffnesses[0]
     own = np.where(np.isnan(normal), per_area(stiffness, model), normal)[table.integrated]
-    shortest = 0.5 * float(np.sqrt(model.smallest))
-    softest, stiffest = float(own.min()) * shortest, float(own.max()) * model.longest_edge
+    softest = float(own.min()) * _shortest(model)
+    stiffest = float(own.max()) * model.longest_edge
     return min(stiffness, softest), max(stiffness, stiffest)
+
+
+def softest_beside_welds(model: Model) -> float:
+    """Return the softest spring of a joint, N/m per m, where only welds have that of the law.
+
+    0 where a joint leaves its stiffness to the law, and where there is no joint but welds.
+    """
+    table = model.joint_table
+    normal = table.stiffnesses[0][~table.welds]
+    if len(normal) == 0 or np.isnan(normal).any():
+        return 0.0
+    return float(normal.min()) * _shortest(model)
+
+
+def _shortest(model: Model) -> float:
+    """Return the length that a contact of the smallest block stands for, m: half of its size."""
+    return 0.5 * float(np.sqrt(model.smallest))

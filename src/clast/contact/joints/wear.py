@@ -136,21 +136,11 @@ def opening(table: JointTable, contacts: Contacts, normal: Floats, slid: Floats)
     rough = rough_contacts(table, joint)
     if rough is not None:
         rows = rough.rows
-        angle = rough.roughness_angle(_stress_over(contacts, normal)[rows])
+        angle = rough.roughness_angle(stress_on(normal[rows], contacts.spring_length[rows]))
         halfway = 0.5 * (before + after)[rows] / rough.peak_slip
         half = 0.5 * mobilised(halfway) * angle
         opened[rows] = np.tan(half) * (after - before)[rows]
     return np.maximum(opened, -contacts.dilation)
-
-
-def _stress_over(contacts: Contacts, normal: Floats) -> Floats:
-    """Return the normal stress of contacts, Pa, (m,): of open ones that of their pair of blocks."""
-    length, pair, count = contacts.spring_length, contacts.pair, len(contacts.pairs)
-    force = np.bincount(pair, np.maximum(normal, 0.0), count).astype(np.float64)
-    lengths = np.bincount(pair, length, count).astype(np.float64)
-    of_pair = stress_on(force, lengths).take(pair)
-    of_pair = np.where(of_pair > 0.0, of_pair, np.inf)
-    return np.where(normal > 0.0, stress_on(normal, length), of_pair)
 
 
 def with_work_of_joints(

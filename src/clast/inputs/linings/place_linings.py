@@ -254,7 +254,10 @@ def linings_of_ground(
     return (
         Linings(
             each=tuple(each),
-            springs=Links(rows=_rows(each, rows), apart=np.zeros((0, 2), np.int64)),
+            # which of two neighbours is first must not matter
+            springs=Links(
+                rows=_rows(each, rows), apart=np.zeros((0, 2), np.int64), turning=(0.5, 0.5)
+            ),
             apart=np.unique(np.sort(np.concatenate(apart), axis=1), axis=0),
         ),
     )

@@ -96,20 +96,14 @@ class LivePage:
         if now - self._told < TELL_EVERY and not self._paused:
             return
         self._told = now
-        self._where = {
-            "time": progress.time,
-            "end": progress.end,
-            "step": progress.step,
-            "steps": progress.steps,
-            "contacts": progress.contacts,
-            "stage": progress.stage,
-        }
+        self._where = _where(progress)
         self._tell()
 
     def lead(self, halt: Halt) -> None:
         """Obey a request of the page: wait, take one step, end, write a checkpoint."""
         if not self._begun:
             self._begun = True
+            self._where = _where(halt.where())
             self._tell()
         if not self._asked:
             return
@@ -187,3 +181,15 @@ class LivePage:
         self._process.wait()
         with suppress(OSError):
             self._pipe.close()
+
+
+def _where(progress: Progress) -> dict[str, Any]:
+    """Return what a page says of where a run is."""
+    return {
+        "time": progress.time,
+        "end": progress.end,
+        "step": progress.step,
+        "steps": progress.steps,
+        "contacts": progress.contacts,
+        "stage": progress.stage,
+    }

@@ -221,6 +221,7 @@ def _draw_histogram(axes: Axes, values: Floats, limit: float, unit: str) -> None
     axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
     axes.locator_params(axis="y", integer=True)
     axes.grid(axis="y", color="#e2e2e2", lw=0.5)
+    canvas.label_logarithms(axes)
     canvas.style(axes)
 
 

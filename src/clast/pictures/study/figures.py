@@ -60,6 +60,14 @@ class Bar:
     """Value where it is largest."""
     ends: tuple[float, float]
     """Least and largest values of the parameter."""
+    unit: str = ""
+    """Unit of the parameter; "" where it has none."""
+
+    @property
+    def caption(self) -> str:
+        """Its name, and below it the values of the parameter."""
+        ends = " to ".join(map(_short, self.ends))
+        return f"{short_label(self.label)}\n{ends}{behind_number(self.unit)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,14 +166,13 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     for colour, said in ((BLUE, "least"), (RED, "largest")):
         axes.barh(0, 0.0, left=middle, color=colour, label=f"parameter {said}")
     for row, bar in enumerate(reversed(bars)):
-        # the longer one first, so that neither hides the other where both lie on one side
-        sides = sorted(((bar.low, BLUE), (bar.high, RED)), key=lambda one: -abs(one[0] - middle))
-        for value, colour in sides:
-            axes.barh(row, value - middle, left=middle, height=0.6, color=colour)
-    labels = [
-        f"{short_label(bar.label)}\n{' to '.join(map(_short, bar.ends))}" for bar in reversed(bars)
-    ]
-    axes.set_yticks(range(len(bars)), [canvas.literal(one) for one in labels])
+        # on one side each has half of the height, so that neither hides the other
+        both = (bar.low - middle) * (bar.high - middle) > 0.0
+        height, away = (0.3, 0.15) if both else (0.6, 0.0)
+        for value, colour, place in ((bar.low, BLUE, row + away), (bar.high, RED, row - away)):
+            axes.barh(place, value - middle, left=middle, height=height, color=colour)
+    captions = [canvas.literal(bar.caption) for bar in reversed(bars)]
+    axes.set_yticks(range(len(bars)), captions)
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
     axes.set_ylim(-0.6, len(bars) - 0.4)
@@ -328,12 +335,18 @@ def new_axes(
 
 def save_axes(axes: Axes, path: Path) -> Path:
     """Save the figure of axes; return its path."""
+    canvas.label_logarithms(axes)
     return canvas.save(axes.get_figure(root=True), path)  # type: ignore[arg-type]
 
 
 def _short(value: float) -> str:
     """Return a number with four digits, up to a million without an exponent."""
     return f"{float(f'{value:.4g}'):g}"
+
+
+def behind_number(unit: str) -> str:
+    """Return a unit as it stands behind a number: after a space, but for the sign of degrees."""
+    return f" {unit}" if unit not in ("", "°") else unit
 
 
 def short_label(label: str) -> str:

@@ -19,7 +19,7 @@ from clast.model.stages.records import (
     StageRecord,
 )
 from clast.model.stages.reference import here
-from clast.model.stages.stage import TIME, Stage
+from clast.model.stages.stage import EQUILIBRIUM, TIME, Stage
 from clast.model.state import State
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.spraying import events_of_linings
@@ -32,6 +32,10 @@ from clast.run.stages.transition import (
     entered_again,
     events_at_start,
 )
+from clast.step.method import is_stable_for_any_step
+
+UNBALANCED = 0.01
+"""Share of the forces on a block that a static stage may leave unbalanced and not be warned of."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,9 +53,8 @@ class StageSequence:
     @property
     def least_carried(self) -> float:
         """Least share of velocity that a stage carries to the next step."""
-        given = [stage.dynamic_ratio for stage in self.stages]
-        usual = self.base.method.dynamic_ratio
-        return min((usual if one is None else one for one in given), default=usual)
+        carried = (self._dynamic_ratio(stage) for stage in self.stages)
+        return min(carried, default=self.base.method.dynamic_ratio)
 
     @cached_property
     def first(self) -> Setting:
@@ -160,14 +163,35 @@ class StageSequence:
                     f"equilibrium: {record.hindrance or _not_long_enough(stage)}. Most moved "
                     f"{record.mover}. {self._advice(stage)}"
                 )
+            elif self._left_unbalanced(stage, record):
+                yield (
+                    f"stage '{record.name}' is static, and ended by its time before forces were in "
+                    f"balance: {record.hindrance}. Later results start from there. Raise its time, "
+                    f"and relax_time with it, {self._or_how_else(stage)}"
+                )
+
+    def _left_unbalanced(self, stage: Stage, record: StageRecord) -> bool:
+        """Return whether a static stage was ended by its time while forces were out of balance."""
+        least = max(UNBALANCED, stage.force_ratio)
+        is_over = record.outcome == TIME_OVER and record.force_ratio > least
+        return is_over and self._dynamic_ratio(stage) == 0.0
+
+    def _or_how_else(self, stage: Stage) -> str:
+        """Return the remedy beside more time for a static stage that its time ends."""
+        if is_stable_for_any_step(self.base.method.process):
+            return f'or set until = "{EQUILIBRIUM}"'
+        return 'or set method.process = "convex", whose static steps have next to no mass term'
+
+    def _dynamic_ratio(self, stage: Stage) -> float:
+        """Return the share of velocity that a stage carries to the next step."""
+        usual = self.base.method.dynamic_ratio
+        return usual if stage.dynamic_ratio is None else stage.dynamic_ratio
 
     def _advice(self, stage: Stage) -> str:
         """Return the remedies that may bring a stage to rest and are not set yet."""
-        usual = self.base.method
-        ratio = usual.dynamic_ratio if stage.dynamic_ratio is None else stage.dynamic_ratio
-        damping = usual.damping if stage.damping is None else stage.damping
+        damping = self.base.method.damping if stage.damping is None else stage.damping
         ways = ["raise its time"]
-        if ratio > 0.0:
+        if self._dynamic_ratio(stage) > 0.0:
             ways.append("set dynamic_ratio = 0.0")
             if isinstance(damping, Undamped):
                 ways.append('set damping = "adaptive"')

@@ -29,7 +29,7 @@ from clast.results import Run, RunRecorder
 from clast.run.simulate import simulate
 from clast.run.stages.equilibrium import STANDARD_GRAVITY
 from clast.run.stages.failure_verdict import GOES
-from clast.step.method import Method
+from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.trial_cases import Content, changed, content_of
 
@@ -151,10 +151,15 @@ def standing(case: Case, by: Reduction) -> Settled:
                 + (f", nor with the factor {2.0 * base:g}" if by.DIVIDES else "")
                 + f": {found.record.hindrance or found.record.outcome}",
                 where=case.file,
-                remedy="see the moving blocks: clast run; if they only need time, raise time.end",
+                remedy=REMEDY + ("" if is_stable_for_any_step(found.method.process) else SLOW),
             )
 
 
+REMEDY = "see the moving blocks: clast run; if they only need time, raise time.end"
+SLOW = (
+    ". This process needs many steps, the more the softer contacts are: give it passes and a "
+    'normal_stiffness, or leave statics to process = "convex"'
+)
 FOREVER = 1e9
 """Time between frames of which only the first and the last are wanted, s."""
 

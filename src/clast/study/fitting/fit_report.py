@@ -9,11 +9,12 @@ import numpy as np
 
 from clast.pictures.html_files import write_html
 from clast.pictures.study import fit_figures
+from clast.pictures.study.figures import behind_number
 from clast.study.fitting.back_analysis import Fit
 from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
 from clast.study.folder import StudyFolder
 from clast.study.probabilities import CONFIDENCE
-from clast.study.study_report import FIGURES, REPORT, Page, add_figures
+from clast.study.study_report import FIGURES, REPORT, Page, add_figures, parameter_units
 
 MOST_ROWS = 200
 """Most observations of the table."""
@@ -45,15 +46,18 @@ def write_fit(folder: StudyFolder, found: Fit) -> Path:
 def _parameters(page: Page, folder: StudyFolder, found: Fit) -> None:
     """Write the answer: each parameter with its interval, and the reservations."""
     study, how = folder.study, folder.study.fit or FitSettings()
+    units = parameter_units(folder)
     numbers = zip(found.parameter, found.value, found.low, found.high, strict=True)
     for name, value, low, high in numbers:
-        page.say(
-            f"{name} = {value:.5g} ({100 * CONFIDENCE:g} %: {low:.5g} to {high:.5g})", "answer"
-        )
+        answer = f"{name} = {value:.5g}{behind_number(units[name])}"
+        page.say(f"{answer} ({100 * CONFIDENCE:g} %: {low:.5g} to {high:.5g})", "answer")
     if found.remark:
         page.say(found.remark[0].upper() + found.remark[1:])
-    rows = [[one.name, ", ".join(one.paths), str(one.distribution)] for one in study.vary]
-    page.table(["parameter", "keys", "sought in"], rows)
+    rows = [
+        [one.name, ", ".join(one.paths), str(one.distribution), units[one.name]]
+        for one in study.vary
+    ]
+    page.table(["parameter", "keys", "sought in", "unit"], rows)
     made = f"{how.method}, {found.runs} runs"
     if how.method == ENSEMBLE:
         made += f", {how.members} members, {how.rounds} rounds, seed {how.seed}"

@@ -14,6 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BaseModel
+
 from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.earlier_keys import present_path
@@ -89,7 +91,7 @@ def _found(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[
         known: list[Any] = list(here)
         chosen: list[Any] = known if key == "*" else [key]
         if key != "*" and key not in here and (rest or not behind or _is_named(behind)):
-            chosen = _missing(here, key, behind, path)
+            chosen = _missing(here, key, rest, behind, path)
     elif isinstance(here, list):
         chosen = list(range(len(here))) if key == "*" else [_position(here, key, behind, path)]
     else:
@@ -108,20 +110,34 @@ def _found(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[
             yield from _found(inner, rest, (*behind, one), path)
 
 
-def _missing(here: Mapping[str, Any], key: str, behind: Keys, path: str) -> list[Any]:
-    """Return a table that a case does not give but may have; raises CaseError for others."""
+def _missing(
+    here: Mapping[str, Any], key: str, rest: Sequence[str], behind: Keys, path: str
+) -> list[Any]:
+    """Return a key that a case does not give but has all the same; raises CaseError for others.
+
+    A table that a case lacks is another case: one key of it, a seed say, would not make it whole.
+    """
     from clast.case.case_file import Case
 
-    usual = {field.alias or name for name, field in Case.model_fields.items()}
-    single = usual - set(NAMED) - {"block", "stage", "water", "bolt", "trace", "opening"}
-    if not behind and key in single:
-        return [key]
-    known = [str(one) for one in (here or usual)]
-    raise CaseError(
-        f"the case has no '{_written((*behind, key))}'",
-        where=f"vary {shortened(path)}",
-        remedy=spelling.advice(key, known, kind="key"),
-    )
+    own = {} if behind else {one.alias or name: one for name, one in Case.model_fields.items()}
+    what, remedy = f"'{_written((*behind, key))}'", "give it in the case: a study varies it there"
+    if key in own:
+        default = own[key].get_default(call_default_factory=True)
+        if not rest or isinstance(default, BaseModel | str):
+            return [key]
+        what = _as_written(key, default)
+    elif here:
+        remedy = spelling.advice(key, [str(one) for one in here], kind="key")
+    raise CaseError(f"the case has no {what}", where=f"vary {shortened(path)}", remedy=remedy)
+
+
+def _as_written(key: str, default: Any) -> str:
+    """Return a key as a case file writes it, by the value that it has where it is left out."""
+    if isinstance(default, tuple):
+        return f"'{key}'"
+    if isinstance(default, list):
+        return f"[[{key}]]"
+    return f"[{key}.NAME]" if isinstance(default, dict) else f"[{key}]"
 
 
 def _position(here: Sequence[Any], key: str, behind: Keys, path: str) -> int:

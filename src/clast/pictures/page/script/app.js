@@ -148,9 +148,10 @@ export class Page {
     const { run } = this;
     this.$("time").max = String(run.frameCount - 1);
     const { of } = run.scene.frames;
+    const count = (number) => number.toLocaleString("en");
     const part = (what, { shown, of: all }) =>
-      shown < all ? `the largest ${shown} of ${all} ${what}` : `${all} ${what}`;
-    const said = [`${run.blockCount} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
+      shown < all ? `the largest ${count(shown)} of ${count(all)} ${what}` : `${count(all)} ${what}`;
+    const said = [`${count(run.blockCount)} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
     if (run.contacts.of) said.push(part("contacts", run.contacts));
     const faces = { slip: "slips of joints", opening: "openings of joints", worn: "worn joints", water: "wet faces" };
     for (const [name, table] of Object.entries(run.faces)) {

@@ -53,6 +53,8 @@ export class Charts {
       [curve.time, ...curve.lines.map((line) => line.values)],
       this.place,
     );
+    this.plot.over.addEventListener("mouseleave", () => this.tell());
+    this.tell();
     this.plot.over.addEventListener("click", (event) => {
       const left = event.clientX - this.plot.over.getBoundingClientRect().left;
       this.goTo(this.plot.posToVal(left, "x"));
@@ -78,6 +80,12 @@ export class Charts {
   at(time) {
     this.time = time;
     this.plot?.redraw(false);
+    this.tell();
+  }
+
+  /** Say the values at the time of the frame, where no pointer asks for others. */
+  tell() {
+    if (this.plot?.data[0].length) this.plot.setLegend({ idx: this.plot.valToIdx(this.time) });
   }
 
   /** Fit the chart to its place. */

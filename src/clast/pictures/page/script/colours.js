@@ -88,7 +88,8 @@ const PREFIXES = { "-3": "n", "-2": "µ", "-1": "m", 0: "", 1: "k", 2: "M", 3: "
 /** Return a number with a unit and a prefix: 1.25 MPa. */
 export function withUnit(value, unit, digits = 4) {
   if (!Number.isFinite(value)) return "–";
-  if (value === 0 || ["°", "%", ""].includes(unit)) return `${plain(value, digits)} ${unit}`.trim();
+  if (unit === "°") return `${plain(value, digits)}°`;
+  if (value === 0 || ["%", ""].includes(unit)) return `${plain(value, digits)} ${unit}`.trim();
   let thousands = Math.floor(Math.log10(Math.abs(value) * (1 + 1e-12)) / 3);
   thousands = Math.max(-3, Math.min(unit.startsWith("m") || unit === "s" ? 0 : 4, thousands));
   return `${plain(value * 10 ** (-3 * thousands), digits)} ${PREFIXES[thousands]}${unit}`;

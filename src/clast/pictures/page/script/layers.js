@@ -9,6 +9,8 @@ import { drawLinks, drawReactions, layerOfDiagram, legendOfLinks, legendOfReacti
 const PULLED = "#b2182b";
 const PRESSED = "#2166ac";
 const FORCE = "#5b2a86";
+/** Width of a letter of a name, pixels. */
+const LETTER = 7;
 const MOST_CROSSES = 4000;
 /** Slip and opening beside the colours of blocks: as wide as they are large. */
 const FACES = { slip: "#8e24aa", opening: "#00695c", water: "#1f6fb4" };
@@ -33,7 +35,7 @@ export const LAYERS = {
     legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
   },
   contacts: { label: "Contact forces", draw: drawContacts, legend: (seen) => legendOfForces(seen, 1.2) },
-  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5) },
+  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5, "contact force as width") },
   crosses: { label: "Principal stresses", draw: drawCrosses, legend: legendOfCrosses },
   excavated: {
     label: "Excavated blocks",
@@ -198,10 +200,10 @@ function eachContact(run, frame, call) {
   }
 }
 
-function legendOfForces({ run, frame }, width) {
+function legendOfForces({ run, frame }, width, name = "contact force") {
   let largest = 0;
   eachContact(run, frame, (_, size) => (largest = Math.max(largest, size)));
-  const text = `contact force, up to ${withUnit(largest, "N/m", 3)}`;
+  const text = `${name}, up to ${withUnit(largest, "N/m", 3)}`;
   return largest > 0 ? [line(FORCE, width, text)] : [];
 }
 
@@ -346,7 +348,10 @@ function drawPoints(pen, { run, view, frame, theme }) {
   run.points.forEach(({ name, x: xs, y: ys }) => {
     const [x, y] = [xs[frame], ys[frame]];
     pen.circle(view.screenX(x), view.screenY(y), 4, theme.paper, theme.ink);
-    pen.text(view.screenX(x) + 8, view.screenY(y) - 8, name, theme.ink, theme.paper);
+    // where there is no room on its right a name stands on its left
+    const right = view.screenX(x) + 8;
+    const [at, anchor] = right + LETTER * name.length < view.width ? [right, "start"] : [right - 16, "end"];
+    pen.text(at, view.screenY(y) - 8, name, theme.ink, theme.paper, anchor);
   });
 }
 

@@ -59,8 +59,10 @@ export class CanvasPen {
     context.stroke();
   }
 
-  text(x, y, text, colour, halo) {
+  /** Write a text of which the start or the end is at x. */
+  text(x, y, text, colour, halo, anchor = "start") {
     const { context } = this;
+    context.textAlign = anchor;
     context.font = "12px system-ui, sans-serif";
     context.textBaseline = "middle";
     context.lineWidth = 3;
@@ -115,10 +117,10 @@ export class SvgPen {
     );
   }
 
-  text(x, y, text, colour, halo) {
+  text(x, y, text, colour, halo, anchor = "start") {
     this.parts.push(
       `<text x="${x.toFixed(2)}" y="${y.toFixed(2)}" font-family="system-ui, sans-serif" font-size="12" ` +
-        `dominant-baseline="middle" fill="${colour}" stroke="${halo}" stroke-width="3" paint-order="stroke">${escaped(text)}</text>`,
+        `dominant-baseline="middle" text-anchor="${anchor}" fill="${colour}" stroke="${halo}" stroke-width="3" paint-order="stroke">${escaped(text)}</text>`,
     );
   }
 

@@ -92,7 +92,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="step",
         y_label="growth, %",
         curves=(
-            exact_curve("(1 + d^2)^n - 1: linear rule", step, 100 * by_rule),
+            exact_curve("(1 + d²)ⁿ − 1: linear rule", step, 100 * by_rule),
             exact_curve("0: kept", step, np.zeros(len(step))),
             curve(variant.name, step[::100], 100 * growth[::100]),
         ),

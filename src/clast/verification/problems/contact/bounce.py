@@ -87,11 +87,11 @@ def examine(steps: tuple[float, ...], variant: Variant) -> Outcome:
     fine = np.linspace(0.0, max(STEPS), 51)
     chart = Chart(
         title="restitution",
-        x_label="w h",
+        x_label="ω h",
         y_label="speed after / speed before",
         curves=(
             exact_curve(
-                f"exp(-{0.25 * THETAS[variant.name]:g} pi w h)",
+                f"exp(-{0.25 * THETAS[variant.name]:g} π ω h)",
                 fine,
                 [exact_restitution(step, variant) for step in fine],
             ),

@@ -104,7 +104,7 @@ def examine(variant: Variant) -> Outcome:
         rows.append(absolute(quantity, "", energy_left(number, variant), 0.0, 1e-6, "at rest"))
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
     chart = Chart(
-        title="error of the way on the incline",
+        title="error of the displacement on the incline",
         x_label="normal stiffness p, N/m per m",
         y_label="error, %",
         curves=(

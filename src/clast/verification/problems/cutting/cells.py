@@ -79,9 +79,9 @@ def examine(counts: tuple[int, ...], variant: Variant) -> Outcome:
         x_label="number of cells",
         y_label="deviation over mean",
         curves=(
-            exact_curve("0.529", fine, np.full(len(fine), VARIATION)),
-            exact_curve("and its tolerance", fine, VARIATION * (1.0 + allowed(fine))),
-            exact_curve("on either side", fine, VARIATION * (1.0 - allowed(fine))),
+            exact_curve("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION)),
+            exact_curve("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine))),
+            exact_curve("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine))),
             curve(variant.name, counts, [one[2] for one in found]),
         ),
         x_scale="log",

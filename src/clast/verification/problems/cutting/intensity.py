@@ -121,7 +121,7 @@ def _chart(curves: list[Curve]) -> Chart:
         y_label="P10, 1/m",
         curves=(
             exact_curve("|cos d|/s", fine, exact_on_scanline(fine)),
-            exact_curve("2 P21/pi", fine, np.full(len(fine), exact_anywhere())),
+            exact_curve("2 P₂₁/π", fine, np.full(len(fine), exact_anywhere())),
             *curves,
         ),
     )

@@ -128,7 +128,7 @@ def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
     found = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
     return Chart(
         title="areas of blocks",
-        x_label="area a, m2",
+        x_label="area a, m²",
         y_label="share of blocks that are larger",
         curves=(
             exact_curve("z K1(z)", fine, exact_share(fine)),

@@ -155,7 +155,7 @@ def compare_limits(variant: Variant) -> Outcome:
         x_label="height of the water, m",
         y_label="friction angle, degrees",
         curves=(
-            exact_curve("tan phi = F/W", fine, [exact_angle(level) for level in fine]),
+            exact_curve("tan φ = F/W", fine, [exact_angle(level) for level in fine]),
             curve(variant.name, SLIDES_AT, found),
         ),
     )

@@ -97,12 +97,12 @@ def _chart(variant: Variant, time: np.ndarray, moved: np.ndarray) -> Chart:
     fine = np.linspace(0.0, DURATION, 151)
     sliding = np.minimum(fine, stop)
     return Chart(
-        title="way down the slope",
+        title="displacement down the slope",
         x_label="time, s",
-        y_label="way, m",
+        y_label="displacement, m",
         curves=(
             exact_curve(
-                "v0 t - a t2/2 until it stops",
+                "v₀ t − a t²/2 until it stops",
                 fine,
                 SPEED * sliding - DECELERATION * sliding**2 / 2,
             ),

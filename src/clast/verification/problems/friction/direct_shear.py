@@ -96,7 +96,7 @@ def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
         y_label="force carried / peak",
         curves=(
             exact_curve(
-                "N tan phi + c A, then N tan phi",
+                "N tan φ + c A, then N tan φ",
                 (0.0, 1.0, 1.0, SHARES[-1]),
                 (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
             ),

@@ -74,9 +74,9 @@ def _chart(variant: Variant, excess: np.ndarray) -> Chart:
         for step, values in zip(STEPS, excess.T, strict=True)
     )
     return Chart(
-        title="excess of the way after 0.3 s",
+        title="excess of the displacement after 0.3 s",
         x_label="friction angle, degrees",
-        y_label="excess of the way, %",
+        y_label="excess of the displacement, %",
         curves=(*exact, *computed),
     )
 

@@ -126,9 +126,9 @@ def examine_at(angles: tuple[float, ...], variant: Variant) -> Outcome:
     rows = tuple(compare(angle, variant) for angle in angles)
     fine = np.linspace(0.0, 45.0, 91)
     chart = Chart(
-        title="way after 1 s",
+        title="displacement after 1 s",
         x_label="friction angle, degrees",
-        y_label="way u = -v, m",
+        y_label="displacement u = −v, m",
         curves=(
             exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
             curve(variant.name, angles, [row.computed for row in rows]),

@@ -124,7 +124,7 @@ def examine(specimens: tuple[tuple[float, int], ...], variant: Variant) -> Outco
     chart = Chart(
         title="strength over the dip of the plane",
         x_label="dip of the plane b, degrees",
-        y_label="s1 - s3, MPa",
+        y_label="σ₁ − σ₃, MPa",
         curves=(
             exact_curve("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine]),
             curve(

@@ -145,16 +145,21 @@ def examine(stresses: tuple[float, ...], variant: Variant) -> Outcome:
         exact = float(opened(slip[-1:], stress)[0])
         rows.append(relative(f"opening {at}", "m", float(opening[-1]), exact, 5e-3, "integral"))
         fine = np.linspace(0.0, float(slip[-1]), 200)
-        curves.append(exact_curve(f"formula, {1e-6 * stress:g} MPa", fine, strength(fine, stress)))
-        curves.append(curve(f"{1e-6 * stress:g} MPa", slip[::8], ratio[::8]))
+        curves.append(
+            exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, strength(fine, stress))
+        )
+        curves.append(curve(f"{1e-6 * stress:g} MPa", 1e3 * slip[::8], ratio[::8]))
         whole = opened(fine, stress)
-        openings.append(exact_curve(f"formula, {1e-6 * stress:g} MPa", fine, whole))
-        openings.append(curve(f"{1e-6 * stress:g} MPa", slip[::8], opening[::8]))
+        openings.append(exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, 1e3 * whole))
+        openings.append(curve(f"{1e-6 * stress:g} MPa", 1e3 * slip[::8], 1e3 * opening[::8]))
     charts = (
         Chart(
-            title="shear strength mobilised", x_label="slip, m", y_label="T/N", curves=tuple(curves)
+            title="shear strength mobilised",
+            x_label="slip, mm",
+            y_label="T/N",
+            curves=tuple(curves),
         ),
-        Chart(title="opening", x_label="slip, m", y_label="opening, m", curves=tuple(openings)),
+        Chart(title="opening", x_label="slip, mm", y_label="opening, mm", curves=tuple(openings)),
     )
     return Outcome(tuple(rows), charts)
 

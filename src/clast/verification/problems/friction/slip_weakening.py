@@ -106,7 +106,7 @@ def compare_slides(variant: Variant) -> Outcome:
             SPRING,
         ),
         relative(
-            "way after a hard push",
+            "displacement after a hard push",
             "m",
             float(way[-1]),
             float(motion(3.0 * least_speed(), hard.time[-1:])[0]),
@@ -117,9 +117,9 @@ def compare_slides(variant: Variant) -> Outcome:
     )
     fine = np.linspace(0.0, WHOLE, 101)
     chart = Chart(
-        title="way after a hard push",
+        title="displacement after a hard push",
         x_label="time, s",
-        y_label="way, m",
+        y_label="displacement, m",
         curves=(
             exact_curve("integrated", fine, motion(3.0 * least_speed(), fine)),
             curve(variant.name, hard.time[::80], way[::80]),

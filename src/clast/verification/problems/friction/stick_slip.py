@@ -8,6 +8,10 @@ slides as half a swing about mu_k N, and stands again: whatever V, the force of 
 
 its stretch by that over k, and from there it rises by k V to the next slip.  The far end is a load
 k V t here, and the spring is anchored in a fixed block: the block feels k (V t - x) either way.
+
+The weight comes on in a static stage.  Put on at once in a dynamic one it has N swing between 0 and
+twice the weight, which forces half way through the step do not damp: the block then slips while N
+is small.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ import numpy as np
 
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
+from clast.model.stages.stage import TIME, Stage
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -27,6 +32,7 @@ from clast.verification.variants import (
     CONVEX_MULTIPLIERS,
     IMPLICIT,
     LAGGED,
+    MIDPOINT,
     OPEN_CLOSE,
     Variant,
 )
@@ -40,8 +46,8 @@ SPRING, SPEED = 2e5, 0.01
 """Stiffness of the spring, N/m per m, and speed of its far end, m/s."""
 NORMAL = DENSITY * GRAVITY * LENGTH * HEIGHT
 MU_S, MU_K = (float(np.tan(np.radians(one))) for one in (STATIC, KINETIC))
-STEP, SOON, END = 3e-4, 0.1, 0.45
-"""Step, time in which the spring is drawn to START, and end, s."""
+STEP, REST, SOON, END = 3e-4, 0.02, 0.12, 0.47
+"""Step, end of the static stage, time when the spring is drawn to START, and end, s."""
 START = 0.8
 """Force of the spring at first, in units of mu_s N; from there on its far end moves steadily."""
 FIRST = "the stretch goes on until the block is as fast as V: (V/w)^2/2 a = 15 um of 8.6 mm"
@@ -51,7 +57,7 @@ SWING = "forces of the end of a step take 1.6 w h = 1.4 % of the way back of a h
 def far_end(time: Sequence[float] | Floats) -> Floats:
     """Return where the far end of the spring is, m, (t,), from where it carries nothing on."""
     at = START * MU_S * NORMAL / SPRING
-    return np.interp(time, [0.0, SOON, END], [0.0, at, at + SPEED * (END - SOON)])
+    return np.interp(time, [REST, SOON, END], [0.0, at, at + SPEED * (END - SOON)])
 
 
 def slider() -> Model:
@@ -67,7 +73,8 @@ def slider() -> Model:
     builder.add_bolt_kind("spring", stiffness=SPRING, compression=True)
     middle = 0.5 * LENGTH
     builder.bolt((middle, 1e-3), (-3.5, 1e-3), kind="spring", name="spring")
-    pull = builder.add_amplitude("pull", [0.0, SOON, END], far_end([0.0, SOON, END]).tolist())
+    times = [0.0, REST, SOON, END]
+    pull = builder.add_amplitude("pull", times, far_end(times).tolist())
     builder.point_load((middle, 0.0), (SPRING, 0.0), block="block", amplitude=pull)
     builder.measured_point("foot", (middle, 0.0), block="block")
     return builder.build()
@@ -77,7 +84,9 @@ def drawn(variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and the force of the spring, N/m, (t,) each."""
     model = slider()
     method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
-    run = simulate(model, method, Schedule(step=STEP, end=END, every=END))
+    weight = Stage(name="weight", until=TIME, time=REST, dynamic_ratio=0.0)
+    stages = (weight, Stage(name="pull", until=TIME, time=END - REST))
+    run = simulate(model, method, Schedule(step=STEP, end=END, every=END, stages=stages))
     history = run.history("foot")
     return history.time, SPRING * (far_end(history.time) - history.displacement[:, 0])
 
@@ -111,8 +120,8 @@ def examine(variant: Variant) -> Outcome:
         x_label="time, s",
         y_label="force, N/m",
         curves=(
-            exact_curve("mu_s N", (0.0, END), (first, first)),
-            exact_curve("(2 mu_k - mu_s) N", (0.0, END), (first - fall,) * 2),
+            exact_curve("μₛ N", (0.0, END), (first, first)),
+            exact_curve("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2),
             curve(variant.name, time[::4], force[::4]),
         ),
     )
@@ -123,12 +132,12 @@ PROBLEM = Problem(
     name="stick-slip",
     title="Stick-slip of a slider on a spring",
     text="A block of 1 m x 0.1 m is drawn by a spring of 0.2 MN/m per m at 10 mm/s; friction "
-    "angles are 35 degrees at rest and 20 degrees in motion. p = 1 GPa, h = 0.3 ms. Forces half "
-    "way swing undamped from the weight that comes on at once: they need a static stage before.",
+    "angles are 35 degrees at rest and 20 degrees in motion; the weight comes on in a static "
+    "stage. p = 1 GPa, h = 0.3 ms.",
     formula="the spring's force falls from mu_s N by 2 (mu_s - mu_k) N",
     source="half a swing about mu_k N; Bowden & Leben 1939",
     set_up=slider,
     examine=examine,
-    variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
+    variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS, MIDPOINT),
+    quick=(CONVEX, MIDPOINT),
 )

@@ -85,9 +85,9 @@ def examine(variant: Variant) -> Outcome:
     chart = Chart(
         title="a light block under water",
         x_label="time, s",
-        y_label="way up, m",
+        y_label="displacement up, m",
         curves=(
-            exact_curve("a t^2/2", history.time, 0.5 * RISING * history.time**2),
+            exact_curve("a t²/2", history.time, 0.5 * RISING * history.time**2),
             curve(variant.name, time, history.displacement[::10, 1]),
         ),
     )

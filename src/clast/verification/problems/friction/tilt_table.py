@@ -79,7 +79,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="b/h",
         y_label="tilt, degrees",
         curves=(
-            exact_curve("the smaller of atan(b/h) and phi", fine, [exact_angle(b) for b in fine]),
+            exact_curve("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine]),
             curve(variant.name, WIDTHS, [row.computed for row in rows]),
         ),
     )

@@ -101,7 +101,7 @@ def examine(bisections: int, variant: Variant) -> Outcome:
     chart = Chart(
         title="reserve of the line of thrust",
         x_label="t/R",
-        y_label="least end force of a joint, N/(rho g)",
+        y_label="least end force of a joint, N/(ρ g)",
         curves=(
             exact_curve("by linear programming", shares, [safety(one) for one in shares]),
             curve(f"limit, {variant.name}", (found,), (0.0,)),

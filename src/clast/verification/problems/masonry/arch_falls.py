@@ -238,7 +238,7 @@ def examine(arches: tuple[Arch, ...], variant: Variant) -> Outcome:
     chart = Chart(
         title=f"displacement of the crown, {name}",
         x_label="spread of the supports, m",
-        y_label="way down, m",
+        y_label="displacement down, m",
         curves=(
             exact_curve("three hinges, to the fall", spreads, exact),
             curve(variant.name, way[shown], sunk[shown]),

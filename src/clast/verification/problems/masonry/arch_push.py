@@ -137,6 +137,8 @@ def examine(arches: tuple[Arch, ...], bisections: int, variant: Variant) -> Outc
         found = limit(stands, (1.0 + SPAN) * exact, (1.0 - SPAN) * exact, bisections)
         quantity = f"push over weight, {arch.name}"
         rows.append(relative(quantity, "", found, exact, TOLERANCE, RESOLUTION))
+    # with less friction arches slide: their points belong to neither line
+    drawn = [k for k, arch in enumerate(arches) if arch.friction_angle == OPPENHEIM.friction_angle]
     shares = np.linspace(0.11, 0.26, 16)
     semicircle = Arch(name="")
     chart = Chart(
@@ -156,8 +158,8 @@ def examine(arches: tuple[Arch, ...], bisections: int, variant: Variant) -> Outc
             ),
             curve(
                 variant.name,
-                [arch.share for arch in arches],
-                [row.computed for row in rows],
+                [arches[k].share for k in drawn],
+                [rows[k].computed for k in drawn],
             ),
         ),
     )

@@ -128,7 +128,7 @@ def examine(variant: Variant) -> Outcome:
             Chart(
                 title=f"{name}: displacement of the upper block",
                 x_label="time, s",
-                y_label="way, mm",
+                y_label="displacement, mm",
                 curves=(
                     exact_curve("in one go", first.time, 1e3 * first.displacement[:, 0]),
                     curve("resumed", second.time[::8], 1e3 * second.displacement[::8, 0]),

@@ -152,7 +152,7 @@ def examine(variant: Variant) -> Outcome:
     chart = Chart(
         title="displacement of the middle block",
         x_label="time, s",
-        y_label="way, m",
+        y_label="displacement, m",
         curves=(
             exact_curve("all together", time, 0.5 * acceleration() * time**2),
             exact_curve(

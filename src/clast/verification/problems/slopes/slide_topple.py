@@ -131,8 +131,8 @@ def examine(modes: tuple[str, ...], variant: Variant) -> Outcome:
         y_label="b/h",
         curves=(
             exact_curve("b/h = tan a: topples above friction", (dip, 50.0), 2 * [np.tan(DIP)]),
-            exact_curve("phi = a: slides", (dip, dip), (0.0, 0.9)),
-            exact_curve("b/h = tan phi: topples while sliding", fine, np.tan(np.radians(fine))),
+            exact_curve("φ = a: slides", (dip, dip), (0.0, 0.9)),
+            exact_curve("b/h = tan φ: topples while sliding", fine, np.tan(np.radians(fine))),
             curve(variant.name, points[:, 1], points[:, 0]),
         ),
     )

@@ -113,7 +113,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="time, s",
         y_label="angle, 1/1000",
         curves=(
-            exact_curve("cos w t", time, 1e3 * exact_angle),
+            exact_curve("cos ω t", time, 1e3 * exact_angle),
             curve(variant.name, time[::40], 1e3 * angle[::40]),
         ),
     )

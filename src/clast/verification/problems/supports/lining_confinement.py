@@ -136,7 +136,7 @@ def examine(variant: Variant) -> Outcome:
         curves.append(curve(label, 1e6 * closures(run), 1e-3 * pressure))
     chart = Chart(
         title="pressure on the lining as the hole closes",
-        x_label="closure, micrometres",
+        x_label="closure, µm",
         y_label="pressure, kPa",
         curves=(
             exact_curve(

@@ -150,7 +150,7 @@ def examine(variant: Variant) -> Outcome:
         y_label="moment, N",
         curves=(
             exact_curve(
-                "P R (1/pi - |cos|/2)",
+                "P R (1/π − |cos|/2)",
                 RADIUS * turn,
                 LOAD * RADIUS * (1.0 / np.pi - 0.5 * np.abs(np.cos(turn))),
             ),

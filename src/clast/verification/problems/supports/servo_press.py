@@ -92,7 +92,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="closure, mm",
         y_label="stress, MPa",
         curves=(
-            exact_curve("sigma/u", 1e3 * np.array([0.0, most]), 1e-6 * np.array([0.0, STRESS])),
+            exact_curve("σ/u", 1e3 * np.array([0.0, most]), 1e-6 * np.array([0.0, STRESS])),
             curve(
                 variant.name,
                 -1e3 * head.displacement[1::8, 1],

@@ -110,7 +110,7 @@ def examine(seeds: tuple[int, ...], variant: Variant) -> Outcome:
         title=f"vertical stress of the blocks, {variant.name}",
         x_label="stress, MPa",
         y_label="height, m",
-        curves=(exact_curve("rho g z", (-1e-6 * WEIGHED, 0.0), (0.0, HEIGHT)), *curves),
+        curves=(exact_curve("ρ g z", (-1e-6 * WEIGHED, 0.0), (0.0, HEIGHT)), *curves),
     )
     return Outcome(tuple(rows), (chart,))
 

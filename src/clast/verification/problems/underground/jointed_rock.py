@@ -84,7 +84,7 @@ def examine(ratios: tuple[float, ...], variant: Variant) -> Outcome:
     chart = Chart(
         title="modulus of the rock mass",
         x_label="E/(k s)",
-        y_label="E_m/E",
+        y_label="Eₘ/E",
         curves=(
             exact_curve("1/(1 + E/(k s))", fine, 1.0 / (1.0 + fine)),
             curve(variant.name, ratios, np.array(found) / YOUNG),

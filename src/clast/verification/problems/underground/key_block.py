@@ -91,7 +91,7 @@ def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
         x_label="friction angle, degrees",
         y_label="H / W",
         curves=(
-            exact_curve("1/(2 tan(phi - a))", fine, [exact_force(a) / WEIGHT for a in fine]),
+            exact_curve("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine]),
             curve(variant.name, angles, np.array(found) / WEIGHT),
         ),
     )

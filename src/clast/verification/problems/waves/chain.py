@@ -126,12 +126,12 @@ def examine(periods: int, variant: Variant) -> Outcome:
     rows.append(absolute("order in h", "", order, 2.0, 0.1, "the order is that of small steps"))
     cycles = np.arange(len(lost)) / STEPS
     chart = Chart(
-        title="energy left",
+        title="energy gained",
         x_label="periods",
-        y_label="share of that of the start",
+        y_label="gain / energy at the start",
         curves=(
-            exact_curve("kept", cycles[[0, -1]], np.ones(2)),
-            curve(variant.name, cycles[:: 10 * STEPS], (1.0 - lost)[:: 10 * STEPS]),
+            exact_curve("kept", cycles[[0, -1]], np.zeros(2)),
+            curve(variant.name, cycles[:: 10 * STEPS], -lost[:: 10 * STEPS]),
         ),
     )
     return Outcome(tuple(rows), (chart,))

@@ -153,7 +153,7 @@ def examine(acts: tuple[str, ...], cycles: int, variant: Variant) -> Outcome:
         chart = Chart(
             title=f"displacement down the plane, {one}",
             x_label="time, s",
-            y_label="way relative to the ground, m",
+            y_label="relative displacement, m",
             curves=(exact_motion, curve(variant.name, time[::50], moved[::50])),
         )
         charts.append(chart)

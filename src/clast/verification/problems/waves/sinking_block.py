@@ -65,7 +65,7 @@ def examine(variant: Variant) -> Outcome:
     chart = Chart(
         title="displacement of the block",
         x_label="time, s",
-        y_label="way down, m",
+        y_label="displacement down, m",
         curves=(
             exact_curve("formula", history.time, exact_sinking(history.time)),
             curve(variant.name, history.time[::80], sunk[::80]),
