@@ -165,7 +165,7 @@ def factor_of_wedges(variant: Variant) -> float:
     exact = exact_factor_of_wedges()
 
     def holds(share: float) -> bool:
-        return standing(wedges(exact / share), variant, 5e8, WEDGE_STEP)
+        return stands(wedges(exact / share), variant, 5e8, WEDGE_STEP)
 
     return exact / limit(holds, 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN, BISECTIONS)
 
