@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from clast.inputs.builder import InputBuilder
 from clast.verification.limit_analysis import (
     GROUND,
     RigidBlocks,
     RigidJoint,
+    add_voussoirs,
     joint_ends,
     largest_factor,
     least,
@@ -64,3 +66,18 @@ def test_arches_of_other_sizes_have_the_same_limits():
         weight, push = blocks.body_force((0.0, -1.0)), blocks.body_force((1.0, 0.0))
         shares.append(largest_factor(blocks, weight, push))
     assert shares == pytest.approx([0.3736] * 3, abs=2e-4)  # Oppenheim (1992): 0.37
+
+
+def test_voussoirs_of_a_model_are_those_of_limit_analysis():
+    ends = joint_ends(4.0, 0.2, 140.0, 9)
+    builder = InputBuilder()
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2400.0)
+    middles = add_voussoirs(builder, *ends)
+    model = builder.build()
+    assert model.block_name == tuple(middles) == tuple("123456789")
+    corners = np.concatenate(voussoirs_between(*ends, 30.0).corners)
+    assert np.array_equal(model.vertices, corners)
+    # from right to left, on a circle about the origin
+    assert list(middles.values()) == sorted(middles.values(), key=lambda at: -at[0])
+    away = np.hypot(*np.array(list(middles.values())).T)
+    assert away == pytest.approx(4.0 * np.cos(np.radians(140.0 / 18)), rel=1e-12)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linprog
 
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats
 
 Bounds = tuple[float | None, None]
@@ -186,13 +187,31 @@ def joint_ends(
     return (radius - reach) * direction, (radius + reach) * direction
 
 
+def corners_between(inner: Floats, outer: Floats) -> list[Floats]:
+    """Return the corners (4, 2), m, of each voussoir between joints, by their ends (k + 1, 2)."""
+    return [
+        np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(len(inner) - 1)
+    ]
+
+
+def add_voussoirs(builder: InputBuilder, inner: Floats, outer: Floats) -> dict[str, Floats]:
+    """Add the voussoirs between joints, by their ends (k + 1, 2), m; return their middles (2,), m.
+
+    Their names are "1" to "k", from right to left.
+    """
+    middles = {}
+    for k, corners in enumerate(corners_between(inner, outer), 1):
+        builder.block(name=str(k), vertices=corners)
+        middles[str(k)] = corners.mean(axis=0)
+    return middles
+
+
 def voussoirs_between(inner: Floats, outer: Floats, friction_angle: float) -> RigidBlocks:
     """Return the voussoirs between joints, by their ends (k + 1, 2), m, on fixed abutments.
 
     The normal of each joint points along the arch into the voussoir to its left.
     """
     count = len(inner) - 1
-    corners = [np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(count)]
     joints = []
     for k in range(count + 1):
         radial = (outer[k] - inner[k]) / np.hypot(*(outer[k] - inner[k]))
@@ -204,4 +223,4 @@ def voussoirs_between(inner: Floats, outer: Floats, friction_angle: float) -> Ri
                 friction_angle=friction_angle,
             )
         )
-    return RigidBlocks(corners=corners, joints=joints)
+    return RigidBlocks(corners=corners_between(inner, outer), joints=joints)

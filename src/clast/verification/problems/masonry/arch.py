@@ -17,7 +17,7 @@ from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import limit, standing
-from clast.verification.limit_analysis import joint_ends, reserve, voussoirs_between
+from clast.verification.limit_analysis import add_voussoirs, joint_ends, reserve, voussoirs_between
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
@@ -55,9 +55,7 @@ def arch(share: float = 0.12) -> Model:
     builder.block(
         name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
     )
-    for k in range(VOUSSOIRS):
-        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
-        builder.block(name=str(k + 1), vertices=corners)
+    add_voussoirs(builder, inner, outer)
     builder.measured_point("crown", (0.0, float(outer[VOUSSOIRS // 2, 1])), block="10")
     return builder.build()
 

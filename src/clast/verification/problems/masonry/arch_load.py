@@ -15,7 +15,12 @@ from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import limit, standing
-from clast.verification.limit_analysis import joint_ends, largest_factor, voussoirs_between
+from clast.verification.limit_analysis import (
+    add_voussoirs,
+    joint_ends,
+    largest_factor,
+    voussoirs_between,
+)
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
@@ -50,7 +55,6 @@ def exact_load(place: int) -> float:
 
 def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     """Return a fixed base and the voussoirs, one of them with a load, N/m."""
-    inner, outer = joints()
     reach = RADIUS * (1.0 + SHARE)
     builder = InputBuilder(title="Loaded arch", gravity=(0.0, -GRAVITY))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
@@ -58,10 +62,8 @@ def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     builder.block(
         name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
     )
-    for k in range(VOUSSOIRS):
-        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
-        builder.block(name=str(k + 1), vertices=corners)
-        builder.measured_point(str(k + 1), np.mean(corners, axis=0), block=str(k + 1))
+    for name, middle in add_voussoirs(builder, *joints()).items():
+        builder.measured_point(name, middle, block=name)
     x, y = loaded_point(place)
     builder.point_load((x, y), (0.0, -load), block=str(place))
     return builder.build()

@@ -21,6 +21,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import limit, standing
 from clast.verification.limit_analysis import (
     RigidBlocks,
+    add_voussoirs,
     joint_ends,
     largest_factor,
     voussoirs_between,
@@ -98,10 +99,8 @@ def add_arch(builder: InputBuilder, arch: Arch, carried: str = "") -> None:
         )
         for at in (high + back, low + back) if name == carried else ():
             builder.fixed_point(at, block=name)
-    for k in range(arch.voussoirs):
-        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
-        builder.block(name=str(k + 1), vertices=corners)
-        builder.measured_point(str(k + 1), np.mean(corners, axis=0), block=str(k + 1))
+    for name, middle in add_voussoirs(builder, inner, outer).items():
+        builder.measured_point(name, middle, block=name)
 
 
 def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
