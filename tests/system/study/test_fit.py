@@ -211,24 +211,33 @@ def test_a_back_analysis_that_is_interrupted_goes_on_where_it_was(case, tmp_path
     assert best.joint_table.joints[-1].friction_angle == pytest.approx(whole.value[1])
 
 
+def results_in(folder: Path) -> int:
+    """Return how many runs of a study have written their result; 0 where there is no folder."""
+    return len(list(folder.glob("runs/*/[0-9]*/result.json")))
+
+
 @pytest.mark.slow
 def test_a_back_analysis_that_is_killed_ends_with_the_same_table(case, tmp_path):
+    """Three times, each when a number of further runs that is drawn have their result."""
     written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION), str(NOISE))
     words = [sys.executable, "-m", "clast", "study"]
     command = [*words, "fit", case.name, "--observe", "moved.csv", "-q", "--workers", "2"]
     for path, given in RANGES.items():
         command += ["--vary", f"{path}={given}"]
     subprocess.run([*command, "-o", "whole"], cwd=tmp_path, check=True)
-    first = [*command, "-o", "part"]
-    order = random.Random(5)
+    first, part, order, before = [*command, "-o", "part"], tmp_path / "part", random.Random(5), []
+    total = results_in(tmp_path / "whole")
     for _ in range(3):
         driver = subprocess.Popen(first, cwd=tmp_path, start_new_session=True)
-        time.sleep(order.uniform(5.0, 10.0))
-        if driver.poll() is None:
-            os.killpg(driver.pid, signal.SIGKILL)
+        goal = results_in(part) + order.randint(1, total // 5)
+        while results_in(part) < goal and driver.poll() is None:
+            time.sleep(0.02)
+        assert driver.poll() is None, "it had ended before it was killed"
+        os.killpg(driver.pid, signal.SIGKILL)
         driver.wait()
-        if (tmp_path / "part/study.toml").exists():
-            first = [*words, "resume", "part", "-q", "--workers", "2"]
+        before.append(results_in(part))
+        first = [*words, "resume", "part", "-q", "--workers", "2"]
+    assert before == sorted(set(before)) and before[-1] < total
     subprocess.run(first, cwd=tmp_path, check=True)
     for name in ("results.csv", "fit.json"):
         assert (tmp_path / "part" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
