@@ -1,16 +1,16 @@
-"""Fixed points: stiff springs to anchors that stand still, move with the ground, or are led.
+"""Fixed points: stiff springs to anchors at rest, moving with the ground, or with a [[motion]].
 
     f = -k (x - anchor),    x = x0 + T d at the end of the step
 
-As all forces of a step they act with their stretch at its end, when the anchors have moved; or with
-the mean of those at its start and its end, where the step takes its forces half way.
+Like all forces of a step they are those of the stretch at its end, when the anchors have moved; or
+of the mean stretch of start and end, if the step evaluates its forces halfway.
 
-A point that a [[motion]] leads is where its anchor is, to the last digits: its force is
+A point with a prescribed motion, a [[motion]], stays at its anchor to the last digits: its force is
 
     f = lambda - k (x - anchor)
 
 with the multiplier lambda from the last step, and the step is solved again with lambda = f until
-the point is there.  Such a force stores nothing, and its work is that of the motion.
+the point has reached its anchor.  Such a force stores no energy; its work is that of the motion.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
 
 THERE = 1e-13
-"""How far a point that is led may be from its anchor, as a share of the system."""
+"""Tolerance of the position of a point with a prescribed motion, as a share of the system."""
 
 
 @dataclass(frozen=True)
@@ -40,21 +40,21 @@ class Supports:
     """Kind of support in its shares, row by row, for their reactions."""
 
     def begin(self, model: Model) -> Floats | None:
-        """Return the forces on the points, (k, 2), where some may be led.
+        """Return the forces on the points, (k, 2), if some may have a prescribed motion.
 
         Otherwise None: the stretch of the springs follows from where the points are.
         """
-        led = any(hasattr(action, "anchors") for action in model.actions)
-        return np.zeros((len(model.fixed_points.block), 2)) if led else None
+        prescribed = any(hasattr(action, "anchors") for action in model.actions)
+        return np.zeros((len(model.fixed_points.block), 2)) if prescribed else None
 
     def share(self, start: StepStart, state: Floats | None) -> Contribution:
         """Return the forces of the springs and their stiffness k T^T T."""
-        rows, drift, led = self._rows(start)
-        k, place = self.stiffness, np.where(led, 1.0, start.forces_at)
+        rows, drift, prescribed = self._rows(start)
+        k, place = self.stiffness, np.where(prescribed, 1.0, start.forces_at)
         stiffness = np.add.reduce(rows[:, :, :, None] * rows[:, :, None], axis=1)  # T^T T
         pull = -k * drift
         if state is not None:
-            pull[led] += state[led]
+            pull[prescribed] += state[prescribed]
         return Contribution(
             block=start.model.fixed_points.block,
             force=np.add.reduce(rows * pull[:, :, None], axis=1),
@@ -65,18 +65,18 @@ class Supports:
     def again(
         self, start: StepStart, share: Contribution, displacement: Floats
     ) -> Contribution | None:
-        """Return the share with other multipliers where points that are led miss their anchors.
+        """Return the share with new multipliers if prescribed points miss their anchors.
 
-        ``displacement`` (n, 6) is the motion of blocks in the last solution; None: none misses it.
+        ``displacement`` (n, 6) is that of blocks in the last solution.  None if no point misses.
         """
         if not start.model.actions:
             return None
-        rows, drift, led = self._rows(start)
+        rows, drift, prescribed = self._rows(start)
         missed = drift + self._followed(rows, share, displacement)
         size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
-        if not led.any() or float(np.abs(missed[led]).max()) <= THERE * size:
+        if not prescribed.any() or float(np.abs(missed[prescribed]).max()) <= THERE * size:
             return None
-        more = np.where(led[:, None], -self.stiffness * missed, 0.0)
+        more = np.where(prescribed[:, None], -self.stiffness * missed, 0.0)
         return replace(share, force=share.force + np.add.reduce(rows * more[:, :, None], axis=1))
 
     def finish(
@@ -91,16 +91,16 @@ class Supports:
         ground = start.model.ground_motion
         if state is None and isinstance(ground, Still):
             return ActionResult(work=work, ledger=Ledger(fixed_points=stored), state=state)
-        rows, drift, led = self._rows(start)
+        rows, drift, prescribed = self._rows(start)
         motions, forces = 0.0, state
         if state is not None:
             followed = self._followed(rows, share, solution.displacement)
-            place = np.where(led, 1.0, start.forces_at)[:, None]
+            place = np.where(prescribed, 1.0, start.forces_at)[:, None]
             # T begins with the identity
             forces = share.force[:, :2] - place * self.stiffness * followed
-            by_springs = _rows_of(share, ~led)
+            by_springs = _rows_of(share, ~prescribed)
             stored = energy_of_linear(by_springs, solution.displacement)[1]
-            motions = float(np.sum((forces * followed)[led]))
+            motions = float(np.sum((forces * followed)[prescribed]))
         change = Ledger(fixed_points=stored, motions=motions)
         if isinstance(ground, Still):
             return ActionResult(work=work, ledger=change, state=forces)
@@ -109,7 +109,7 @@ class Supports:
         if not moved.any():
             return ActionResult(work=work, ledger=change, state=forces)
         # what held an excavated block does not stretch any more
-        still = start.model.absent[share.block] | led
+        still = start.model.absent[share.block] | prescribed
         moved = np.where(still[:, None], 0.0, moved)
         followed = self._followed(rows, share, solution.displacement)
         at = start.forces_at
@@ -124,14 +124,14 @@ class Supports:
         return np.asarray(np.einsum("kxi,ki->kx", rows, displacement[share.block]))
 
     def _rows(self, start: StepStart) -> tuple[Floats, Floats, Bools]:
-        """Return T (k, 2, 6) at the points, their distance (k, 2) from the anchors, m, who is led.
+        """Return T (k, 2, 6) at points, offsets (k, 2) from anchors, m, and which are prescribed.
 
-        The anchors are where they are when forces are taken: between those of start and end; those
-        of points that are led are where they are at the end.
+        Anchors are where they are at the time at which forces are evaluated; those with a
+        prescribed motion where they are at the end of the step.
         """
         points, ground = start.model.fixed_points, start.model.ground_motion
         at = start.state.points[start.model.point_slices.fixed]
-        anchor, led = points.at, np.zeros(len(points.at), np.bool_)
+        anchor, prescribed = points.at, np.zeros(len(points.at), np.bool_)
         if not isinstance(ground, Still):
             before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
             share = start.forces_at
@@ -141,8 +141,8 @@ class Supports:
                 number, way = action.anchors(start.model, start.end)
                 anchor = anchor.copy()
                 anchor[number] = points.at[number] + way
-                led[number] = True
-        return basis(at - start.frames.centroid[points.block]), at - anchor, led
+                prescribed[number] = True
+        return basis(at - start.frames.centroid[points.block]), at - anchor, prescribed
 
 
 def _rows_of(share: Contribution, wanted: Bools) -> Contribution:

@@ -13,7 +13,7 @@ from clast.step.search_distance import ContactSearch, searched_again
 from clast.step.start import StepContext, again, begin
 
 TRIES = 4
-"""Times that a step is solved once more for points that are led, at most."""
+"""Largest number of repeated solutions of a step for points with a prescribed motion."""
 
 
 class StepSolver(Protocol):

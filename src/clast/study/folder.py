@@ -294,7 +294,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def _result_in(path: Path, study: str) -> dict[str, Any] | None:
-    """Return the result in a file; None where there is none of this study."""
+    """Return the result in a file; None if it has none of this study."""
     try:
         found = json.loads(path.read_bytes())
     except (OSError, ValueError):

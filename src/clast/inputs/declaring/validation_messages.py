@@ -239,7 +239,7 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
 
 
 def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
-    """Return the fault of a value that is none of the allowed ones."""
+    """Return the fault of a value that is not among the allowed ones."""
     choices = list(_choices(known.annotation)) if known else []
     remedy = spelling.advice(str(given), choices, kind="choice")
     return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)

@@ -123,7 +123,7 @@ def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
         )
     if unit not in known:
         other = next(name for name, units in UNITS.items() if unit in units)
-        # What the heading says of the quantity is not to be changed for its unit.
+        # A unit must not change the quantity that the heading gives.
         change = "" if series.quantity else f', or quantity = "{other}"'
         raise CaseError(
             f"{unit} is not a valid unit of {quantity}",

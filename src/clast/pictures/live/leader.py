@@ -184,7 +184,7 @@ class LivePage:
 
 
 def _where(progress: Progress) -> dict[str, Any]:
-    """Return what a page says of where a run is."""
+    """Return the progress of a run as a page shows it."""
     return {
         "time": progress.time,
         "end": progress.end,
