@@ -239,90 +239,90 @@ def heap_table(title: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
 
 HEAD = """# Where the convex process holds
 
-Written by `python -m benchmarks.robustness`; only runs that have been made are listed. No number
+Written by `python -m benchmarks.robustness`; only completed runs are listed. No parameter
 was tuned for any row: one method, penalty law, constant acceleration, default tolerance.
-Made anew in November 2026, all but the columns of 990 bricks at 0.2 ms, which are older than
-impacts as events (decision 41) and seams (40); on a machine with many other programs, so that
-wall times are five to thirty times those of a quiet one.
+Repeated in November 2026, except the columns of 990 bricks at 0.2 ms, which predate
+impacts as events (decision 41) and seams (40). The machine also ran many other programs, so that
+wall times are five to thirty times those on a quiet one.
 
-The heap's peak penetration of some 9 mm does not depend on the stiffness: a corner that passes
-another one comes to lie behind an edge, its spring begins there without force
-(`step/spring_offset.py`), and it stays as deep until blocks part. It lies in by a tip: the area
-of overlap is a hundredth of a square centimetre on stiff springs. The drift of 990 soft bricks
-in columns (p/E = 0.01: each joint closes by 6 mm, 45 on top of each other) is that of a stack
-that leans as it comes to rest, 0.5 to 12 mm with other steps.
+The heap's peak penetration of about 9 mm does not depend on the stiffness: a corner that passes
+another one comes to lie behind an edge, its spring is unloaded at that position
+(`step/spring_offset.py`), and the penetration remains until the blocks separate. Only the tip
+overlaps: the area of overlap is a hundredth of a square centimetre on stiff springs. The drift of
+990 soft bricks in columns (p/E = 0.01: each joint closes by 6 mm, 45 on top of each other) occurs
+because a stack leans as it comes to rest; it is 0.5 to 12 mm depending on the step.
 
 ## Walls
 
-One second each, if a table does not say otherwise. Bricks of 1 m x 0.5 m, half bricks at the ends
-of every second course, E 5 GPa, Poisson's ratio 0 (so that no drift is real), 2600 kg/m3, friction
-angle 26.57 degrees, no damping, on a fixed base. The wall starts without any penetration and
+Duration one second, unless the table says otherwise. Bricks of 1 m x 0.5 m, half bricks at the ends
+of every second course, E 5 GPa, Poisson's ratio 0 (so that any drift is an error), 2600 kg/m3,
+friction angle 26.57 degrees, no damping, on a fixed base. The wall starts without penetration and
 settles under its weight.
 
-*Drift* is the largest horizontal movement of any vertex. W/(n_c p) is the wall's weight spread
-evenly over the corners that stand on the base. In units of it are given the mean penetration there
-(*base*) and the largest of any contact in the wall (*largest*), both averaged over the last half
-second, because an undamped wall on soft springs still bounces. In a bond the load is not even,
-so the largest exceeds the mean; in columns it does not. From p = E up all penetration is within
-20 % of W/(n_c p) and all drift below 0.05 mm. Columns are held together by nothing but friction at
-their feet; they stand because a corner that is flush with the face beside it does not rest on it
-(docs/decisions/0020): before that 990 bricks at p = E, h = 0.2 ms swayed by 0.16 mm and drifted by
-0.05 mm. Softer walls bounce by millimetres and drift more. *Failed* counts steps that did not
-converge or let a vertex through, *cut* those in which something moved or turned too far for one
-step. Wall times are of one thread beside other programs, and those of the first runs hold the time
-in which kernels are compiled.
+*Drift* is the largest horizontal displacement of any vertex. W/(n_c p) is the penetration if the
+weight of the wall were spread evenly over the corners on the base. The mean penetration at the base
+(*base*) and the largest of any contact in the wall (*largest*) are given in units of it, both
+averaged over the last half second, because an undamped wall on soft springs still bounces. In a
+bond the load is not even, so the largest exceeds the mean; in columns it does not. From p = E up
+all penetrations are within 20 % of W/(n_c p) and all drifts below 0.05 mm. Columns are held only by
+friction at their feet; they stand because a corner that is flush with the adjacent face does not
+rest on it (docs/decisions/0020): before that change 990 bricks at p = E, h = 0.2 ms swayed by
+0.16 mm and drifted by 0.05 mm. Softer walls bounce by millimetres and drift more. *Failed* counts
+steps that did not converge or in which a vertex passed through an edge, *cut* those in which a
+displacement or rotation exceeded the limit of a step. Wall times are for one thread beside other
+programs; those of the first runs include the compilation of kernels.
 """
 
 TAIL = """## Heaps
 
-Random polygons of 4 to 7 corners and up to 1.1 m, every second one not convex, fall into a trough
+Random polygons of 4 to 7 corners and up to 1.1 m, every second one non-convex, fall into a trough
 (E 5 GPa, friction angle 30 degrees, restitution 0) and come to rest. *Created* is the largest
-energy ever held beyond that of the start, *unaccounted* the energy that the ledger cannot explain,
-both over the energy turned over.
+excess over the initial energy at any time, *unaccounted* the error of the energy balance,
+both divided by the energy turned over.
 """
 
-END = """## What else is shown
+END = """## Further tests
 
-The tests in `tests/robustness` show 50 storeys, a wedge between two blocks, piles of slabs of
-1:50, blocks 1000 times different in size, and scenes that users of other programs report to fail:
-a wedge of 32 blocks that must rest on a slope of 26.5 degrees, a block at the very limit of its
-friction, a block that touches nothing, stacked boxes, an arch. Random small systems converge, give
-the same answer moved, turned, renumbered, in another unit, and repeat bit for bit.
+The tests in `tests/robustness` cover 50 storeys, a wedge between two blocks, piles of slabs of
+1:50, block sizes that differ by a factor of 1000, and scenes reported to fail in other programs:
+a wedge of 32 blocks that must rest on a slope of 26.5 degrees, a block exactly at its limit of
+friction, a block without contacts, stacked boxes, an arch. Random small systems converge, give
+the same results if moved, rotated, renumbered or scaled, and repeat bit for bit.
 
 Random systems of 2 to 11 blocks (`tests/scenes/random_systems.py`: sizes 1:100, half of them not
 convex, tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with
-cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon
-clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 two
-blocks overlap by more than 1.5 times the penetration that their contacts know, 29 by micrometres,
-three by 1 to 92 mm, and each is warned of.
+cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and checked with a polygon
+clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 systems
+two blocks overlap by more than 1.5 times the penetration of their contacts, 29 by micrometres,
+three by 1 to 92 mm, with a warning in each case.
 
 Random rock masses (`python -m benchmarks.networks`, drawn by `tests/scenes/networks.py`: one to 3
 joint sets of all six models, with or without traces, an opening and a bed of another rock, 6 cm to
 2 km across, a quarter of them 1,000 km from the origin, 1 to 1,045 blocks, median 19, held at their
-sides or standing on a base) are cut, built, checked and run for 20 steps under gravity. Of 1,000 in
-22 a set cuts nothing, and is refused. None of the others is refused or stops, none gains energy, no
-number is not finite; of 20,000 steps 57 are cut. In 68 blocks overlap by more than their contacts
-know, by less than a micrometre to 1.3 mm, where corners that have slid past each other
-rest behind an edge, and each is warned of.
+sides or standing on a base) are cut, built, checked and run for 20 steps under gravity. In 22 of
+1,000 a set cuts no block and is refused. None of the others is refused or stops, none gains energy,
+all results are finite; of 20,000 steps 57 are cut. In 68 blocks overlap by more than the
+penetration of their contacts, by less than a micrometre to 1.3 mm, where corners that have slid
+past each other rest behind an edge, with a warning in each case.
 
-critdis (default 5 mm) belongs below a tenth of the thinnest block, max_displacement below its
+critdis (default 5 mm) should be below a tenth of the thinnest block, and max_displacement below its
 thickness: 0.5 mm and 1 mm for cubes of 1 cm below a block of 10 m.
 
-Three things to know:
+Three limitations:
 
-- Linear momentum is exact to round-off, and so is the moment of momentum of blocks that turn and
-  strain freely. Where blocks touch it is not: friction acts on the vertex and on its foot on the
-  edge, one penetration apart, a couple of T x penetration, and forces act at the geometry of the
-  start of a step. Two squares that collide off their centres and rub drift
-  by 9e-5 of the sum of their moments at any p; by soft springs alone, p = E/100, it was 1.6e-3,
-  nine tenths of it that couple.
-- The tolerance of a step is that of the whole system. A fast block elsewhere coarsens it: a
-  falling block moved a stack 10 m away by 8e-11 m in 0.2 s; tolerance 1e-10 instead of 1e-7 leaves
-  less than 1e-12 m.
-- A block released on unloaded springs gains some speed before its friction is there. Where slope
-  and friction are in balance (tan phi = 0.5 on 26.565 degrees) nothing takes that away again. Let
-  such a system settle with dynamic_ratio = 0 first; from there the block sticks at 0.50 and slides
-  at 0.49 as far as it should to 1e-11 m.
+- Linear momentum is conserved to round-off, and so is the angular momentum of blocks that rotate
+  and strain freely. Contacts do not conserve angular momentum exactly: friction acts on the vertex
+  and on its foot on the edge, one penetration apart, which gives a couple of T x penetration, and
+  forces are evaluated at the geometry of the start of a step. In an eccentric collision of two
+  squares with friction the error is 9e-5 of the sum of their angular momenta at any p; on soft
+  springs alone, p = E/100, it was 1.6e-3, nine tenths of it due to that couple.
+- The tolerance of a step refers to the whole system, and a fast block elsewhere makes it coarser: a
+  falling block moved a stack 10 m away by 8e-11 m in 0.2 s; with tolerance 1e-10 instead of 1e-7 it
+  is less than 1e-12 m.
+- A block released on unloaded springs gains some speed before friction develops. If slope
+  and friction are in balance (tan phi = 0.5 on 26.565 degrees), it keeps this speed. Let
+  such a system settle with dynamic_ratio = 0 first; the block then sticks at 0.50 and at 0.49
+  slides the correct distance to 1e-11 m.
 """
 
 
