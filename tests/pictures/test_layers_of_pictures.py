@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 import clast
 from clast.errors import CaseError
+from clast.pictures.compared_frames import plot_two_frames
 from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import plot_histories
 from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
-from clast.pictures.side_by_side.compared_frames import plot_two_frames
 from scenes.drawings import text_of
 
 

@@ -19,13 +19,13 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
 from clast.model.stages.reference import ReferenceState
 from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
-from clast.results.frames import VERTICES
-from clast.results.samples.contact_samples import (
+from clast.results.contact_samples import (
     contact_rows,
     opening_and_slip,
     places_of,
     worn,
 )
+from clast.results.frames import VERTICES
 from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
 from clast.step.method import StepResult
 
