@@ -39,7 +39,7 @@ from clast.block import polygon
 from clast.block.displacement import movements
 from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.linear.system import stretches
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.supports.link_lines import FREE, RIGID, SOFT, LinkLines
 
@@ -243,39 +243,11 @@ class Links:
 
         Each row that acts has a spring to one side, one to the other, and a dashpot.
         """
-        rows, row, state = self.rows, active.row, active.state
-        link, turns = rows.link[row], rows.component[row] == ROTATION
-        along = active.along[link]
-        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        way = np.where((rows.component[row] == 1)[:, None], across, along)
-        reach = np.where(turns, active.arm, 0.0)[:, None] * across
-        offset = active.offset[link] + reach[:, None]
-        arms = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
-        # at the end of the arms, along the link, angles are stretches -L r
-        scale = np.where(turns, -active.arm, 1.0)
-        free = active.stretch[row] - state.rest[row] - state.plastic[row]
-        stiffness = active.stiffness[row] / scale**2
-        play = rows.gap[row] * np.abs(scale)
-        # a force f of the component is f/scale in the row: the two have opposite bounds at the arms
-        weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, state))
-        weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
+        rows, row = self.rows, active.row
+        arms, scale = self._arms(active)
+        free = active.stretch[row] - active.state.rest[row] - active.state.plastic[row]
         stretch, count = scale * free, len(row)
-        none, two_sided = np.zeros(count), play == 0.0
-        # what is rigid is not a spring that swings: half of its way would be a force that grows
-        place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
-
-        def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:
-            held = Clipped(at_zero=stiffness * shift, stiffness=stiffness, low=low, high=high)
-            return held.taken_at(place, stretch)
-
-        drag = rows.damping[row] / scale**2 / start.step
-        endless = np.full(count, np.inf)
-        each = (
-            springs(weakest, np.where(two_sided, strongest, 0.0), play),
-            springs(none, np.where(two_sided, 0.0, strongest), -play),
-            Clipped(at_zero=drag * stretch, stiffness=drag, low=-endless, high=endless),
-        )
-        kept = [np.ones(count, np.bool_), ~two_sided, rows.damping[row] > 0.0]
+        each, kept = self._each_spring(start, active, scale, stretch)
         chosen = np.concatenate([np.flatnonzero(one) + k * count for k, one in enumerate(kept)])
         normal = Clipped(
             **{
@@ -286,8 +258,8 @@ class Links:
         at = chosen % count
         nothing = np.zeros(len(at))
         found, order = table(
-            vertex_block=rows.block[link, 0][at],
-            edge_block=rows.block[link, 1][at],
+            vertex_block=rows.block[rows.link[row], 0][at],
+            edge_block=rows.block[rows.link[row], 1][at],
             arms=arms[at],
             gap=stretch[at],
             slip=nothing,
@@ -297,6 +269,51 @@ class Links:
         places = np.full(3 * count, -1)
         places[chosen] = order
         return found, places
+
+    def _arms(self, active: _Active) -> tuple[Floats, Floats]:
+        """Return direction and arms of the rows that act, (r, 6), and their scale, (r,).
+
+        The stretch at the end of the arms, m, is the scale times the row's own: -L for angles.
+        """
+        rows, row = self.rows, active.row
+        link, turns = rows.link[row], rows.component[row] == ROTATION
+        along = active.along[link]
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        way = np.where((rows.component[row] == 1)[:, None], across, along)
+        reach = np.where(turns, active.arm, 0.0)[:, None] * across
+        offset = active.offset[link] + reach[:, None]
+        arms = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
+        return arms, np.where(turns, -active.arm, 1.0)
+
+    def _each_spring(
+        self, start: StepStart, active: _Active, scale: Floats, stretch: Floats
+    ) -> tuple[tuple[Clipped, ...], tuple[Bools, ...]]:
+        """Return the springs to one side and to the other and the dashpots, and which there are.
+
+        ``stretch`` is that at the end of the arms, m; all have the shape (r,).
+        """
+        rows, row, state = self.rows, active.row, active.state
+        stiffness = active.stiffness[row] / scale**2
+        play = rows.gap[row] * np.abs(scale)
+        # a force f of the component is f/scale in the row: the two have opposite bounds at the arms
+        weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, state))
+        weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
+        none, two_sided = np.zeros(len(row)), play == 0.0
+        # what is rigid is not a spring that swings: half of its way would be a force that grows
+        place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
+
+        def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:
+            held = Clipped(at_zero=stiffness * shift, stiffness=stiffness, low=low, high=high)
+            return held.taken_at(place, stretch)
+
+        drag = rows.damping[row] / scale**2 / start.step
+        endless = np.full(len(row), np.inf)
+        each = (
+            springs(weakest, np.where(two_sided, strongest, 0.0), play),
+            springs(none, np.where(two_sided, 0.0, strongest), -play),
+            Clipped(at_zero=drag * stretch, stiffness=drag, low=-endless, high=endless),
+        )
+        return each, (np.ones(len(row), np.bool_), ~two_sided, rows.damping[row] > 0.0)
 
     def _moved(self, springs: Springs, gap: Floats, places: Ints, active: _Active) -> Floats:
         """Return by how much the rows that act were stretched, m or rad, shape (r,).
