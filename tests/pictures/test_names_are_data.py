@@ -11,7 +11,7 @@ from clast.pictures.page.document import page_text
 from clast.pictures.page.scene import scene_of
 from clast.pictures.rock_mass import write_cut_report
 from clast.rockmass import Domain, JointSet, cut
-from clast.study.study_report import Page as StudyPage
+from clast.study.report_page import Page as StudyPage
 
 NAMES = {
     "script": "</script><script>alert(1)</script>",

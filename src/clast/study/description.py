@@ -177,6 +177,12 @@ class Description:
             found.append(one.at(position))
         return tuple(reversed(found))
 
+    @property
+    def lists(self) -> list[tuple[Value, ...]]:
+        """The values of each parameter of a sweep; raises CaseError where one is no list."""
+        found = (_list_of(one) for one in self.vary)
+        return [tuple(one.at(k) for k in range(len(one))) for one in found]
+
     # Measures ------------------------------------------------------------------------------------
 
     @cached_property

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import stats
 
 from clast.model.model import Floats
-from clast.study.description import MONTECARLO, Description
+from clast.study.description import MONTECARLO, SWEEP, Description
 from clast.study.folder import DONE, StudyFolder
 from clast.study.variables.distributions import Numbered
 from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Random
@@ -201,13 +201,14 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     """Return how values (k,) of the runs go with each parameter, the strongest first.
 
     The number of a run orders nothing: a parameter that is one is left out.  Runs on a grid of few
-    values have none.
+    values have none, and no sweep whose runs lie on one curve, which says more.
     """
-    if not columns.study.sampling.OF_CHANCE:
+    study = columns.study
+    if not study.sampling.OF_CHANCE or (study.kind == SWEEP and _is_curve(study)):
         return []
     found = []
     sound = np.isfinite(values)
-    numbers = {one.name for one in columns.study.vary if isinstance(one.drawn, Numbered)}
+    numbers = {one.name for one in study.vary if isinstance(one.drawn, Numbered)}
     for name, given in columns.parameters.items():
         if name in numbers:
             continue
@@ -226,6 +227,11 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
             )
         )
     return sorted(found, key=lambda one: -one.swing)
+
+
+def _is_curve(study: Description) -> bool:
+    """Return whether one parameter of a sweep varies, or several in step."""
+    return study.together or sum(len(one) > 1 for one in study.lists) < 2
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,11 +6,7 @@ says so and has the tables alone.
 
 from __future__ import annotations
 
-import math
-from base64 import b64encode
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from html import escape
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +14,17 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.pictures.html_files import write_html
-from clast.pictures.page.document import page_text
-from clast.pictures.page.scene import scene_of
 from clast.pictures.study import figures
 from clast.results import read_results
 from clast.rockmass.drawings.dxf_out import write_blocks_dxf
-from clast.study import probabilities
+from clast.study import probabilities, sweep_report
 from clast.study.collapsing.collapse import Collapse, ends
-from clast.study.description import MONTECARLO, SWEEP
+from clast.study.description import MONTECARLO, SWEEP, Description
 from clast.study.folder import StudyFolder
 from clast.study.kept_runs import made_again
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
+from clast.study.report_page import Page, add_figures, file_stem
 from clast.study.sensitivity import MEANING, sensitivities
 from clast.study.trial_cases import content_of
 from clast.study.variables.parameter_units import units_of, with_units
@@ -44,79 +39,6 @@ MOST_BARS = 12
 """Most parameters of a tornado."""
 MOST_ROWS = 20
 """Most rows of a table of blocks or reasons."""
-PAGE_BUDGET = 6e6
-"""Bytes that contacts of the worst run take before they are compressed."""
-STYLE = (
-    "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
-    "color:#222}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}"
-    "table{border-collapse:collapse;font-size:13px;margin:.6rem 0}td,th{border:1px solid #ccc;"
-    "padding:3px 9px;text-align:right}td:first-child,th:first-child{text-align:left}"
-    "td.text{text-align:left}img{max-width:100%;vertical-align:top}"
-    ".answer{font-size:1.15rem;border-left:4px solid #1f6f8b;padding:.4rem .9rem;"
-    "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem;align-items:flex-start}"
-    ".figures img{flex:1 1 24rem;min-width:0;max-width:min(100%,30rem)}"
-    "iframe{width:100%;height:46rem;border:1px solid #ccc}.remark{color:#666;font-size:13px}"
-    ".table{overflow-x:auto}th.text{text-align:left}p{overflow-wrap:anywhere}"
-    "@media (prefers-color-scheme:dark){body{background:#17181c;color:#e2e2e2}"
-    "td,th,iframe{border-color:#44464d}.answer{background:#22252b}.remark{color:#a0a0a0}"
-    ".figures img{background:#fff;border-radius:4px}}"
-)
-
-
-@dataclass
-class Page:
-    """The parts of a page, as they are put together."""
-
-    title: str
-    """Title."""
-    parts: list[str] = field(default_factory=list)
-    """HTML."""
-
-    def say(self, text: str, kind: str = "") -> None:
-        """Add a paragraph."""
-        self.parts.append(f"<p{f' class={kind}' if kind else ''}>{escape(text)}</p>")
-
-    def head(self, text: str) -> None:
-        """Add a heading."""
-        self.parts.append(f"<h2>{escape(text)}</h2>")
-
-    def table(self, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-        """Add a table."""
-        listed = [*rows]
-        texts = [isinstance(one, str) for one in listed[0]] if listed else [False] * len(heads)
-        head = "".join(
-            f"<th{' class=text' if is_text else ''}>{escape(one)}</th>"
-            for one, is_text in zip(heads, texts, strict=True)
-        )
-        body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in listed)
-        self.parts.append(f'<div class="table"><table><tr>{head}</tr>\n{body}</table></div>')
-
-    def pictures(self, paths: Iterable[tuple[Path, str]]) -> None:
-        """Add pictures (PNG) side by side, each with its caption."""
-        drawn = "".join(
-            f'<img alt="{escape(text)}" src="data:image/png;base64,'
-            f'{b64encode(path.read_bytes()).decode()}">'
-            for path, text in paths
-        )
-        self.parts.append(f'<div class="figures">{drawn}</div>')
-
-    def run(self, run: Any) -> None:
-        """Add the page that plays a run."""
-        inner = escape(page_text(scene_of(run, PAGE_BUDGET)), quote=True)
-        self.parts.append(f'<iframe title="the worst run" srcdoc="{inner}"></iframe>')
-
-    def text(self) -> str:
-        """Return the page."""
-        title = escape(self.title)
-        return (
-            '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-            f'<meta name="viewport" content="width=device-width"><title>{title} - clast'
-            f"</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
-            + "\n".join(self.parts)
-            + "\n</body></html>\n"
-        )
-
-
 # Sweeps and probability --------------------------------------------------------------------------
 
 
@@ -132,15 +54,7 @@ def write_report(folder: StudyFolder) -> Path:
     pictures = folder.path / FIGURES
     pictures.mkdir(exist_ok=True)
     _failure(page, columns, units, pictures)
-    for name, values in columns.measures.items():
-        unit = study.units[name]
-        page.head(f"{name} = {study.measure[name]}{f', {unit}' if unit else ''}")
-        _spread(page, columns, values)
-        add_figures(
-            page, lambda name=name, values=values: _figures(columns, units, name, values, pictures)
-        )
-        _influence(page, columns, units, values)
-        _sensitivity(page, columns, values)
+    PARTS[study.kind](page, folder, columns, units)
     if len(columns.fails):
         page.head("Which blocks fail")
         _blocks(page, folder, columns, pictures)
@@ -151,6 +65,50 @@ def write_report(folder: StudyFolder) -> Path:
         page.table(["parameter", "value"], [*zip(names, folder.values(number), strict=True)])
         _worst(page, folder, number)
     return write_html(page.text(), folder.path / REPORT)
+
+
+def _swept(
+    page: Page, folder: StudyFolder, columns: StudyResults, units: Mapping[str, str]
+) -> None:
+    """Write how the measures of a sweep go with its parameters, and its runs."""
+    study, runs, pictures = folder.study, sweep_report.runs_of(folder), folder.path / FIGURES
+    sweep_report.write_curves(page, study, units, runs, pictures)
+    for name, values in columns.measures.items():
+        label, path = (
+            f"mean of {_labelled(study, name)}",
+            pictures / f"{file_stem(name)}-tornado.png",
+        )
+        if probabilities.influences(columns, values):
+            page.head(f"Influence of the parameters on {name}")
+            add_figures(page, lambda v=values, a=label, p=path: _tornado(columns, units, v, a, p))
+            _influence(page, columns, units, values)
+    sweep_report.write_runs(page, study, units, runs)
+
+
+def _drawn(
+    page: Page, folder: StudyFolder, columns: StudyResults, units: Mapping[str, str]
+) -> None:
+    """Write how the measures of a Monte Carlo study are spread, and on what they depend."""
+    study, pictures = folder.study, folder.path / FIGURES
+    for name, values in columns.measures.items():
+        unit = study.units[name]
+        page.head(f"{name} = {study.measure[name]}{f', {unit}' if unit else ''}")
+        _spread(page, columns, values)
+        add_figures(
+            page, lambda name=name, values=values: _figures(columns, units, name, values, pictures)
+        )
+        _influence(page, columns, units, values)
+        _sensitivity(page, columns, values)
+
+
+PARTS = {SWEEP: _swept, MONTECARLO: _drawn}
+"""Kind of study -> what writes its measures."""
+
+
+def _labelled(study: Description, name: str) -> str:
+    """Return a measure and its unit, as axes have them."""
+    unit = study.units[name]
+    return f"{name} ({unit})" if unit else name
 
 
 def _answer(page: Page, columns: StudyResults) -> None:
@@ -165,7 +123,8 @@ def _answer(page: Page, columns: StudyResults) -> None:
     if done < columns.study.n:
         page.say(f"{done} of {columns.study.n} runs are done.")
     if columns.lost:
-        page.say(f"{columns.lost} runs have no result:")
+        count = "1 run has" if columns.lost == 1 else f"{columns.lost} runs have"
+        page.say(f"{count} no result:")
         page.table(["why", "runs"], list(columns.reasons.items())[:MOST_ROWS])
 
 
@@ -183,12 +142,11 @@ def _figures(
     columns: StudyResults, units: Mapping[str, str], name: str, values: Any, folder: Path
 ) -> list[tuple[Path, str]]:
     """Return the figures of a measure, and their captions."""
-    safe = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
+    safe = file_stem(name)
     x, share, half = probabilities.cumulative(columns.study, values)
     if not len(x):
         return []
-    unit = columns.study.units[name]
-    label = f"{name} ({unit})" if unit else name
+    label = _labelled(columns.study, name)
     band = figures.Band(x=x, share=share, half=half, confidence=probabilities.CONFIDENCE)
     paths = [folder / f"{safe}-{kind}.png" for kind in ("histogram", "cumulative", "tornado")]
     drawn = [
@@ -405,21 +363,3 @@ def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
 def _listed(blocks: Sequence[str]) -> str:
     more = f" and {len(blocks) - 6} more" if len(blocks) > 6 else ""
     return ", ".join(blocks[:6]) + more
-
-
-def add_figures(page: Page, draw: Any) -> None:
-    """Add figures, or a note on the missing library."""
-    try:
-        page.pictures(draw())
-    except CaseError as error:
-        page.say(f"{error.what}. {error.remedy}", "remark")
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, str):
-        return f'<td class="text">{escape(value)}</td>'
-    if isinstance(value, bool):
-        return f"<td>{'true' if value else 'false'}</td>"
-    if isinstance(value, float):
-        return f"<td>{value:.5g}</td>" if math.isfinite(value) else "<td>-</td>"
-    return f"<td>{escape(str(value))}</td>"

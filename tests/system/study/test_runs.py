@@ -20,6 +20,7 @@ from clast.errors import CaseError
 from clast.study import probabilities
 from clast.study.folder import StudyFolder
 from clast.study.study_api import HowMade, resume
+from clast.study.study_report import write_report
 
 VARY = {
     "joint.plane.friction_angle": "normal(34, 4, low=5, high=70)",
@@ -130,6 +131,19 @@ def test_a_run_with_wrong_numbers_has_no_result_and_the_others_go_on(slab, tmp_p
     assert table["status"] == ["done", "no result", "done"]
     assert "friction_angle" in table["reason"][1]
     assert table["u"][1] is None
+
+
+def test_the_report_of_a_sweep_has_its_curve_and_its_runs(slab, tmp_path):
+    pytest.importorskip("matplotlib")
+    vary = {"joint.plane.friction_angle": [30.0, 95.0, 20.0]}
+    study(slab, vary=vary, correlate=[]).run(tmp_path / "out", how=HERE)
+    text = write_report(StudyFolder.opened(tmp_path / "out")).read_text(encoding="utf-8")
+    assert "1 run has no result" in text and "<h2>Runs</h2>" in text
+    for head in ("joint.plane.friction_angle, °", "u, m"):
+        assert f">{head}</th>" in text
+    assert "standard deviation" not in text and "histogram" not in text
+    assert 'alt="u (m) against joint.plane.friction_angle"' in text
+    assert (tmp_path / "out/figures/u-sweep-1.png").stat().st_size > 5000
 
 
 def test_factors_of_safety_are_measures(slab, tmp_path):

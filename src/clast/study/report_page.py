@@ -1,0 +1,113 @@
+"""The page of a report: headings, sentences, tables, pictures and runs to play, in one file."""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from clast.errors import CaseError
+from clast.pictures.page.document import page_text
+from clast.pictures.page.scene import scene_of
+
+PAGE_BUDGET = 6e6
+"""Bytes that contacts of the worst run take before they are compressed."""
+STYLE = (
+    "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
+    "color:#222}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}"
+    "table{border-collapse:collapse;font-size:13px;margin:.6rem 0}td,th{border:1px solid #ccc;"
+    "padding:3px 9px;text-align:right}td:first-child,th:first-child{text-align:left}"
+    "td.text{text-align:left}td:not(.text){white-space:nowrap}img{max-width:100%;vertical-align:top}"
+    ".answer{font-size:1.15rem;border-left:4px solid #1f6f8b;padding:.4rem .9rem;"
+    "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem;align-items:flex-start}"
+    ".figures img{flex:1 1 24rem;min-width:0;max-width:min(100%,30rem)}"
+    ".figures.wide img{flex:0 1 auto;max-width:100%}"
+    "iframe{width:100%;height:46rem;border:1px solid #ccc}.remark{color:#666;font-size:13px}"
+    ".table{overflow-x:auto}th.text{text-align:left}p{overflow-wrap:anywhere}"
+    "@media (prefers-color-scheme:dark){body{background:#17181c;color:#e2e2e2}"
+    "td,th,iframe{border-color:#44464d}.answer{background:#22252b}.remark{color:#a0a0a0}"
+    ".figures img{background:#fff;border-radius:4px}}"
+)
+
+
+@dataclass
+class Page:
+    """The parts of a page, as they are put together."""
+
+    title: str
+    """Title."""
+    parts: list[str] = field(default_factory=list)
+    """HTML."""
+
+    def say(self, text: str, kind: str = "") -> None:
+        """Add a paragraph."""
+        self.parts.append(f"<p{f' class={kind}' if kind else ''}>{escape(text)}</p>")
+
+    def head(self, text: str) -> None:
+        """Add a heading."""
+        self.parts.append(f"<h2>{escape(text)}</h2>")
+
+    def table(self, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+        """Add a table."""
+        listed = [*rows]
+        texts = [isinstance(one, str) for one in listed[0]] if listed else [False] * len(heads)
+        head = "".join(
+            f"<th{' class=text' if is_text else ''}>{escape(one)}</th>"
+            for one, is_text in zip(heads, texts, strict=True)
+        )
+        body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in listed)
+        self.parts.append(f'<div class="table"><table><tr>{head}</tr>\n{body}</table></div>')
+
+    def pictures(self, paths: Iterable[tuple[Path, str]], kind: str = "figures") -> None:
+        """Add pictures (PNG) side by side, each with its caption; ``kind`` is their CSS class."""
+        drawn = "".join(
+            f'<img alt="{escape(text)}" src="data:image/png;base64,'
+            f'{b64encode(path.read_bytes()).decode()}">'
+            for path, text in paths
+        )
+        self.parts.append(f'<div class="{kind}">{drawn}</div>')
+
+    def run(self, run: Any) -> None:
+        """Add the page that plays a run."""
+        inner = escape(page_text(scene_of(run, PAGE_BUDGET)), quote=True)
+        self.parts.append(f'<iframe title="the worst run" srcdoc="{inner}"></iframe>')
+
+    def text(self) -> str:
+        """Return the page."""
+        title = escape(self.title)
+        return (
+            '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+            f'<meta name="viewport" content="width=device-width"><title>{title} - clast'
+            f"</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+            + "\n".join(self.parts)
+            + "\n</body></html>\n"
+        )
+
+
+def add_figures(page: Page, draw: Any, kind: str = "figures") -> None:
+    """Add figures, or a note on the missing library."""
+    try:
+        page.pictures(draw(), kind)
+    except CaseError as error:
+        page.say(f"{error.what}. {error.remedy}", "remark")
+
+
+def file_stem(name: str) -> str:
+    """Return the name of a measure as the beginning of a file name."""
+    return "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return f'<td class="text">{escape(value)}</td>'
+    if isinstance(value, bool):
+        return f"<td>{'true' if value else 'false'}</td>"
+    if isinstance(value, float):
+        return f"<td>{value:.5g}</td>" if math.isfinite(value) else "<td>-</td>"
+    if value is None:
+        return "<td>-</td>"
+    return f"<td>{escape(str(value))}</td>"
