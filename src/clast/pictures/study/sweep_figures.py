@@ -148,7 +148,7 @@ def draw_curve(grid: SweepGrid, path: Path) -> Path:
     edge = axes.get_xaxis_transform()
     axes.plot(x[lost], bottom, "x", color=INK, ms=6, transform=edge, label="no result")
     if fails.any() or lost.any():
-        _key(axes, fails.any(), lost.any())
+        _key(axes, bool(fails.any()), bool(lost.any()))
     return save_axes(axes, path)
 
 
@@ -210,13 +210,16 @@ def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[t
     order = [k for k in range(len(lengths)) if k not in inner] + inner[::-1]
     axes = tuple(grid.axes[k] for k in order)
     sort = np.ix_(*(one.order for one in axes))
-    turned = [np.transpose(one, order)[sort] for one in (grid.values, grid.fails, grid.lost)]
     sorted_axes = tuple(
         SweepAxis(label=one.label, unit=one.unit, values=tuple(one.values[k] for k in one.order))
         for one in axes
     )
     found = SweepGrid(
-        axes=sorted_axes, label=grid.label, values=turned[0], fails=turned[1], lost=turned[2]
+        axes=sorted_axes,
+        label=grid.label,
+        values=np.transpose(grid.values, order)[sort],
+        fails=np.transpose(grid.fails, order)[sort],
+        lost=np.transpose(grid.lost, order)[sort],
     )
     outer = sorted_axes[:-2]
     places = [*product(*(range(len(one.values)) for one in outer))]
