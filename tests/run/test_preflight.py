@@ -23,9 +23,11 @@ FAR = [
     "measured_point=[]",
 ]
 
+SERVO = "motion=[{name='press', block='slider', stress=[0,-1.0], limit_speed=0.1}]"
+
 DOUBTS = {
     "gravity upwards": (["gravity=[0,9.8]"], ["(0, 9.8) m/s2", "gravity = [0, -9.8]"]),
-    "no gravity": (["gravity=[0,0]"], ["all zero: nothing moves the blocks"]),
+    "no gravity": (["gravity=[0,0]"], ["all zero: nothing sets the blocks"]),
     "gravity in g": (["gravity=[0,-0.01]"], ["gravity is 0.01 m/s2", "-9.8"]),
     "geometry far away": (FAR, ["1e+15 m are rounded to 0.12 m", "common offset"]),
     "all blocks fixed": (
@@ -47,6 +49,11 @@ DOUBTS = {
     ),
     "load of nothing": (["point_load=[{at=[4,9], force=[0,0]}]"], ["1 point load(s) are zero"]),
     "load in MN": (["point_load=[{at=[4,9], force=[0,5]}]"], ["are 5 N/m, next to nothing"]),
+    "servo in MPa": ([FIXED, SERVO], ["motion 'press' presses with 1 Pa", "1 MPa is 1e6"]),
+    "servo beyond any rock": (
+        [FIXED, SERVO.replace("-1.0", "-1e12")],
+        ["presses with 1e+12 Pa, stronger than any rock"],
+    ),
     "rock of no block": (
         ["rock.clay={young=1e9, poisson=0.3, density=2000}"],
         ["no block is made of rock 'clay'"],
@@ -81,7 +88,7 @@ DOUBTS = {
         ["method.solver={name='pcg', tolerance=1.0}"],
         ["tolerance of the solver is 1,"],
     ),
-    "critdis": (["method.critdis=1e-9"], ["critdis is 1e-09 m, next to nothing", "raise it"]),
+    "critdis": (["method.critdis=1e-9"], ["critdis is 1e-09 m, very small", "raise it"]),
     "cohesion in kPa": (["joint.default.cohesion=25"], ["cohesion is 25 Pa", "25 kPa are 25000"]),
     "tensile strength in MPa": (["joint.default.tensile_strength=3"], ["tensile_strength is 3 Pa"]),
     "cohesion of steel": (["joint.default.cohesion=5e9"], ["5e+09 Pa, stronger than any rock"]),

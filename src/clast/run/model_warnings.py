@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from clast.actions.linings.linings import linings_of
+from clast.actions.motions.motions import Motions
 from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
@@ -62,6 +63,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_water_warnings(model),
         *_bolt_warnings(model),
         *_lining_warnings(model),
+        *_servo_warnings(model),
         *slide_warnings(model),
     ]
 
@@ -484,4 +486,23 @@ def _lining_warnings(model: Model) -> Iterator[str]:
                 f"{len(one.segments)} segments ({named(model, one.loose)}): those segments carry "
                 "no load. Draw it along"
                 " the faces of blocks, or without joint."
+            )
+
+
+def _servo_warnings(model: Model) -> Iterator[str]:
+    """Warn of servos that press with a stress in another unit than Pa, or a force in another."""
+    motions = [
+        one for action in model.actions if isinstance(action, Motions) for one in action.each
+    ]
+    for one in motions:
+        if one.servo is None:
+            continue
+        first, past = model.block_start[one.block[0] :][:2]
+        width, height = np.ptp(model.vertices[first:past], axis=0).tolist()
+        stress = float((one.servo.largest / (height, width)).max())
+        if not WEAKEST <= stress <= STRONGEST:
+            size = "very small" if stress < WEAKEST else "stronger than any rock"
+            yield (
+                f"{one.label} presses with {stress:g} Pa, {size}; the unit of stress is Pa: 1 MPa "
+                "is 1e6; that of force is N per metre of thickness"
             )

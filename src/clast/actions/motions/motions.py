@@ -51,10 +51,15 @@ class Servo:
         return np.array(self.force) * (1.0 if self.factor is None else self.factor.at(time))
 
     @property
+    def largest(self) -> Floats:
+        """Size of the largest force in x and in y, N/m, shape (2,)."""
+        most = 1.0 if self.factor is None else float(np.abs(self.factor.value).max())
+        return np.abs(self.force) * most
+
+    @property
     def resistance(self) -> Floats:
         """Force that it lacks by velocity, N s/m2, shape (2,)."""
-        most = 1.0 if self.factor is None else float(np.abs(self.factor.value).max())
-        return np.abs(self.force) * most / self.limit_speed
+        return self.largest / self.limit_speed
 
 
 @dataclass(frozen=True, kw_only=True)

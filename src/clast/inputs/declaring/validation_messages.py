@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError
 from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.text import is_tables
+from clast.inputs.declaring.udec_words import UDEC
 
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
@@ -260,13 +261,25 @@ def _known_keys(place: Place, table: type[BaseModel]) -> str:
     here = _table_at(table, place[:-1])
     if here is None:
         return ""
+    home = _home(word, here, table)
+    meant = UDEC.get(word.lower())
+    if meant is not None and not home:
+        if meant not in keys_of(here) and meant not in keys_of(table):
+            home = f", in the table {_home(meant, here, table)}"
+        return f"UDEC's '{word}' is '{meant}' in clast{home}"
     close = spelling.nearest(word, keys_of(here))
-    if close is None:
-        for name, field in table.model_fields.items():
-            inner = table_in(field.annotation)
-            if inner is not None and inner is not here and word in keys_of(inner):
-                return f"'{word}' belongs in the table {field.alias or name}"
+    if close is None and home:
+        return f"'{word}' belongs in the table {home}"
     return spelling.advice(word, keys_of(here), kind="key")
+
+
+def _home(key: str, here: type[BaseModel], table: type[BaseModel]) -> str:
+    """Return the first table but the one at hand that has a key, nothing where none has."""
+    for name, field in table.model_fields.items():
+        inner = table_in(field.annotation)
+        if inner is not None and inner is not here and key in keys_of(inner):
+            return field.alias or name
+    return ""
 
 
 def keys_of(table: type[BaseModel]) -> list[str]:
