@@ -232,4 +232,4 @@ def test_a_loop_that_was_turned_round_is_said_by_check_and_run(tmp_path):
         shown = CliRunner().invoke(app, command)
         assert "1 loop runs clockwise and was reversed: block 2 'slider'" in shown.stdout
         listed = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)
-        assert any("turned round" in note for note in listed["notes"])
+        assert any("was reversed" in note for note in listed["notes"])
