@@ -19,21 +19,22 @@ programs beside clast (`python benchmarks/peers.py`), and writes this page from 
 
 ## Beside other programs
 
-Made by `python benchmarks/peers.py`, one program after the other. The same outlines, tan phi =
-0.5, 2600 kg/m3, no damping, sleeping turned off, one thread. The blocks of Chipmunk and Box2D are
-rigid and their steps explicit; clast's blocks deform (E 5 GPa, nu 0, so that no drift is real)
-and its steps are implicit, so they may be longer. *Drift* is the largest horizontal movement of a
-corner of a wall that should stand still, *overlap* the thickness of the thickest overlap of two
-blocks, both at the end. What counts is the time of the processor at a stated accuracy.
+Made by `python benchmarks/peers.py`, one program after the other. All have the same outlines,
+tan phi = 0.5, 2600 kg/m3, no damping, no sleeping of blocks, and one thread. The blocks of Chipmunk
+and Box2D are rigid and their steps explicit; clast's blocks are deformable (E 5 GPa, nu 0, so that
+any drift is an error) and its steps are implicit, so they may be longer. *Drift* is the largest
+horizontal displacement of a corner of a wall that should stand still, *overlap* the thickness of
+the thickest overlap of two blocks, both at the end. The comparison is by processor time at the
+accuracy stated.
 
-Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the
-others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
-slide at once, and a step of 2.5 ms takes 10 to 35 iterations. Islands, groups of blocks that
-contacts connect, are minimised one by one (docs/solver-performance.md), which pays the more the
-more blocks there are. What moves may move a tenth of its size in a step, twice the default
+Implicit steps are most efficient for walls at rest: they are fifty to a hundred times as long as
+those of the others, with less drift. In heaps of falling blocks contacts open, close, stick and
+slide everywhere at once, and a step of 2.5 ms takes 10 to 35 iterations. Islands, groups of blocks
+connected by contacts, are minimised one by one (docs/solver-performance.md); the gain increases
+with the number of blocks. Blocks may move by a tenth of their size in a step, twice the default
 max_displacement.
 
-A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
+A run that is *stopped* after ten minutes of wall time is measured over the time simulated by
 then.
 """
 SCENES = """\
@@ -41,15 +42,15 @@ SCENES = """\
 
 Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
 {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
-triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in
-main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step that systems of
-equations take, factors and couplings included; *small islands* that of the minimisation of what
-touches nothing else, from the first to the last iteration, with its systems
-(docs/solver-performance.md). Where blocks rest or fall freely there is next to nothing to solve.
+triad over as many bytes (which fit in the cache up to about 10,000 blocks), and of the triad in
+main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step spent on systems of
+equations, factors and couplings included; *small islands* is the share of the minimisation of small
+groups of blocks without other contacts, from the first to the last iteration, with their systems
+(docs/solver-performance.md). Blocks at rest or in free fall need hardly any solution.
 
-The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
-through blocks without any damping. What grows from 1,000 to 10,000 blocks is also the height of
-the scenes (see below).
+The first steps of a wall or a slope are the most expensive: the weight is applied at once, and
+undamped waves run through the blocks. From 1,000 to 10,000 blocks the height of the scenes also
+increases (see below).
 """
 WHOLE = """\
 ## Scenes from beginning to end
@@ -57,13 +58,13 @@ WHOLE = """\
 Made by `clast bench whole --size 100,1000`, on {machine}: h = 2.5 ms,
 p/E = 0.1. Squares that fall into a trough and come to *rest*; the *collapse* of a wall that loses
 the ground under its right half; rows of *dominoes*; a *slide* of blocks down a hillside. Times are
-those of the processor, compilation not counted: *detection*, *impacts* and *minimisation* (law,
-small islands, assembly, solve, line search) are shares of it. *Overlap* and *speed* are the
-thickest and the largest at the end; *numerical* and *unaccounted* what the time integration removed
-or brought in, and what the energy ledger does not explain, as shares of the energy turned over.
+processor times without compilation: *detection*, *impacts* and *minimisation* (law,
+small islands, assembly, solve, line search) are shares of them. *Overlap* and *speed* are the
+largest at the end; *numerical* is the energy removed or added by the time integration, and
+*unaccounted* the error of the energy balance, as shares of the energy turned over.
 
-A change to detection, impacts, minimisation or the course of a step is judged by this table, before
-and after it, in turns on one machine.
+A change to detection, impacts, minimisation or the sequence of a step is judged by this table,
+with runs before and after it alternating on one machine.
 """
 WHOLE_HEADINGS = (
     "scene",
@@ -95,15 +96,15 @@ ORDER = list(TITLES)
 CUTTING = """\
 ## Cutting
 
-`clast bench cut` cuts two joint sets out of a square, from drawn lines to blocks with their report,
-and says what each stage takes. On one core of a slow machine that other programs shared (AMD EPYC,
-23.5 GiB) the processor worked for
+`clast bench cut` cuts a square by two joint sets, from drawn lines to blocks with their report,
+and gives the time of each stage. On one core of a slow machine shared with other programs (AMD
+EPYC, 23.5 GiB) the processor times were
 
-- 10.7 s on 101,844 blocks of persistent sets (target 20 s), with 563 MiB of memory at most,
-- 19.1 s on 98,732 blocks of Baecher's traces (target 40 s), with 758 MiB.
+- 10.7 s for 101,844 blocks of persistent sets (target 20 s), with at most 563 MiB of memory,
+- 19.1 s for 98,732 blocks of Baecher traces (target 40 s), with 758 MiB.
 
-Areas sum up to the domain's to the last bit or two. Half of the time goes where lines meet
-(*noding*), a sixth each into faces and into short edges and small blocks.
+The sum of the areas equals that of the domain to the last bit or two. Half of the time is spent on
+intersections (*noding*), a sixth each on faces and on short edges and small blocks.
 """
 STATICS = """\
 ## Statics of 20,000 blocks

@@ -18,16 +18,16 @@ INTRODUCTION = """\
 *The paper* is Yu & Yin, Some modifications to the process of discontinuous deformation analysis,
 J. Rock Mech. Geotech. Eng. 7 (2015). This page repeats its studies with all three processes
 (`modified`, the paper's; `open-close`, Shi's; `convex`, clast's own) and both contact laws, and
-sets each claim beside our result, also where it does not hold. The claims are given in
-substance, not in the paper's words. The page is written by `make paper`; every number on it comes
-from the runs that write it. The cases are in `cases/paper`, and each can be looked at by itself,
+compares each claim with our result, also if it does not hold. The claims are given in
+substance, not in the paper's words. The page is written by `make paper`; all its numbers come
+from the runs of that command. The cases are in `cases/paper`, and each can be run by itself,
 for example `clast compare cases/paper/incline.toml --set joint.default.friction_angle=35`.
 
 p is the normal contact stiffness, h the step (1 ms), m the mass per contact, E Young's modulus. A
-run stops where the process does not meet its tolerance at the smallest step, or where the blocks
-hold more energy than they can have. ALM is the augmented Lagrangian law; unless said otherwise it
-has 4 solves, and multipliers that begin at zero in every step, as in the paper. Crosses in figures
-are runs that stopped."""
+run stops if the process does not meet its tolerance at the smallest step, or if the energy of the
+blocks exceeds the energy supplied. ALM is the augmented Lagrangian law, unless stated otherwise
+with 4 solves and multipliers that start from zero in every step, as in the paper. Crosses in
+figures are runs that stopped."""
 
 
 @dataclass(frozen=True)

@@ -79,9 +79,10 @@ def section(findings: JobResults, images: Path) -> StudySection:
     return StudySection(
         title="Table 1: the incline",
         text="A block slides down 45 degrees for 1 s from rest; p = 1e9 N/m per m (E/50). The "
-        "error is the distance between the computed and the exact place of the slider over the "
-        "exact way, in %; at 45 degrees, where the block stays, the distance that it creeps. "
-        "Friction from the step before costs (2h/t) tan φ/(1 - tan φ).",
+        "error is the distance between the computed and the exact position of the slider, divided "
+        "by the exact displacement, in %; at 45 degrees, where the block is stable, it is the "
+        "distance that it creeps. Friction lagged by one step gives an error of (2h/t) tan φ/(1 - "
+        "tan φ).",
         claims=_claims(series, errors, stays),
         tables=[_table(errors, stays)],
         figure=FIGURE,
