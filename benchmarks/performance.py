@@ -110,8 +110,8 @@ STATICS = """\
 ## Statics of 20,000 blocks
 
 The slope of the table above (h = 5 ms, p/E = 1), loaded by its weight in one static stage until it
-is in equilibrium, on 27 November 2026, on an AMD EPYC with 2 cores that other programs shared.
-Processor time, compilation and the construction of the model not counted:
+is in equilibrium, on 27 November 2026, on an AMD EPYC with 2 cores shared with other programs.
+Processor time without compilation and construction of the model:
 
 | blocks | contacts | steps | passes | factorisations | pcg | processor |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -119,10 +119,11 @@ Processor time, compilation and the construction of the model not counted:
 | 4,986 | 38,271 | 4 | 120 | 232 | 3,370 | 5.5 s |
 | 20,236 | 157,205 | 4 | 213 | 398 | 9,033 | 31.3 s |
 
-- The four steps of 20,236 blocks take 112, 57, 33 and 11 passes, and 13.5, 8.5, 5.8 and 3.2 s; the
-  memory is 659 MiB at most. At the end no block is out of balance by more than 5e-6 of its forces.
-- Conjugate gradients take 44 % of the time, preconditioners and assembly 19 %, and detection of
-  contacts 19 %, once a step.
+- The four steps of 20,236 blocks take 112, 57, 33 and 11 passes, and 13.5, 8.5, 5.8 and 3.2 s, with
+  at most 659 MiB of memory. At the end the unbalanced force on every block is at most 5e-6 of its
+  forces.
+- Conjugate gradients take 44 % of the time, preconditioners and assembly 19 %, and contact
+  detection, once a step, 19 %.
 - The narrow phase of detection takes twice as long per contact as with 4,986 blocks in as many
   rows.
 - With the mass term of the 5 ms steps instead of the path of equilibria (decision 70), which is how
@@ -133,16 +134,16 @@ LARGE = """\
 
 Apart from the runs above, on an Intel Xeon with 2 cores and 23.5 GiB, before impacts became events:
 
-- Of one height cost per block hardly grows with the number of blocks: in their first steps walls
-  of 50 courses with 1,026, 10,026 and 100,026 bricks take 33, 22 and 27 µs per block and step at
-  1 ms (five steps), where those that have most to settle go first by themselves
+- At constant height the cost per block hardly increases with the number of blocks: in their first
+  steps walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 33, 22 and 27 µs per block
+  and step at 1 ms (five steps), where the blocks with the largest residual are minimised first
   (docs/solver-performance.md), and 16.0, 22.8 and 23.4 µs at 5 ms (ten steps), where the largest
-  need 15 iterations of conjugate gradients for a direction instead of 9. In the table above what
-  grows is the height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
-- `--threads 2` with 10,000 blocks, by one and by two threads in turns, medians of four: the first
-  four steps of a wall at 5 ms 1.69 times as fast as by one, at 1 ms 1.69, of a slope 1.87 and 1.73,
-  of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88, while
-  the second core has nothing else to do. Below 800 blocks one thread does all. The results are the
+  need 15 iterations of conjugate gradients for a direction instead of 9. In the table above the
+  height increases: scenes of 1,000 blocks are 32 storeys or 45 courses high.
+- `--threads 2` with 10,000 blocks, one and two threads alternating, medians of four: the first
+  four steps of a wall at 5 ms are 1.69 times as fast as with one thread, at 1 ms 1.69, of a slope
+  1.87 and 1.73, of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88, if
+  the second core is idle. Below 800 blocks one thread is used. The results are the
   same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
   squares are built in 6 s and take 1.2 µs per block and step, 2.1 minutes with first and last
