@@ -1,11 +1,11 @@
-"""How far a prescribed motion goes: velocity and displacement over time, eased on demand.
+"""Prescribed displacement and velocity over time, with an optional ease.
 
-The velocity is linear in pieces.  An ``ease`` e spreads each jump of it over a time,
+The velocity is piecewise linear.  An ``ease`` e spreads each of its jumps over a time,
 
     x~(t) = 1/e int_{t-e}^{t} x,    v~(t) = (x(t) - x(t-e))/e,
 
-the mean of the displacement over the time e before: a constant velocity is reached with the
-acceleration v/e, and the displacement is e/2 behind.
+the mean of the displacement over the preceding time e: a constant velocity is reached with the
+acceleration v/e, and the displacement lags by the time e/2.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from clast.model.model import Floats
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """The way x(t) of one component, 0 before t = 0; in k pieces with constant acceleration."""
+    """Displacement x(t) of one component, 0 before t = 0; k pieces of constant acceleration."""
 
     time: Floats
-    """When each piece begins, s, rising from 0, shape (k,); the last one goes on for ever."""
+    """Start of each piece, s, increasing from 0, shape (k,); the last one has no end."""
     way: Floats
-    """x where each begins, m or rad, shape (k,)."""
+    """x at the start of each, m or rad, shape (k,)."""
     velocity: Floats
-    """Velocity where each begins, per s, shape (k,)."""
+    """Velocity at the start of each, per s, shape (k,)."""
     acceleration: Floats
     """Acceleration in each, per s2, shape (k,)."""
     ease: float = 0.0
     """Time over which jumps of velocity are spread, s."""
     table: str = ""
-    """Name of the table that it follows, "" for none."""
+    """Name of its amplitude, "" for none."""
 
     def at(self, time: float) -> tuple[float, float]:
-        """Return way and velocity at a time, s, from its beginning."""
+        """Return displacement and velocity at a time, s, after its beginning."""
         if self.ease == 0.0:
             return self._way(time)[:2]
         (now, _, area), (before, _, area_before) = self._way(time), self._way(time - self.ease)
@@ -44,7 +44,7 @@ class Course:
 
     @property
     def end(self) -> float:
-        """Time after which it rests, s; infinity where it does not."""
+        """Time from which it is at rest, s; infinity if never."""
         if self.velocity[-1] or self.acceleration[-1]:
             return np.inf
         return float(self.time[-1]) + self.ease

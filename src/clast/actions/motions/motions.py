@@ -1,13 +1,13 @@
-"""Prescribed motions of blocks: support that settles, walls that are driven, presses, jacks.
+"""Prescribed motions of blocks: settling supports, driven walls, presses, jacks.
 
-A block's centroid, or a point that goes with it, is where the course of the motion has it; the
-block turns about it.  With x_c the centroid and P the point where the motion begins,
+The displacement of a block's centroid, or of a point that moves with it, is prescribed; the
+block rotates about it.  With x_c the centroid and P the point at the beginning of the motion,
 
     x(t) = P + X(t) + R(phi(t)) (x_c - P),
 
-and the step has the displacement that leads from where the block is to x at its end.  A servo
-presses with a force F that it lacks the less the faster it goes, F (1 - v/v_limit): at rest the
-reaction is F, and nothing goes faster than v_limit that resists.
+and the displacement of a step leads from the current position of the block to x at its end.  A
+servo applies a force that decreases with velocity, F (1 - v/v_limit): at rest the reaction is F,
+and v_limit is the velocity without resistance.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
 
 FREE = -1.0
-"""Time at which a motion began that has not begun."""
+"""Start time of a motion that has not begun."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Servo:
-    """A force on a body that gives way as it moves."""
+    """A force on a body that decreases with its velocity."""
 
     force: tuple[float, float]
     """Force (x, y) on each block, N/m."""
     limit_speed: float
-    """Speed at which nothing of it is left, m/s."""
+    """Speed at which the force vanishes, m/s."""
     factor: Factor | None = None
     """Factor of it over time."""
 
@@ -58,7 +58,7 @@ class Servo:
 
     @property
     def resistance(self) -> Floats:
-        """Force that it lacks by velocity, N s/m2, shape (2,)."""
+        """Decrease of the force per velocity, N s/m2, shape (2,)."""
         return self.largest / self.limit_speed
 
 
@@ -69,26 +69,26 @@ class OneMotion:
     name: str
     """Name."""
     block: Ints
-    """Blocks that make it, shape (k,)."""
+    """Blocks that move, shape (k,)."""
     courses: tuple[Course | None, Course | None, Course | None]
     """Of x, y, m, and rotation, rad; None: free."""
     point: int | None = None
     """Fixed point that it moves, in place of blocks."""
     about: tuple[float, float] | None = None
-    """Point at the start, about the model's origin, that x and y are of and that the blocks turn
-    about, m; None: the centroid of each."""
+    """Initial position of the point to which x and y refer and about which the blocks rotate,
+    relative to the model's origin, m; None: the centroid of each."""
     servo: Servo | None = None
     """Force that presses on the blocks."""
     stage: str = ""
     """Stage with which it begins, "": with the run."""
     until: float = np.inf
-    """How long it lasts, s; the blocks are then free, or fixed as they were."""
+    """Duration, s; the blocks are then free, or fixed as before."""
     last_stage: str = ""
     """Stage with which it ends, "" for none."""
 
     @property
     def label(self) -> str:
-        """How messages call it."""
+        """Name in messages."""
         return self.name if self.name.startswith("motion ") else f"motion '{self.name}'"
 
     def begins(self, model: Model) -> float:
@@ -133,7 +133,7 @@ class Motions:
 
     @property
     def tables(self) -> tuple[str, ...]:
-        """Names of the tables that motions follow."""
+        """Names of the amplitudes of motions."""
         factors = [one.servo.factor for one in self.each if one.servo is not None]
         named = [factor.name for factor in factors if factor is not None]
         return (*named, *(c.table for one in self.each for c in one.courses if c is not None))
@@ -197,7 +197,7 @@ class Motions:
     def finish(
         self, start: StepStart, state: MotionState, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the work of the motions and servos, which comes from outside."""
+        """Return the work of the motions and servos on the system."""
         work = energy_of_linear(share, solution.displacement)[0]
         if share.prescribed is not None:
             given = share.prescribed

@@ -1,15 +1,15 @@
-"""Motions that are prescribed to blocks: they are taken out of the equations of a step.
+"""Prescribed motions of blocks, eliminated from the equations of a step.
 
-With d = D + d', D being the motion where it is prescribed and 0 elsewhere, K d = F becomes
+With d = D + d', where D is the prescribed motion and 0 for other unknowns, K d = F becomes
 
     K d' = F - K D,    gaps + n.D,    slips + t.D,    d' = 0 where D is prescribed,
 
-so that springs, contacts and friction know of the motion and no stiffness stands for it.  Blocks
-that are fixed have d' = 0 anyway.  In the equations of a free block the prescribed unknowns, which
-are axes of its own, get a diagonal so large that d' is less than the last digit of d.
+so that springs, contacts and friction take the motion into account without a penalty stiffness.
+Fixed blocks have d' = 0 anyway.  In the equations of a free block the prescribed unknowns get a
+diagonal so large that d' is below the last digit of d.
 
-The scheme of the step would make of D whatever velocity agrees with it; that at its end is
-prescribed, too.  What the block's mass resists with is M (v+ - v)/h if its drift is taken as
+The integrator would derive a velocity from D; instead the velocity at the end of the step is
+prescribed as well.  The inertia force of the block is M (v+ - v)/h if its drift is taken as
 D - theta h (v+ - v).
 """
 
