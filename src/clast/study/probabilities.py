@@ -136,14 +136,31 @@ def probability(columns: StudyResults) -> Probability | None:
         return Probability(value=value, low=value, high=value, how="", **known)
     value = failed / len(fails)
     if isinstance(study.sampling, Random):
-        low = wilson(failed, len(fails) + lost)[0]
-        high = wilson(failed + lost, len(fails) + lost)[1]
+        low, high = _of_independent(columns, failed)
         return Probability(value=value, low=low, high=high, how="Wilson", **known)
     if isinstance(study.sampling, LatinHypercube) and study.sampling.replicates > 1:
         low, high = _of_replicates(columns)
         how = f"Student's t of {study.sampling.replicates} Latin hypercubes"
         return Probability(value=value, low=low, high=high, how=how, **known)
     return Probability(value=value, low=value, high=value, how="", **known)
+
+
+def interval_of_count(columns: StudyResults, count: int) -> tuple[float, float] | None:
+    """Return the interval of the probability of what happens in ``count`` runs with a result.
+
+    So fails a block, or slides a joint.  None where runs are not independent: Latin hypercubes
+    would need the counts of each.
+    """
+    study = columns.study
+    if study.kind != MONTECARLO or not isinstance(study.sampling, Random) or not len(columns.run):
+        return None
+    return _of_independent(columns, count)
+
+
+def _of_independent(columns: StudyResults, count: int) -> tuple[float, float]:
+    """Return Wilson's interval of ``count`` of the runs, those without a result as either."""
+    runs = len(columns.run) + columns.lost
+    return wilson(count, runs)[0], wilson(count + columns.lost, runs)[1]
 
 
 def wilson(failed: int, runs: int) -> tuple[float, float]:

@@ -225,14 +225,11 @@ def _sensitivity(page: Page, columns: StudyResults, values: Any) -> None:
 
 def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Path) -> None:
     """Say and draw how often which block fails, or which place where runs have other blocks."""
-    runs = max(1, len(columns.run))
-    rows = [[name, count, count / runs] for name, count in columns.blocks.items()]
-    if not rows:
+    if not columns.blocks:
         page.say("None.")
         return
-    joints = [[name, count, count / runs] for name, count in columns.joints.items()]
-    if joints:
-        page.table(["joint along which they slide", "runs", "share of the runs"], joints)
+    if columns.joints:
+        _counts(page, columns, "joint along which they slide", columns.joints)
     path = pictures / "failing-blocks.png"
     if not _same_blocks(folder):
         places = share_of_places(folder)
@@ -241,16 +238,28 @@ def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Pa
             add_figures(page, lambda: [(figures.draw_places(places, label, path), label)])
         page.say("Blocks differ from run to run, so that places are counted.", "remark")
         return
-    page.table(["block", "runs", "share of the runs"], rows[:MOST_ROWS])
-    if len(rows) > MOST_ROWS:
-        page.say(f"{len(rows) - MOST_ROWS} more are in the results of the runs.", "remark")
+    _counts(page, columns, "block", columns.blocks)
     model = folder.base.model()
+    runs = max(1, len(columns.run))
     share = np.array([columns.blocks.get(name, 0) / runs for name in model.block_name])
     section = figures.FailureSection(
         vertices=model.vertices + model.origin, block_start=model.block_start, share=share
     )
     label = "share of the runs in which a block fails"
     add_figures(page, lambda: [(figures.draw_frequency(section, label, path), label)])
+
+
+def _counts(page: Page, columns: StudyResults, head: str, counts: Mapping[str, int]) -> None:
+    """Write in how many runs each block or joint fails, and the interval of its probability."""
+    runs = max(1, len(columns.run))
+    rows: list[list[Any]] = []
+    for name, count in list(counts.items())[:MOST_ROWS]:
+        interval = probabilities.interval_of_count(columns, count) or ()
+        rows.append([name, count, count / runs, *interval])
+    ends = [f"{100 * probabilities.CONFIDENCE:g} %: from", "to"]
+    page.table([head, "runs", "share of the runs", *ends][: len(rows[0])], rows)
+    if len(counts) > MOST_ROWS:
+        page.say(f"{len(counts) - MOST_ROWS} more are in the results of the runs.", "remark")
 
 
 def _same_blocks(folder: StudyFolder) -> bool:
