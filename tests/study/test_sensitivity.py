@@ -109,11 +109,11 @@ def test_what_does_not_change_has_no_indices_and_too_few_runs_are_said() -> None
 @pytest.mark.parametrize(
     ("changes", "what"),
     [
-        ({"n": 33}, "no power of two times 5"),
-        ({"n": 5}, "no power of two times 5"),
+        ({"n": 33}, "not a power of two times 5"),
+        ({"n": 5}, "not a power of two times 5"),
         ({"sampling": "morris", "n": 10}, "not several paths of 4"),
         ({"correlate": (("x", "y", 0.5),)}, "none can be correlated"),
-        ({"vary": parameters_of({"x": "numbered(1)", "y": clast.Uniform(0, 1)})}, "the number"),
+        ({"vary": parameters_of({"x": "numbered(1)", "y": clast.Uniform(0, 1)})}, "the run number"),
     ],
 )
 def test_designs_that_cannot_be_made_are_refused(changes: dict[str, object], what: str) -> None:

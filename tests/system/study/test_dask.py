@@ -99,7 +99,7 @@ def test_a_study_goes_on_when_its_cluster_is_gone(slab, tmp_path, victim):
         how = HowMade(scheduler=address, watch=kill)
         start = time.monotonic()
         if victim == 0:
-            with pytest.raises(CaseError, match="has ended"):
+            with pytest.raises(CaseError, match="has stopped"):
                 study.run(tmp_path / "part", n=40, how=how)
         else:
             study.run(tmp_path / "part", n=40, how=how)

@@ -126,7 +126,7 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
         ({}, "no parameter varies"),
         ({"joint.base.cohesion": [1.0, 2.0]}, "no range"),
         ({"joint.base.friction_angle": "uniform(91, 95)"}, "friction_angle"),
-        ({"joint.base.friction_angle": "uniform(60, 119.9)"}, "cannot go on"),
+        ({"joint.base.friction_angle": "uniform(60, 119.9)"}, "cannot continue"),
         ({"joint.base.friction": "uniform(1, 2)"}, "friction"),
         ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not determine"),
     ]:
@@ -141,8 +141,8 @@ def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
         clast.fit(case, late, RANGES, executor=one)
     for how, what in [
         ({"method": "es"}, "no method 'es'"),
-        ({"members": 3}, "no number of members"),
-        ({"rounds": 0}, "no number of rounds"),
+        ({"members": 3}, "not a valid number of members"),
+        ({"rounds": 0}, "not a valid number of rounds"),
         ({"seed": -1}, "not a valid seed"),
         ({"method": "es-mda"}, "are missing"),
     ]:
@@ -251,7 +251,8 @@ def test_a_report_has_intervals_differences_and_correlation(case, tmp_path):
     for name, value, low, high in zip(
         found.parameter, found.value, found.low, found.high, strict=True
     ):
-        assert f"{name} = {value:.5g} (95 %: {low:.5g} to {high:.5g})" in report
+        unit = {"joint.base.shear_stiffness": " Pa/m", "joint.base.friction_angle": "°"}[name]
+        assert f"{name} = {value:.5g}{unit} (95 %: {low:.5g} to {high:.5g})" in report
     assert report.count("data:image/png") == 3
     assert f"<td>{found.correlation[0, 1]:.5g}</td>" in report
     assert report.count('<td class="text">A</td>') == len(TIMES)

@@ -204,7 +204,7 @@ def test_a_folder_is_of_one_study(slab, tmp_path):
     with pytest.raises(CaseError, match="not a folder of a study"):
         resume(tmp_path)
     there = StudyFolder.opened(tmp_path / "out")
-    with there.driven(), pytest.raises(CaseError, match="worked on"):
+    with there.driven(), pytest.raises(CaseError, match="in use by another"):
         resume(tmp_path / "out")
 
 
