@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from clast.exports.csv_tables import TABLES
 from clast.results import read_results
 from scenes.command_line import clast_command, good
 from scenes.recorded_run import record, three_blocks
@@ -103,3 +104,9 @@ def test_a_picture_of_the_frame_at_a_time(result: Path):
     found = clast_command("plot", result, "--time", "0", "--frame", "0")
     assert found.exit_code == 2
     assert "leave one of them out" in found.stderr
+
+
+def test_help_names_every_table():
+    said = " ".join(good("export", "--help").replace("│", " ").split())
+    listed = said.split("Only these of ")[1].split(".")[0]
+    assert listed.split(", ") == list(TABLES)

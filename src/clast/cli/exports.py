@@ -54,7 +54,8 @@ def export(
         str,
         typer.Option(
             metavar="NAME,...",
-            help="Only these of blocks, vertices, contacts, histories, bolts, energy, steps.",
+            help="Only these of blocks, vertices, contacts, histories, measured_contacts, linings, "
+            "links, reactions, bolts, energy, steps, stages, events.",
         ),
     ] = "",
 ) -> None:
