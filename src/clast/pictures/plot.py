@@ -30,7 +30,7 @@ from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
 from clast.pictures.supports.draw_links import draw_links, handles_of_links
-from clast.pictures.supports.draw_reactions import draw_reactions, reaction_arrows
+from clast.pictures.supports.draw_reactions import ReactionArrow, draw_reactions, reaction_arrows
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -107,20 +107,15 @@ def draw_results(
         *layer_handles(above, results, number),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
-    arrows, pushes, zoomed = None, [], look.zoom is not None
+    arrows, zoomed = None, look.zoom is not None
+    pushes: list[ReactionArrow] = []
     if contacts:
         arrows, part = _contact_arrows(results, number, part, size, zoomed)
     whole = canvas.seen(*part, size)
     if reactions:
-        pushes = reaction_arrows(results, number, float(whole[1][0] - whole[0][0]))
-        if pushes and not zoomed:
-            tails = np.array([one.behind for one in pushes])
-            whole = canvas.seen(*_with_ends(part, tails, 0.0), size)
+        pushes, whole = _reactions(results, number, part, size, zoomed)
     sheet = canvas.sheet_for(size, title, keys.lines + 1, bars, narrowest)
-    few = len(results.block_name) <= FEW_BLOCKS
-    figure = canvas.new_figure(sheet.size, look.dpi or (160 if few else 220))
-    axes = figure.add_axes(sheet.share(sheet.axes))
-    canvas.view(axes, *whole, size)
+    figure, axes = _empty_figure(results, sheet, whole, size, look)
     canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
     outlined = 0.0 if edges else 1.0
     shown = _draw_blocks(sheet, axes, results, number, field, whole, look, outlined)
@@ -136,12 +131,52 @@ def draw_results(
         draw_blocks.draw_names(axes, results, here, absent)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
+    # the scale is on the line of the arrows' key, where there are none
+    scale_at = 0.2 if arrows is None else sheet.axes[1] - 0.42
+    _draw_frame_marks(figure, sheet, results, whole, look, scale_at)
+    return figure
+
+
+def _empty_figure(
+    results: Recording,
+    sheet: canvas.Sheet,
+    whole: canvas.Part,
+    size: tuple[float, float],
+    look: Look,
+) -> tuple[Figure, Axes]:
+    """Return the figure of a sheet, finer for many blocks, with axes that show ``whole``."""
+    few = len(results.block_name) <= FEW_BLOCKS
+    figure = canvas.new_figure(sheet.size, look.dpi or (160 if few else 220))
+    axes = figure.add_axes(sheet.share(sheet.axes))
+    canvas.view(axes, *whole, size)
+    return figure, axes
+
+
+def _draw_frame_marks(
+    figure: Figure,
+    sheet: canvas.Sheet,
+    results: Recording,
+    whole: canvas.Part,
+    look: Look,
+    scale_at: float,
+) -> None:
+    """Draw the scale bar, ``scale_at`` inches above the lower edge, and the arrow of gravity."""
     if "scale" in look.layers:
-        # on the line of the arrows' key, where there are none
-        draw_scale_bar(figure, sheet, whole, 0.2 if arrows is None else sheet.axes[1] - 0.42)
+        draw_scale_bar(figure, sheet, whole, scale_at)
     if "gravity" in look.layers:
         draw_gravity(figure, sheet, results)
-    return figure
+
+
+def _reactions(
+    results: Recording, number: int, part: canvas.Part, size: tuple[float, float], zoomed: bool
+) -> tuple[list[ReactionArrow], canvas.Part]:
+    """Return the reactions of a frame, and what of the section is seen, with room for them."""
+    whole = canvas.seen(*part, size)
+    pushes = reaction_arrows(results, number, float(whole[1][0] - whole[0][0]))
+    if pushes and not zoomed:
+        tails = np.array([one.behind for one in pushes])
+        whole = canvas.seen(*_with_ends(part, tails, 0.0), size)
+    return pushes, whole
 
 
 def _contact_arrows(

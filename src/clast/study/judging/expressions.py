@@ -200,25 +200,7 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
         case ast.Compare() if all(type(one) in COMPARISONS for one in node.ops):
             inner = [node.left, *node.comparators]
         case ast.Call(func=ast.Name(), keywords=[]):
-            called = node.func.id  # type: ignore[attr-defined]
-            if called in OF_NUMBERS:
-                inner = node.args
-                if not inner:
-                    raise CaseError(
-                        f"{called}() has no argument", where=where, remedy="give a value"
-                    )
-            elif called not in functions:
-                raise CaseError(
-                    f"there is no function '{shortened(called)}'",
-                    where=where,
-                    remedy=spelling.advice(called, [*functions, *OF_NUMBERS], kind="function"),
-                )
-            elif not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
-                raise CaseError(
-                    f"'{shortened(ast.unparse(node))}' needs a name",
-                    where=where,
-                    remedy=f'write {called}(A), or {called}("the name")',
-                )
+            inner = _checked_call(node, node.func.id, where, functions)  # type: ignore[attr-defined]
         case _:
             raise CaseError(
                 f"'{shortened(ast.unparse(node))}' is not allowed in an expression",
@@ -227,6 +209,27 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
             )
     for one in inner:
         _check(one, where, names, functions, depth + 1)
+
+
+def _checked_call(node: ast.Call, called: str, where: str, functions: list[str]) -> list[ast.expr]:
+    """Return the arguments of a call that are expressions; raise CaseError where it cannot be."""
+    if called in OF_NUMBERS:
+        if not node.args:
+            raise CaseError(f"{called}() has no argument", where=where, remedy="give a value")
+        return node.args
+    if called not in functions:
+        raise CaseError(
+            f"there is no function '{shortened(called)}'",
+            where=where,
+            remedy=spelling.advice(called, [*functions, *OF_NUMBERS], kind="function"),
+        )
+    if not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
+        raise CaseError(
+            f"'{shortened(ast.unparse(node))}' needs a name",
+            where=where,
+            remedy=f'write {called}(A), or {called}("the name")',
+        )
+    return []
 
 
 def _is_condition(node: ast.expr, conditions: Container[str]) -> bool:
