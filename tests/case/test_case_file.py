@@ -118,7 +118,7 @@ def test_settings(setting, found):
 @pytest.mark.parametrize(
     ("setting", "phrase"),
     [
-        ("time.end", "sets nothing"),
+        ("time.end", "sets no value"),
         ("fixed_point.3.at=[0,0]", "entries 1 to 2"),
         ("time.end.x=1", "single value"),
     ],

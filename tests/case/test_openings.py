@@ -118,7 +118,7 @@ def test_a_script_and_its_case_have_the_same_openings():
             'shape = "box"\ncorner = [0, 0]\nsize = [1, 1]',
             "no \\[domain\\] to cut",
         ),
-        ('name = "half"', 'name = "left"', "block of this name"),
+        ('name = "half"', 'name = "left"', "block with this name"),
     ],
 )
 def test_openings_that_cannot_be_meant_are_refused(old: str, new: str, what: str):

@@ -136,7 +136,7 @@ def test_networks_that_touch_do_not_overlap(place):
         model = built(*loops)
         assert model.block_count == len(loops) >= 100
         assert len(model.overlaps.pair) == 0
-        assert not model.notes or "turned round" in model.notes[0]
+        assert not model.notes or "reversed" in model.notes[0]
 
 
 def test_two_blocks_that_touch_to_round_off():

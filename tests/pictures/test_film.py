@@ -187,7 +187,7 @@ def test_what_a_film_cannot_look_like_is_refused(make, where):
 
 
 def test_a_gif_is_not_faster_than_browsers_show_it(wall, tmp_path):
-    with pytest.raises(CaseError, match="50 pictures a second"):
+    with pytest.raises(CaseError, match="50 pictures per second"):
         write_film(wall(1, 2), tmp_path / "film.gif", speed=FilmSpeed(fps=60.0))
 
 

@@ -225,7 +225,7 @@ def test_looks_that_cannot_be(wishes, said):
 
 
 def test_looks_that_leave_no_room(wall: Wall, tmp_path: Path):
-    with pytest.raises(CaseError, match=r"leave no room\n  give .* cm or more"):
+    with pytest.raises(CaseError, match=r"are too small\n  give .* cm or more"):
         plot_results(wall(4, 3), tmp_path / "a.png", look=Look(size=(6.0, 6.0)))
     with pytest.raises(CaseError, match=r"no block lies in this area\n  the blocks lie between"):
         plot_results(wall(4, 3), tmp_path / "a.png", look=Look(zoom=(50, 50, 60, 60)))

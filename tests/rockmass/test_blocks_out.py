@@ -125,7 +125,7 @@ def test_places_that_cannot_be_written_to(tmp_path, suffix, place, message):
     [
         ({"vertices": VERTICES[:, :1]}, "shape"),
         ({"vertices": VERTICES * np.nan}, "not finite"),
-        ({"vertices": "abc"}, "no numbers"),
+        ({"vertices": "abc"}, "not numbers"),
         ({"block_start": [0, 4, 6]}, "from 0 to 6, not from 0 to 7"),
         ({"block_start": [0, 5, 7]}, "block 1 has 2 vertices"),
         ({"block_start": [0, 4.5, 7]}, "no whole numbers"),

@@ -353,7 +353,7 @@ def test_a_unitless_file_is_taken_as_metres_and_said(tmp_path):
 def test_a_unit_that_is_asked_for_overrides(tmp_path, unit, metres):
     drawing = Sheet(tmp_path / "u.dxf", units=5).boundary().read(unit=unit)
     np.testing.assert_allclose(drawing.boundary, np.array(SQUARE) * metres, rtol=1e-15)
-    assert "as asked for" in drawing.unit_source
+    assert "as given" in drawing.unit_source
 
 
 def test_a_constant_height_is_dropped_and_another_refused(sheet):
@@ -362,7 +362,7 @@ def test_a_constant_height_is_dropped_and_another_refused(sheet):
     drawing = sheet.read()
     assert any("z = 12.5 m" in note for note in drawing.notes)
     line = sheet.line((0, 2, 13.0), (20, 2, 12.5), "JOINTS")
-    with pytest.raises(CaseError, match=rf"not plane.*LINE {line.dxf.handle}"):
+    with pytest.raises(CaseError, match=rf"not planar.*LINE {line.dxf.handle}"):
         sheet.read()
 
 
@@ -537,7 +537,7 @@ def test_lines_of_dda_for_windows_that_just_miss_are_lengthened_and_said(sheet):
     sheet.line((-1, 5), (21, 5), "0", color=1)
     drawing = read_dda_dxf(sheet.saved())
     assert area(drawing.boundary) == pytest.approx(200.0, rel=1e-9)
-    assert any("lengthened" in note for note in drawing.notes)
+    assert any("extended" in note for note in drawing.notes)
     assert [trace.joint for trace in drawing.traces] == ["type-2"]
 
 

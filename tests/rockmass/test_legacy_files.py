@@ -120,7 +120,7 @@ def test_boundary_lines_that_just_miss_are_lengthened_and_said(written):
     drawing = read_shi_geometry(written(text))
     np.testing.assert_allclose(np.ptp(drawing.boundary, axis=0), (9, 8), atol=1e-12)
     assert len(drawing.boundary) == 4
-    assert any("lengthened by 0.005 m" in note for note in drawing.notes)
+    assert any("extended by 0.005 m" in note for note in drawing.notes)
 
 
 # Analysis ----------------------------------------------------------------------------------------
@@ -204,5 +204,5 @@ def test_a_block_file(written):
     assert blocks.edge_joint[:4] == ("type-1", "type-2", "type-3", "")
     # Edge (1,0)-(1,1) has joint 1, (1,1)-(2,.5) joint 2, (2,.5)-(1,0) joint 3.
     assert blocks.edge_joint[4:] == ("type-2", "type-1", "type-3")
-    assert any("turned round: 2" in note for note in blocks.notes)
+    assert any("reversed: 2" in note for note in blocks.notes)
     assert "1 fixed, 0 load, 1 measured points: 0.5 0.5 1" in blocks.left_out[0].what

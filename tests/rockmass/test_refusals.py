@@ -99,7 +99,7 @@ FAULTS = [
         "traces are only 3e-06 of their lines",
     ),
     ({"terminates_at": ["x"]}, "joint_set 'bedding', terminates_at", "not used"),
-    ({"origin": (0.0, math.nan)}, "joint_set 'bedding', origin", "no point"),
+    ({"origin": (0.0, math.nan)}, "joint_set 'bedding', origin", "not a point"),
     ({"within": "shale"}, "joint_set 'bedding', within", "no region 'shale'"),
     ({"within": [(20, 20), (21, 20), (21, 21)]}, "joint_set 'bedding', within", "outside"),
     ({"angle_spread": VonMises(kappa=0.0)}, "joint_set 'bedding', angle_spread, kappa", "above 0"),
@@ -176,7 +176,7 @@ def test_too_many_blocks_are_refused_at_once(kind):
     }
     start = time.perf_counter()
     with pytest.raises(
-        ModelError, match="blocks are expected, more than 200000 are allowed"
+        ModelError, match="blocks are expected, more than the 200000 allowed"
     ) as caught:
         cut(SQUARE, made[kind])
     assert time.perf_counter() - start < 5.0
@@ -234,7 +234,7 @@ def test_boundaries():
         "domain, boundary", "not finite", domain=Domain(boundary=[(0, 0), (1, math.inf), (2, 0)])
     )
     refused("domain, boundary", "", domain=Domain(boundary=[(0, 0), (1, 1), (2, 2)]))
-    refused("domain, boundary", "no list", domain=Domain(boundary="site.dxf"))
+    refused("domain, boundary", "not a list", domain=Domain(boundary="site.dxf"))
 
 
 @pytest.mark.parametrize(
@@ -268,7 +268,7 @@ def test_openings_and_regions():
         "3 to 10000",
         openings=opening(Circle(center=(5, 5), radius=1.0, chords=2)),
     )
-    refused(f"{where}, center", "no list", openings=opening(Circle(center=5.0, radius=1.0)))
+    refused(f"{where}, center", "not a list", openings=opening(Circle(center=5.0, radius=1.0)))
     box = Box(corner=(1, 1), size=(1, 1))
     refused("opening 'heading'", "two openings", openings=[*opening(box), *opening(box)])
     away = Region(name="bed", polygon=[(20, 20), (21, 20), (21, 21)], rock="shale")

@@ -232,7 +232,7 @@ def test_an_action_that_cannot_be_kept_is_named(tmp_path: Path):
     assert run.checkpoint is None
     (text,) = (text for text in run.report.warnings if "checkpoint" in text)
     assert "run.state.actions" in text
-    assert "no checkpoint can hold a list_iterator" in text
+    assert "a checkpoint cannot hold a list_iterator" in text
     assert "frozen dataclass" in text
     assert not checkpoint_path(tmp_path / "a.vtkhdf").exists()
 
@@ -257,7 +257,7 @@ def test_settings_that_would_have_changed_what_was_done(part: Path):
         "joint.default.friction_angle=20",
     )
     refused("0.01 s is over: the checkpoint is of t = 0.034 s", part, "--set", "time.end=0.01")
-    refused("sets nothing", part, "--set", "time.end")
+    refused("sets no value", part, "--set", "time.end")
     assert part.with_name("part.vtkhdf").read_bytes() == before
 
 
@@ -364,7 +364,7 @@ def test_a_script_gives_its_model_again(tmp_path: Path):
     bare = clast.simulate(
         shaken(), output=tmp_path / "c.vtkhdf", contact_law=law, progress=pressed_at(3), **keys
     )
-    refused("must give again the objects that a file cannot hold", bare.checkpoint)
+    refused("the objects that a file cannot hold must be given again", bare.checkpoint)
     refused("clast.resume('c.checkpoint.h5', model=...)", bare.checkpoint)
     other = shaken()
     other.actions.append(Closer("falls", 1e3))

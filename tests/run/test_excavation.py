@@ -444,7 +444,7 @@ def test_names_that_are_unknown_or_taken_are_refused():
             builder.opening(name, blocks)
         return builder.build()
 
-    with pytest.raises(ModelError, match="block of this name"):
+    with pytest.raises(ModelError, match="block with this name"):
         opening(("a", ["b"]))
     with pytest.raises(ModelError, match="opening of this name"):
         opening(("x", ["a"]), ("x", ["b"]))

@@ -121,7 +121,7 @@ def test_what_a_stage_cannot_be_run_again_with(case_file: Path, tmp_path: Path):
 
     refused("the run has no stage 'pusch' did you mean 'push'?", "pusch")
     refused("'gravity' is the first stage: there is none before it", "gravity")
-    refused("change stage 'gravity', which is over", "push", "stage.1.time=0.02")
+    refused("change stage 'gravity', which has already finished", "push", "stage.1.time=0.02")
     refused("has other blocks or points", "push", "block.2.fixed=true")
     point = "measured_point=[{name='a', at=[0.1, 0.1]}]"
     refused("has other blocks or points", "push", point)
