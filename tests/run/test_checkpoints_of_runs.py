@@ -139,7 +139,7 @@ main()
     )
     assert done.returncode == 128 + number, done.stderr
     path = checkpoint_path(tmp_path / "a.vtkhdf")
-    assert f"clast resume {path} goes on" in done.stderr.replace("\n", " ")
+    assert f"clast resume {path} continues it" in done.stderr.replace("\n", " ")
     assert "the run reached its end" in good("resume", path)
     assert differences(whole, tmp_path / "a.vtkhdf") == []
 
@@ -368,7 +368,7 @@ def test_a_script_gives_its_model_again(tmp_path: Path):
     refused("clast.resume('c.checkpoint.h5', model=...)", bare.checkpoint)
     other = shaken()
     other.actions.append(Closer("falls", 1e3))
-    with pytest.raises(CaseError, match=r"these parts have changed: model\.actions$"):
+    with pytest.raises(CaseError, match=r"changed parts: model\.actions$"):
         try:
             clast.resume(run.checkpoint, model=other.build())
         except CaseError as error:

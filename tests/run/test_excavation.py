@@ -446,11 +446,11 @@ def test_names_that_are_unknown_or_taken_are_refused():
 
     with pytest.raises(ModelError, match="block with this name"):
         opening(("a", ["b"]))
-    with pytest.raises(ModelError, match="opening of this name"):
+    with pytest.raises(ModelError, match="opening with this name"):
         opening(("x", ["a"]), ("x", ["b"]))
     with pytest.raises(ModelError, match="there is no block 'c'"):
         opening(("x", ["c"]))
-    with pytest.raises(ModelError, match="part of opening 'x' already"):
+    with pytest.raises(ModelError, match="already belongs to opening 'x'"):
         opening(("x", ["a"]), ("y", ["a", "b"]))
     with pytest.raises(ModelError, match="is an empty list"):
         opening(("x", []))
