@@ -202,8 +202,7 @@ def _unit_warnings(model: Model) -> Iterator[str]:
         if not SOFTEST <= rock.young <= HARDEST:
             yield (
                 f"{where}: young is {rock.young:g} Pa, outside the range of rock and brick (1e8 "
-                "to 2e12); "
-                "the unit is Pa: 50 GPa are 50e9"
+                "to 2e12); the unit is Pa: 50 GPa are 50e9"
             )
         if rock.poisson < 0.0:
             yield (
@@ -344,8 +343,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
     if first < 0.0:
         yield (
             f"the ground motion begins at {first:g} s, before the run: the ground is already "
-            "moving at 0 s"
-            ". Let its instants begin at 0"
+            "moving at 0 s. Let its instants begin at 0"
         )
     drift = float(np.round(np.hypot(*record.velocity(last)), 12))
     if last < end and drift * (end - last) > DRIFTING * size_of_smallest(model):
@@ -367,8 +365,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
     if peak < SOFTEST_SHAKING:
         yield (
             f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody would feel: "
-            "check "
-            "the columns and the scale of the record"
+            "check the columns and the scale of the record"
         )
 
 
@@ -400,8 +397,7 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
     if last > float(record.time[0]) and np.abs(record.velocity(last)).max() > 0.0:
         yield (
             f"a viscous boundary begins at {last:g} s, when the ground motion has begun: earlier "
-            "motion does not enter there"
-            ". Shift the instants of the record"
+            "motion does not enter there. Shift the instants of the record"
         )
 
 
@@ -484,8 +480,7 @@ def _lining_warnings(model: Model) -> Iterator[str]:
             yield (
                 f"Lining '{shortened(one.name)}' has no rock beside {len(one.loose)} of its "
                 f"{len(one.segments)} segments ({named(model, one.loose)}): those segments carry "
-                "no load. Draw it along"
-                " the faces of blocks, or without joint."
+                "no load. Draw it along the faces of blocks, or without joint."
             )
 
 

@@ -25,6 +25,7 @@ from clast.study import trial_table
 from clast.study.description import Description
 from clast.study.folder import DONE, StudyFolder
 from clast.study.report_page import Page, add_figures, file_stem
+from clast.study.variables.parameter_units import with_units
 
 MOST_RUNS = 200
 """Most rows of the table of runs."""
@@ -144,11 +145,8 @@ def write_runs(page: Page, study: Description, units: Mapping[str, str], runs: S
     page.head("Runs")
     measures = trial_table.columns(study)[2 + len(study.vary) :][: len(study.measure)]
     known = {**units, **dict(zip(measures, study.units.values(), strict=True))}
-    heads = [
-        f"{name}, {known[name]}" if known.get(name) else name for name in trial_table.columns(study)
-    ]
     if runs.rows:
-        page.table(heads, runs.rows)
+        page.table(with_units(trial_table.columns(study), known), runs.rows)
     count = int(runs.made.sum())
     shown = f"The first {MOST_RUNS} of {count} runs; all" if count > MOST_RUNS else "All digits"
     page.say(f"{shown} are in {trial_table.CSV}.", "remark")
