@@ -22,7 +22,7 @@ from clast.model.state import State
 
 FAR_STEPS = 10
 """Steps that go far without balance from which a system can have none."""
-GOES = 0.01
+GOES = 0.02
 """Movement from which blocks are going somewhere, in units of their median size."""
 WITHIN = 0.03
 """Distance of an equilibrium from where blocks were, in units of the size of the model, at most:
@@ -63,8 +63,19 @@ def driven(model: Model, before: State, after: State, inertia: float) -> Floats:
 
 
 def nears(steps: Floats, within: float) -> bool:
-    """Return whether way and acceleration of steps (k, 2) lead to a balance ``within`` m more."""
-    half = len(steps) // 2
-    first, second = (float(part[:, 1].mean()) for part in (steps[:half], steps[half:]))
-    way = float(steps[:, 0].sum()) / 2.0
-    return second < first and second * way <= within * (first - second)
+    """Return whether way and acceleration of steps (k, 2) lead to a balance ``within`` m more.
+
+    The second half of the way counts, in FAR_STEPS at least: friction and supports are mobilised in
+    the first, in which the acceleration goes up and down.
+    """
+    gone = np.cumsum(steps[:, 0])
+    first = min(int(np.searchsorted(gone, 0.5 * gone[-1])), len(steps) - FAR_STEPS)
+    recent = steps[max(0, first) :]
+    way, acceleration = recent.T
+    middle = np.searchsorted(np.cumsum(way), 0.5 * way.sum(), side="right")
+    middle = int(np.clip(middle, 1, len(recent) - 1))
+    before, now = (
+        float(np.average(acceleration[part], weights=way[part]))
+        for part in (slice(middle), slice(middle, None))
+    )
+    return now < before and 0.5 * now * float(way.sum()) <= within * (before - now)

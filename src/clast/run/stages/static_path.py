@@ -95,7 +95,7 @@ class OnPath:
     far: int = 0
     """Those of them that went as far as max_displacement lets blocks go."""
     driven: Floats = field(default_factory=_not_driven)
-    """Way, m, and acceleration, m/s2, of the last ones of these, shape (k, 2)."""
+    """Way, m, and acceleration, m/s2, of each of these, shape (k, 2)."""
     moved: Floats = field(default_factory=_no_motion)
     """Movement of each block since then, m, shape (n, 2)."""
     balanced: bool = False
@@ -243,7 +243,7 @@ class StaticPath:
         if result.travel > FAR * self.method.max_displacement:
             inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
             last = failure_verdict.driven(self.model, before, result.state, inertia)
-            driven, far = np.concatenate([driven[-failure_verdict.FAR_STEPS + 1 :], last]), far + 1
+            driven, far = np.concatenate([driven, last]), far + 1
         steps = 1 + (0 if restarts else now.steps)
         after = replace(
             now,
