@@ -156,8 +156,8 @@ def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
 
 def print_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
     """Write the report of a study of collapse; print its result."""
+    from clast.study.collapsing.collapse_report import write_collapse
     from clast.study.folder import StudyFolder
-    from clast.study.study_report import write_collapse
 
     there = StudyFolder.opened(found.folder or Path())
     report = write_collapse(there, found)

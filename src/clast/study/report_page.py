@@ -14,8 +14,10 @@ from clast.errors import CaseError
 from clast.pictures.page.document import page_text
 from clast.pictures.page.scene import scene_of
 
+REPORT, FIGURES = "report.html", "figures"
+"""The page in the folder of a study, and the folder of its figures."""
 PAGE_BUDGET = 6e6
-"""Bytes that contacts of the worst run take before they are compressed."""
+"""Bytes that contacts of a run take before they are compressed."""
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
     "color:#222}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}"
@@ -71,10 +73,12 @@ class Page:
         )
         self.parts.append(f'<div class="{kind}">{drawn}</div>')
 
-    def run(self, run: Any) -> None:
-        """Add the page that plays a run."""
-        inner = escape(page_text(scene_of(run, PAGE_BUDGET)), quote=True)
-        self.parts.append(f'<iframe title="the worst run" srcdoc="{inner}"></iframe>')
+    def run(self, run: Any, title: str) -> None:
+        """Add the page that plays a run, with a title for those who do not see it."""
+        inner, said = (
+            escape(one, quote=True) for one in (page_text(scene_of(run, PAGE_BUDGET)), title)
+        )
+        self.parts.append(f'<iframe title="{said}" srcdoc="{inner}"></iframe>')
 
     def text(self) -> str:
         """Return the page."""

@@ -1,4 +1,4 @@
-"""The report of a study: one page with its numbers, figures and tables, and its worst run to play.
+"""The report of a sweep or a Monte Carlo study: numbers, figures, tables, its worst run to play.
 
 Everything is in the one file, which asks no network.  Figures need matplotlib; without it the page
 says so and has the tables alone.
@@ -6,7 +6,7 @@ says so and has the tables alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,30 +16,25 @@ from clast.errors import CaseError
 from clast.pictures.html_files import write_html
 from clast.pictures.study import figures
 from clast.results import read_results
-from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.study import probabilities, sweep_report
-from clast.study.collapsing.collapse import Collapse, ends
 from clast.study.description import MONTECARLO, SWEEP, Description
 from clast.study.folder import StudyFolder
 from clast.study.kept_runs import made_again
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
-from clast.study.report_page import Page, add_figures, file_stem
+from clast.study.report_page import FIGURES, REPORT, Page, add_figures, file_stem
 from clast.study.sensitivity import MEANING, sensitivities
 from clast.study.trial_cases import content_of
 from clast.study.variables.parameter_units import units_of, with_units
 from clast.study.variables.parameters import ParameterPlaces
 from clast.study.work import RUN_FILE
 
-REPORT, FIGURES, WORST = "report.html", "figures", "worst"
-"""The page, the folder of its figures, and that of the worst run."""
 KIND_TITLES = {SWEEP: "sweep", MONTECARLO: "Monte Carlo"}
 """Kind of study -> its title."""
 MOST_BARS = 12
 """Most parameters of a tornado."""
 MOST_ROWS = 20
 """Most rows of a table of blocks or reasons."""
-# Sweeps and probability --------------------------------------------------------------------------
 
 
 def write_report(folder: StudyFolder) -> Path:
@@ -300,75 +295,5 @@ def _worst(page: Page, folder: StudyFolder, number: int) -> None:
     if run is None:
         page.say("It could not be made again.", "remark")
         return
-    page.run(run)
+    page.run(run, "the worst run")
     page.say(f"clast run {folder.place(number) / 'case.toml'}", "remark")
-
-
-# Collapse ----------------------------------------------------------------------------------------
-
-
-def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
-    """Write the report of a study of collapse; return its path."""
-    page = Page(f"{folder.base.title or 'Study'}: {found.by.TITLE}")
-    page.say(f"{found.sentence[0].upper()}{found.sentence[1:]}.", "answer")
-    pictures = folder.path / FIGURES
-    pictures.mkdir(exist_ok=True)
-    marks = [
-        figures.TrialMark(factor=one.factor, displacement=one.displacement, verdict=one.verdict)
-        for one in found.trials
-    ]
-    path = pictures / "displacement.png"
-    bracket = (found.low, found.high)
-    label = "displacement against factor, with the bracket"
-    add_figures(
-        page, lambda: [(figures.draw_factors(marks, bracket, path, found.by.SYMBOL), label)]
-    )
-    page.head("Trials")
-    heads = ["trial", found.by.SYMBOL, "verdict", "displacement, m", "steps", "blocks that fail"]
-    page.table(
-        heads,
-        [
-            [k, f"{one.factor:.6g}", one.verdict, one.displacement, one.steps, _listed(one.blocks)]
-            for k, one in enumerate(found.trials, 1)
-        ],
-    )
-    _failing(page, folder, found)
-    for k in ends(found):
-        trial, file = found.trials[k - 1], folder.place(k) / RUN_FILE
-        if file.exists():
-            page.head(f"Trial {k}, {found.by.SYMBOL} = {trial.factor:.6g}: {trial.verdict}")
-            page.run(read_results(file))
-    return write_html(page.text(), folder.path / REPORT)
-
-
-def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
-    """Draw the blocks that fail in each trial, as pictures and DXF in its folder."""
-    model = folder.base.model()
-    vertices, said = model.vertices + model.origin, ""
-    page.head("Blocks that fail")
-    for k, trial in enumerate(found.trials, 1):
-        if not trial.blocks:
-            continue
-        fails = np.isin(model.block_name, trial.blocks)
-        place = folder.place(k)
-        section = figures.FailureSection(
-            vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
-        )
-        try:
-            figures.draw_failing(section, place / "failing.png")
-            layers = np.where(fails, "FAILS", "STANDS").tolist()
-            write_blocks_dxf(place / "failing.dxf", vertices, model.block_start, layers)
-        except CaseError as error:
-            said = f"{error.what}. {error.remedy}"
-    if said:
-        page.say(said, "remark")
-    first = next((k for k in ends(found)[::-1] if found.trials[k - 1].blocks), None)
-    drawn = None if first is None else folder.place(first) / "failing.png"
-    if drawn is not None and drawn.exists():
-        page.pictures([(drawn, "blocks that fail in the first trial that does")])
-        page.say("Pictures and DXF of all trials are in their folders.", "remark")
-
-
-def _listed(blocks: Sequence[str]) -> str:
-    more = f" and {len(blocks) - 6} more" if len(blocks) > 6 else ""
-    return ", ".join(blocks[:6]) + more

@@ -83,6 +83,20 @@ class TrialMark:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TrialCourse:
+    """The k steps of a trial, and the limits by which it is judged."""
+
+    moved: Floats
+    """Largest movements of the steps, added up, m, shape (k,)."""
+    unbalanced: Floats
+    """Largest unbalanced force of a block, as a share of the forces on it, shape (k,)."""
+    goes: float
+    """Movement from which blocks may fail, m."""
+    balanced: float
+    """Unbalanced force below which they are in equilibrium, as a share of the forces on them."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class FailureSection:
     """A section of n blocks, nv vertices, coloured by how often each fails."""
 
@@ -226,6 +240,34 @@ def draw_factors(
     return save_axes(axes, path)
 
 
+def draw_course(course: TrialCourse, path: Path) -> Path:
+    """Draw movement and unbalanced force of a trial step by step; return the picture's path."""
+    size = (SIZE[0], 1.5 * SIZE[1])
+    below = new_axes("step", "unbalanced force / forces", height=0.37, size=size)
+    figure = cast("Figure", below.get_figure(root=True))
+    place = below.get_position()
+    above = figure.add_axes((place.x0, place.y1 + 0.08, place.width, place.height), sharex=below)
+    label_axes(above, "", "movement (m)")
+    step = np.arange(1, len(course.moved) + 1)
+    for axes, values, limit, said in (
+        (above, course.moved, course.goes, "may fail above"),
+        (below, course.unbalanced, course.balanced, "equilibrium below"),
+    ):
+        axes.plot(step, np.where(values > 0.0, values, np.nan), color=BLUE, lw=1.3)
+        axes.axhline(limit, color=RED, lw=1.0, ls="--", label=f"{said} {limit:.3g}")
+        axes.set_yscale("log")
+        axes.legend(
+            fontsize=SMALL_SIZE,
+            frameon=False,
+            labelcolor=INK,
+            loc="lower right",
+            bbox_to_anchor=(1.0, 0.99),
+        )
+        canvas.label_logarithms(axes)
+    above.tick_params(labelbottom=False)
+    return save_axes(below, path)
+
+
 def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
     """Draw the section, blocks darker the more often they fail; return the picture's path."""
     from matplotlib.collections import PolyCollection
@@ -326,11 +368,16 @@ def new_axes(
     """Return empty axes of a figure of their own, its size in inches."""
     figure = canvas.new_figure(size, DOTS)
     axes = figure.add_axes((left, 0.56 / size[1], 0.96 - left, height))
+    label_axes(axes, x_label, y_label)
+    return axes
+
+
+def label_axes(axes: Axes, x_label: str, y_label: str) -> None:
+    """Label axes, with a grid, in the style of all figures."""
     axes.set_xlabel(canvas.literal(x_label), fontsize=TEXT_SIZE, color=INK)
     axes.set_ylabel(canvas.literal(y_label), fontsize=TEXT_SIZE, color=INK)
     axes.grid(color="#e2e2e2", lw=0.5)
     canvas.style(axes)
-    return axes
 
 
 def save_axes(axes: Axes, path: Path) -> Path:

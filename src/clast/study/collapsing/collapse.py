@@ -23,6 +23,7 @@ from clast.study.collapsing.search import FactorBracket, Trials, bracket_of
 from clast.study.collapsing.trial import (
     FAILED,
     STANDS,
+    UNDECIDED,
     Settled,
     Trial,
     as_plain,
@@ -261,6 +262,11 @@ def ends(found: Collapse) -> list[int]:
     ]
 
 
+def undecided(found: Collapse) -> list[int]:
+    """Return the numbers of the trials that are undecided, from 1."""
+    return [k for k, one in enumerate(found.trials, 1) if one.verdict == UNDECIDED]
+
+
 def write_trials(found: Collapse, path: Path) -> None:
     """Write the table of the trials as CSV."""
     with replaced(path) as file:
@@ -275,8 +281,8 @@ def write_trials(found: Collapse, path: Path) -> None:
 
 
 def _drop_files(folder: StudyFolder, found: Collapse) -> None:
-    """Remove the result files of trials but those at the ends of the bracket."""
-    kept = ends(found)
+    """Remove the result files of trials but of undecided ones and the ends of the bracket."""
+    kept = [*ends(found), *undecided(found)]
     for number in range(1, len(found.trials) + 1):
         if number not in kept and folder.study.keep != "all":
             for file in folder.place(number).glob("run*"):

@@ -14,8 +14,8 @@ from clast.study.fitting.back_analysis import Fit
 from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
 from clast.study.folder import StudyFolder
 from clast.study.probabilities import CONFIDENCE
-from clast.study.report_page import Page, add_figures
-from clast.study.study_report import FIGURES, REPORT, parameter_units
+from clast.study.report_page import FIGURES, REPORT, Page, add_figures
+from clast.study.study_report import parameter_units
 
 MOST_ROWS = 200
 """Most observations of the table."""
