@@ -166,6 +166,8 @@ def print_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
     elif not quiet:
         tell(found.sentence)
         tell(f"report: {report}")
+    for text in found.warnings:
+        say(f"warning: {text}")
     if not found.is_settled:
         say(f"warning: {found.sentence}")
         raise typer.Exit(MISSED)

@@ -99,6 +99,25 @@ def test_sixteen_columns_topple_where_their_recursion_says(how, tmp_path):
     assert found.value == pytest.approx(exact, rel=0.005)
 
 
+def test_a_stage_of_the_case_that_fails_is_warned_of(slab, tmp_path):
+    """Without a prop it slides before there is a strength to reduce; with one it stands."""
+    content = tomllib.loads(slab.file.read_text())
+    first = {"name": "bare", "dynamic_ratio": 0.0, "time": 0.1, "until": "equilibrium"}
+    weak = {**first, "joint": {"plane": {"friction_angle": 20.0, "cohesion": 0.0}}}
+    strong = {**first, "name": "grouted", "joint": {"plane": {"friction_angle": 45.0}}}
+    found = {}
+    for name, stages in {"slid": [weak, strong], "held": [strong]}.items():
+        file = tmp_path / f"{name}.toml"
+        file.write_text(to_toml({**content, "stage": stages}))
+        found[name] = clast.factor_of_safety(file, tolerance=0.1, folder=tmp_path / name)
+    assert found["held"].warnings == ()
+    (said,) = found["slid"].warnings
+    assert "stage 'bare' of the case ends without equilibrium" in said
+    assert clast.factor_of_safety(
+        tmp_path / "slid.toml", tolerance=0.1, folder=tmp_path / "slid"
+    ).warnings == (said,)
+
+
 def test_a_slope_that_fails_as_it_is(tmp_path, monkeypatch):
     slope = wet_slope.steep_slope()
     water = slope.depth - 2.0

@@ -70,6 +70,11 @@ class Collapse:
         return self.low
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful in the state from which the trials begin."""
+        return tuple(dict.fromkeys(text for one in self.trials for text in one.warnings))
+
+    @property
     def is_settled(self) -> bool:
         """Whether the bracket is closed and as narrow as was asked for."""
         width = self.high - self.low
@@ -99,6 +104,7 @@ class Collapse:
             "undecided": list(self.undecided),
             "settled": self.is_settled,
             "sentence": self.sentence,
+            "warnings": list(self.warnings),
             "trials": [one.as_dict() for one in self.trials],
             "folder": None if self.folder is None else str(self.folder),
         }

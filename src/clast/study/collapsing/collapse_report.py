@@ -24,6 +24,8 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
     """Write the report of a study of collapse; return its path."""
     page = Page(f"{folder.base.title or 'Study'}: {found.by.TITLE}")
     page.say(f"{found.sentence[0].upper()}{found.sentence[1:]}.", "answer")
+    for text in found.warnings:
+        page.say(f"Warning: {text}.")
     (folder.path / FIGURES).mkdir(exist_ok=True)
     _bracket(page, folder, found)
     _trials(page, found)

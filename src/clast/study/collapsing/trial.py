@@ -74,10 +74,12 @@ class Trial:
     reason: str = ""
     """The condition of equilibrium that fails, or why the run could not go on; "" where it
     stands."""
+    warnings: tuple[str, ...] = ()
+    """What is doubtful in the state from which it begins."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
-        return {**vars(self), "blocks": list(self.blocks)}
+        return {**vars(self), "blocks": list(self.blocks), "warnings": list(self.warnings)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,10 +101,23 @@ class Settled:
     record: StageRecord
     """How they did."""
 
+    stages: tuple[StageRecord, ...] = ()
+    """How the stages of the case itself ended."""
+
     @property
     def stands(self) -> bool:
         """Whether they have come to an equilibrium."""
         return self.record.outcome == REACHED
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Stages of the case without an equilibrium, from which all trials begin."""
+        return tuple(
+            f"stage '{one.name}' of the case ends without equilibrium, and every trial begins "
+            "from what it leaves: see clast run"
+            for one in self.stages
+            if one.outcome in (FAILS, MOVING)
+        )
 
 
 def settled(case: Case, by: Reduction, base: float) -> Settled:
@@ -110,7 +125,7 @@ def settled(case: Case, by: Reduction, base: float) -> Settled:
 
     ``base`` is the factor that acts meanwhile.  Raises CaseError for a case that cannot be used.
     """
-    content = content_of(case)
+    content: Content = content_of(case)
     kept: list[RunState] = []
 
     def keep(now: RunState) -> None:
@@ -135,6 +150,7 @@ def settled(case: Case, by: Reduction, base: float) -> Settled:
         run=kept[0],
         base=base,
         record=run.stages[-1],
+        stages=tuple(run.stages[:-1]),
     )
 
 
@@ -234,6 +250,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         mover=names[farthest] if far[farthest] > 0.0 else "",
         steps=sum(record.steps for record in records),
         longer=parts > 1,
+        warnings=start.warnings,
     )
     if not run.report.finished:
         return replace(trial, reason=run.report.outcome)
@@ -283,4 +300,5 @@ def moved(model: Model, before: Floats, after: Floats) -> Floats:
 
 def as_plain(trial: Mapping[str, Any]) -> Trial:
     """Return the trial that ``Trial.as_dict`` gave."""
-    return Trial(**{**trial, "blocks": tuple(trial["blocks"])})
+    lists = {name: tuple(trial.get(name, ())) for name in ("blocks", "warnings")}
+    return Trial(**{**trial, **lists})
