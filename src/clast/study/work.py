@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
-from clast.errors import CaseError, ClastError, RunStopped, shortened
+from clast.errors import CaseError, ClastError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.study.collapsing.reduction import Reduction, reduction
@@ -120,12 +120,22 @@ class Bench:
         """Return the result of a run; a failure is a result as well."""
         try:
             return self._measured(One(changed(self.folder.base, content), output))
-        except RunStopped as stopped:
-            return _no_result(str(stopped))
         except ClastError as error:
-            return _no_result(str(error))
+            return self._no_result(str(error), output)
         except Exception as error:  # the fault of one run is not that of the others
-            return _no_result(f"{type(error).__name__}: {error}")
+            return self._no_result(f"{type(error).__name__}: {error}", output)
+
+    def _no_result(self, reason: str, output: Path | None) -> dict[str, Any]:
+        """Return the result of a run that has none.
+
+        Files of case and run are named without their folders: no table depends on where a study
+        lies, and by whom it is made.
+        """
+        for file in (Path(self.folder.base.file), output):
+            if file is not None:
+                reason = reason.replace(f"{file.parent}{os.sep}", "")
+        lines = filter(None, map(str.strip, reason.split("\n")))
+        return {"status": NO_RESULT, "reason": shortened("; ".join(lines), LONGEST_REASON)}
 
     def _measured(self, one: One) -> dict[str, Any]:
         """Return the measures of a run."""
@@ -201,7 +211,3 @@ def _called(one: One, name: str, *given: str) -> Any:
 
 def _is_failure(result: dict[str, Any]) -> bool:
     return result["status"] != DONE or bool(result.get("fails"))
-
-
-def _no_result(reason: str) -> dict[str, Any]:
-    return {"status": NO_RESULT, "reason": shortened(" ".join(reason.split()), LONGEST_REASON)}
