@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.study import sweep_report
+from clast.study import probabilities, sweep_report
 from clast.study.folder import DONE, NO_RESULT, StudyFolder
 from clast.study.report_page import Page
 
@@ -126,3 +126,14 @@ def test_curves_have_a_heading_and_a_figure(tmp_path, measure, head):
     assert f"<h2>{head}" in page.text() and page.text().count("data:image/png") == 1
     said = "Least 20000 m in run 3, largest 3e+05 m in run 2."
     assert (said in page.text()) is bool(measure)
+
+
+def test_a_sweep_is_summed_up_by_its_extremes_and_where_they_are(tmp_path):
+    columns = probabilities.columns_of(made(tmp_path))
+    found = probabilities.extremes(columns, columns.measures["u"])
+    assert (found.least.value, found.least.run) == (2e4, 3)
+    assert found.least.parameters == {"phi": 20.0, "c": 1e3}
+    assert (found.largest.value, found.largest.run) == (3e5, 2)
+    assert found.largest.parameters == {"phi": 30.0, "c": 1e4}
+    nothing = np.full(len(columns.run), np.nan)
+    assert probabilities.extremes(columns, nothing) is None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -13,6 +14,8 @@ from clast.cli.terminal import print_json, print_table, say, tell
 from clast.errors import CaseError
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
     from clast.study.fitting.back_analysis import Fit
@@ -76,18 +79,11 @@ def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None
 
 def print_results(columns: StudyResults, rows: int) -> None:
     """Print the result of a sweep or a Monte Carlo study."""
-    from rich.table import Table
-
     from clast.study import probabilities
+    from clast.study.description import SWEEP
 
-    table = Table(title=f"{rows} of {columns.study.n} runs")
-    for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
-        table.add_column(head, justify="left" if head == "measure" else "right")
-    for name, values in columns.measures.items():
-        found = probabilities.spread(columns, values)
-        if found is not None:
-            numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
-            table.add_row(name, *(f"{one:.5g}" for one in numbers))
+    table = _ranges(columns) if columns.study.kind == SWEEP else _spreads(columns)
+    table.title = f"{rows} of {columns.study.n} runs"
     print_table(table)
     probability = probabilities.probability(columns)
     if probability is not None:
@@ -96,6 +92,46 @@ def print_results(columns: StudyResults, rows: int) -> None:
         tell(f"{int(columns.fails.sum())} of {len(columns.fails)} runs fail")
     for reason, count in columns.reasons.items():
         tell(f"{count} without a result: {reason}")
+
+
+def _spreads(columns: StudyResults) -> Table:
+    """Return the table of how the measures of a Monte Carlo study are spread."""
+    from rich.table import Table
+
+    from clast.study import probabilities
+
+    table = Table()
+    for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
+        table.add_column(head, justify="left" if head == "measure" else "right")
+    for name, values in columns.measures.items():
+        found = probabilities.spread(columns, values)
+        if found is not None:
+            numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
+            table.add_row(name, *(f"{one:.5g}" for one in numbers))
+    return table
+
+
+def _ranges(columns: StudyResults) -> Table:
+    """Return the table of the extreme values of the measures of a sweep, and where they are."""
+    from rich.table import Table
+
+    from clast.study import probabilities
+
+    table = Table()
+    parameters = [one.name for one in columns.study.vary]
+    for head in ("measure", "", "value", "in run", *parameters):
+        table.add_column(head, justify="left" if head in ("measure", "") else "right")
+    for name, values in columns.measures.items():
+        found = probabilities.extremes(columns, values)
+        for word, one in vars(found).items() if found is not None else ():
+            where = (_short(value) for value in one.parameters.values())
+            table.add_row(name, word, f"{one.value:.5g}", str(one.run), *where)
+    return table
+
+
+def _short(value: Any) -> str:
+    """Return a value of a parameter."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
@@ -112,25 +148,15 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
     report = write_report(there)
     indices = _sensitivities(columns)
     if as_json:
-        found = probabilities.probability(columns)
         print_json(
             {
                 "folder": str(there.path),
-                "runs": there.study.n,
                 "done": rows,
-                "no_result": columns.lost,
-                "probability_of_failure": None if found is None else vars(found),
-                "measures": {
-                    name: None if spread is None else vars(spread)
-                    for name, values in columns.measures.items()
-                    for spread in [probabilities.spread(columns, values)]
-                },
+                **_as_dict(columns),
                 "sensitivity": {
                     name: {one.parameter: one.index for one in listed}
                     for name, listed in indices.items()
                 },
-                "blocks": dict(columns.blocks),
-                "joints": dict(columns.joints),
             }
         )
     elif not quiet:
@@ -141,6 +167,27 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
     if rows and columns.lost == rows:
         say("warning: no run has a result")
         raise typer.Exit(MISSED)
+
+
+def _as_dict(columns: StudyResults) -> dict[str, Any]:
+    """Return the results of a sweep or a Monte Carlo study for JSON."""
+    from clast.study import probabilities
+    from clast.study.description import SWEEP
+
+    summary = probabilities.extremes if columns.study.kind == SWEEP else probabilities.spread
+    chance = probabilities.probability(columns)
+    summaries = {name: summary(columns, values) for name, values in columns.measures.items()}
+    return {
+        "runs": columns.study.n,
+        "no_result": columns.lost,
+        "failed": int(columns.fails.sum()) if len(columns.fails) else None,
+        "probability_of_failure": None if chance is None else vars(chance),
+        "measures": {
+            name: None if found is None else asdict(found) for name, found in summaries.items()
+        },
+        "blocks": dict(columns.blocks),
+        "joints": dict(columns.joints),
+    }
 
 
 def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:

@@ -11,14 +11,17 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from clast.errors import shortened
 from clast.model.model import Floats
 from clast.study.description import MONTECARLO, SWEEP, Description
 from clast.study.folder import DONE, StudyFolder
-from clast.study.variables.distributions import Numbered
+from clast.study.variables.distributions import Numbered, Value
 from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Random
 
 CONFIDENCE = 0.95
 """Confidence of intervals."""
+LONGEST_REASON = 160
+"""Most characters by which reasons for a missing result are told apart."""
 TAIL = 0.2
 """Share of the runs, with the least and the largest values of a parameter, that are compared."""
 
@@ -89,7 +92,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
     reasons: Counter[str] = Counter()
     for result in folder.results():
         if result["status"] != DONE:
-            reasons[result.get("reason", "")[:120]] += 1
+            reasons[shortened(result.get("reason", ""), LONGEST_REASON)] += 1
             continue
         run.append(result["run"])
         for name, value in result["parameters"].items():
@@ -290,6 +293,46 @@ def spread(columns: StudyResults, values: Floats) -> Spread | None:
         quantiles=(low, median, high),
         largest=float(kept.max()),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extreme:
+    """The least or the largest value of a measure, and the run that has it."""
+
+    value: float
+    """The value."""
+    run: int
+    """Number of the run; of several the first."""
+    parameters: Mapping[str, Value]
+    """Parameter -> its value in this run."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extremes:
+    """Between which values a measure lies."""
+
+    least: Extreme
+    """The least one."""
+    largest: Extreme
+    """The largest one."""
+
+
+def extremes(columns: StudyResults, values: Floats) -> Extremes | None:
+    """Return the extreme values of a measure (k,); None where it has no values.
+
+    They are what is to say of a sweep: its mean would tell how the grid was chosen.
+    """
+    if not np.isfinite(values).any():
+        return None
+
+    def at(k: int) -> Extreme:
+        study, run = columns.study, int(columns.run[k])
+        names = [one.name for one in study.vary]
+        parameters = dict(zip(names, study.values(run), strict=True))
+        return Extreme(value=float(values[k]), run=run, parameters=parameters)
+
+    sound = np.where(np.isfinite(values), values, np.nan)
+    return Extremes(least=at(int(np.nanargmin(sound))), largest=at(int(np.nanargmax(sound))))
 
 
 def cumulative(study: Description, values: Floats) -> tuple[Floats, Floats, Floats]:

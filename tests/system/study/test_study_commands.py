@@ -61,6 +61,19 @@ def test_parts_of_an_array_are_collected():
     good("check", "out/runs/0000/00000003/case.toml")
 
 
+def test_a_sweep_prints_where_its_measures_are_least_and_largest():
+    out = good("study", "sweep", "slab.toml", "--vary", f"{PHI}=[30, 25]", "--measure", U,
+               "-o", "out", "--workers", "1")  # fmt: skip
+    assert "mean" not in out and "median" not in out
+    least, largest = (line.split() for line in out.splitlines() if " u " in line)
+    assert least[3] == "least" and least[7:10:2] == ["1", "30"]
+    assert largest[3] == "largest" and largest[7:10:2] == ["2", "25"]
+    found = json.loads(good("study", "collect", "out", "--json"))
+    u = found["measures"]["u"]
+    assert u["least"]["run"] == 1 and u["least"]["parameters"] == {PHI: 30}
+    assert u["largest"]["value"] > u["least"]["value"]
+
+
 def test_results_are_written_as_parquet():
     parquet = pytest.importorskip("pyarrow.parquet")
     good("study", "sweep", "slab.toml", "--vary", f"{PHI}=[30, 34]", "--measure", U,
