@@ -1,7 +1,9 @@
 """Paths of what varies, expressions of measures, and what is refused of both."""
 
+import math
 import tomllib
 
+import numpy as np
 import pytest
 
 from clast.errors import CaseError
@@ -145,6 +147,8 @@ FUNCTIONS = {"displacement": lambda name, part="": [0.0, 3.0, 2.0], "steps": lam
         ("max(u, steps(), 3)", 7.0),
         ("sin(30)", 0.5),
         ("abs(-u)", 2.0),
+        ("9**9**9**9", math.inf),
+        ("steps()**2 - u**-1", 48.5),
     ],
 )
 def test_expressions_have_values(text: str, value: object) -> None:
@@ -184,6 +188,16 @@ def test_what_is_no_expression_is_refused(text: object, what: str) -> None:
 def test_a_division_by_zero_has_no_value() -> None:
     with pytest.raises(CaseError, match="no value"):
         read("1/0", "fail", [], []).value({}, {})
+
+
+def test_an_unknown_value_is_on_no_side_of_a_limit() -> None:
+    """A run with it neither stands nor fails."""
+    for text in ("(-1)**0.5 < 1", "sqrt(0 - u) > 0.05", "u < v"):
+        with pytest.raises(CaseError, match=r"has no value: .* is NaN"):
+            read(text, "fail", ["u", "v"], []).value({"u": 2.0, "v": math.nan}, {})
+    with np.errstate(all="raise"):
+        assert math.isnan(read("(-1)**0.5", "measure", [], []).value({}, {}))
+    assert read("log(0*u) < 1", "fail", ["u"], []).value({"u": 2.0}, {})
 
 
 # The study ---------------------------------------------------------------------------------------
@@ -242,6 +256,7 @@ def test_a_sweep_has_all_combinations_or_takes_lists_in_step() -> None:
         ({"keep": "worst"}, "cannot keep"),
         ({"vary": ()}, "no parameter varies"),
         ({"measure": {}, "fail": ""}, "the study measures nothing"),
+        ({"measure": {"u": "2 + 3"}, "fail": "u > 1"}, "the study measures nothing"),
         ({"measure": {"run": "end()"}}, "every table has"),
         ({"n": 0}, "not a valid number of runs"),
         ({"n": 2.5}, "not a valid number of runs"),

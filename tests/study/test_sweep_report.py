@@ -1,5 +1,6 @@
 """The report of a sweep: results that are written by hand, and what the page makes of them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -135,5 +136,8 @@ def test_a_sweep_is_summed_up_by_its_extremes_and_where_they_are(tmp_path):
     assert found.least.parameters == {"phi": 20.0, "c": 1e3}
     assert (found.largest.value, found.largest.run) == (3e5, 2)
     assert found.largest.parameters == {"phi": 30.0, "c": 1e4}
+    assert columns.gaps == []
     nothing = np.full(len(columns.run), np.nan)
     assert probabilities.extremes(columns, nothing) is None
+    (sentence,) = replace(columns, measures={"u": nothing}).gaps
+    assert "4 of 4 runs have no finite value of u" in sentence

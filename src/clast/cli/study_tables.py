@@ -90,6 +90,8 @@ def print_results(columns: StudyResults, rows: int) -> None:
         tell(f"probability of failure {probability}")
     elif len(columns.fails):
         tell(f"{int(columns.fails.sum())} of {len(columns.fails)} runs fail")
+    for sentence in columns.gaps:
+        tell(sentence)
     for reason, count in columns.reasons.items():
         tell(f"{count} without a result: {reason}")
 

@@ -30,7 +30,8 @@ def print_table(table: Table) -> None:
         if isinstance(text, Text):
             text.plain = visible(text.plain)
     width = None if sys.stdout.isatty() else PIPE_WIDTH
-    Console(width=width).print(table)
+    # names of the user are no markup
+    Console(width=width, markup=False, emoji=False).print(table)
 
 
 @contextmanager

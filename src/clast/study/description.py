@@ -298,7 +298,7 @@ class Description:
                     where="vary, measure",
                     remedy="choose another name",
                 )
-        if not self.expressions:
+        if not any(any(one.calls()) for one in self.expressions):
             raise CaseError(
                 "the study measures nothing",
                 where="measure",

@@ -79,6 +79,17 @@ class StudyResults:
         """Runs without a result."""
         return sum(self.reasons.values())
 
+    @property
+    def gaps(self) -> list[str]:
+        """A sentence for each measure that some runs have no finite value of."""
+        counts = {name: int((~np.isfinite(values)).sum()) for name, values in self.measures.items()}
+        return [
+            f"{count} of {len(self.run)} runs have no finite value of {name}, and are left out of "
+            "its numbers"
+            for name, count in counts.items()
+            if count
+        ]
+
 
 def columns_of(folder: StudyFolder) -> StudyResults:
     """Return the results of a study."""

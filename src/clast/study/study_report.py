@@ -117,6 +117,8 @@ def _answer(page: Page, columns: StudyResults) -> None:
     done = len(columns.run) + columns.lost
     if done < columns.study.n:
         page.say(f"{done} of {columns.study.n} runs are done.")
+    for sentence in columns.gaps:
+        page.say(f"{sentence}.")
     if columns.lost:
         count = "1 run has" if columns.lost == 1 else f"{columns.lost} runs have"
         page.say(f"{count} no result:")

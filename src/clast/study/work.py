@@ -197,12 +197,22 @@ def search_of(how: FactorSettings, by: Reduction) -> FactorSearch:
 
 
 def factor_of_safety_of(case: Case, how: FactorSettings) -> float:
-    """Return the factor with which the blocks of a case were last seen to stand."""
+    """Return the factor with which the blocks of a case were last seen to stand.
+
+    Raises CaseError where every trial is undecided: nothing is known of it.
+    """
     by = factor_of(how)
     by.check(content_of(case))
     start = standing(case, by)
     trials = Trials(search_of(how, by), lambda _number, factor: tried(start, by, factor)[0])
-    return trials.all().value
+    found = trials.all()
+    if found.low == 0.0 and math.isinf(found.high):
+        raise CaseError(
+            f"all {len(trials.done)} trials of the factor are undecided",
+            where=FOS,
+            remedy="run clast study fos on the case of this run for the curves",
+        )
+    return found.value
 
 
 def _called(one: One, name: str, *given: str) -> Any:

@@ -8,6 +8,7 @@ Nothing of it is handed to Python: an expression is a tree of a few kinds of nod
 from __future__ import annotations
 
 import ast
+import math
 import operator
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
@@ -24,7 +25,8 @@ ARITHMETIC: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
+    # Python would give powers of whole numbers all their digits, and -1 complex roots
+    ast.Pow: np.float_power,
 }
 COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Lt: operator.lt,
@@ -119,7 +121,7 @@ class Expression:
 
         match node:
             case ast.Constant():
-                return node.value
+                return float(node.value)  # type: ignore[arg-type]
             case ast.Name():
                 return names[node.id]
             case ast.UnaryOp(op=ast.Not()):
@@ -136,7 +138,7 @@ class Expression:
             case ast.BoolOp():
                 return any(bool(number(of(one))) for one in node.values)
             case ast.Compare():
-                values = [number(of(one)) for one in (node.left, *node.comparators)]
+                values = [_known(of(one), one) for one in (node.left, *node.comparators)]
                 pairs = zip(node.ops, values[:-1], values[1:], strict=True)
                 return all(COMPARISONS[type(op)](first, second) for op, first, second in pairs)
             case ast.Call(func=ast.Name()):
@@ -273,6 +275,17 @@ def number(value: Any) -> Any:
         raise ValueError("there is no value at all")
     last = values.ravel()[-1]
     return bool(last) if values.dtype == np.bool_ else float(last)
+
+
+def _known(value: Any, node: ast.expr) -> Any:
+    """Return a value that is compared; raises ValueError for NaN, which is on no side of a limit.
+
+    A run whose displacement is unknown would be one that stands.
+    """
+    found = number(value)
+    if math.isnan(found):
+        raise ValueError(f"{shortened(ast.unparse(node))} is NaN")
+    return found
 
 
 def _word(node: ast.expr) -> str:
