@@ -424,18 +424,53 @@ def _check_count(count: Any) -> int:
 # Reading -----------------------------------------------------------------------------------------
 
 
+KEYS: dict[str, type] = {
+    "schema": int,
+    "kind": str,
+    "case": str,
+    "n": int,
+    "sampling": str,
+    "seed": int,
+    "replicates": int,
+    "together": bool,
+    "keep": str,
+    "fail": str,
+    "measure": dict,
+    "factor": dict,
+    "vary": list,
+    "correlate": list,
+    "observe": list,
+    "fit": dict,
+}
+"""Keys of ``study.toml`` and the kinds of their values."""
+KEYS_OF_PARAMETER: dict[str, type] = {"name": str, "paths": list, "is": str}
+"""Keys of a parameter."""
+WORDS = {
+    int: "a whole number",
+    str: "a text",
+    bool: "true or false",
+    dict: "a table",
+    list: "a list",
+}
+"""What kinds of values are called."""
+REMADE = "clast study writes this file: restore it, or start the study in another folder"
+
+
 def described(text: str, file: str) -> Description:
     """Return the study of the text of a ``study.toml``; raises CaseError naming the fault."""
     content = case_text.parse(text, file)
-    known = {"schema", "kind", "case", "n", "sampling", "seed", "replicates", "together", "keep"}
-    known |= {"fail", "measure", "factor", "vary", "correlate", "observe", "fit"}
-    for key in content:
-        if key not in known:
-            raise CaseError(
-                f"there is no key '{shortened(key)}'",
-                where=file,
-                remedy=spelling.advice(key, known, kind="key"),
-            )
+    _check_kinds(content, KEYS, file)
+    for row in content.get("vary", ()):
+        _check_kinds(row, KEYS_OF_PARAMETER, f"{file}, vary")
+    for key in ("kind", "case"):
+        if key not in content:
+            raise CaseError(f"lacks the key '{key}'", where=file, remedy=REMADE)
+    if content.get("schema", 1) != 1:
+        raise CaseError(
+            f"is of schema {content['schema']}, but this version of clast reads schema 1",
+            where=file,
+            remedy="continue the study with the version that created it",
+        )
     try:
         factor = content.get("factor")
         own = {key: content[key] for key in ("n", "together", "keep", "fail") if key in content}
@@ -465,8 +500,24 @@ def described(text: str, file: str) -> Description:
         raise CaseError(
             f"is not a study: {type(error).__name__} {error}",
             where=file,
-            remedy="let clast study create it",
+            remedy=REMADE,
         ) from None
+
+
+def _check_kinds(content: Any, kinds: Mapping[str, type], where: str) -> None:
+    """Raise CaseError for keys that are not known, and for values of another kind than theirs."""
+    if not isinstance(content, Mapping):
+        raise CaseError("is not a table", where=where, remedy=REMADE)
+    for key, value in content.items():
+        if key not in kinds:
+            what = f"there is no key '{shortened(key)}'"
+            raise CaseError(what, where=where, remedy=spelling.advice(key, kinds, kind="key"))
+        if type(value) is not kinds[key]:
+            raise CaseError(
+                f"{key} has to be {WORDS[kinds[key]]}, not {shortened(repr(value))}",
+                where=where,
+                remedy=REMADE,
+            )
 
 
 def sampling_of(word: str, **numbers: Any) -> Sampling:

@@ -19,7 +19,7 @@ import json
 import os
 import shutil
 import socket
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,7 +31,7 @@ from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
-from clast.study.description import FIT, Description, described
+from clast.study.description import COLLAPSE, FIT, Description, described
 from clast.study.trial_cases import content_of
 from clast.study.variables.distributions import Value
 
@@ -66,7 +66,7 @@ class StudyFolder:
         places = {name: f"files/{k}-{Path(name).name}" for k, name in enumerate(named, 1)}
         text = case_text.to_toml(_with_files(content, places))
         parts = [text.encode("utf-8"), *named.values()]
-        hashed = sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()[:16]
+        hashed = _hash_of(parts)
         study = replace(study, case=f"{BASE}/{hashed}/{CASE}").checked()
         make_folder(path)
         there = path / STUDY
@@ -110,9 +110,19 @@ class StudyFolder:
 
     @cached_property
     def base(self) -> Case:
-        """The case."""
+        """The case; raises CaseError where it, or a file of it, is not as the study was made."""
         file = self.path / self.study.case
-        return Case.from_text(case_text.read_text(file, MOVED), str(file.absolute()))
+        text = case_text.read_text(file, MOVED)
+        found = (file.parent / "files").glob("[0-9]*-*")
+        files = sorted(found, key=lambda one: int(one.name.partition("-")[0]))
+        parts = [text.encode("utf-8"), *(one.read_bytes() for one in files)]
+        if _hash_of(parts) != file.parent.name:
+            raise CaseError(
+                "has changed since the study was begun, or a file beside it has",
+                where=str(file),
+                remedy="restore it; for another case choose another folder",
+            )
+        return Case.from_text(text, str(file.absolute()))
 
     @contextmanager
     def driven(self) -> Iterator[None]:
@@ -150,8 +160,12 @@ class StudyFolder:
         return [tuple(map(float, json.loads(line))) for line in text.splitlines()]
 
     def result(self, run: int) -> dict[str, Any] | None:
-        """Return the result of a run; None where it is not done, or is of another study."""
-        return _result_in(self.place(run) / RESULT, self.study.hash)
+        """Return the result of a run; None where it is not done, damaged, or of another study."""
+        try:
+            found = json.loads((self.place(run) / RESULT).read_bytes())
+        except (OSError, ValueError):
+            return None
+        return found if _is_whole(found, run, self.study) else None
 
     @contextmanager
     def making(self, run: int) -> Iterator[Path]:
@@ -163,7 +177,7 @@ class StudyFolder:
         part.mkdir()
         try:
             yield part
-            if place.exists() and _result_in(place / RESULT, self.study.hash) is None:
+            if place.exists() and self.result(run) is None:
                 shutil.rmtree(place)
             with suppress(OSError):  # somebody else has done it meanwhile: the same
                 os.rename(part, place)
@@ -229,7 +243,7 @@ class StudyFolder:
 
     def _tidy(self) -> None:
         """Remove the files of runs that were killed on this machine."""
-        for shard in (self.path / RUNS).glob("*"):
+        for shard in (self.path / RUNS).glob("*/"):
             with os.scandir(shard) as entries:
                 parts = [entry.name for entry in entries if entry.name.startswith(".")]
             for name in parts:
@@ -293,14 +307,27 @@ def write_whole(path: Path, content: bytes) -> None:
     os.replace(part, path)
 
 
-def _result_in(path: Path, study: str) -> dict[str, Any] | None:
-    """Return the result in a file; None if it has none of this study."""
-    try:
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return None
-    whole = isinstance(found, dict) and found.get("study") == study
-    return found if whole else None
+def _hash_of(parts: Iterable[bytes]) -> str:
+    """Return the name of a case and its files."""
+    return sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()[:16]
+
+
+def _is_whole(found: Any, run: int, study: Description) -> bool:
+    """Return whether what a file has is the result of a run of a study, with all of its values."""
+    if not isinstance(found, dict) or found.get("study") != study.hash:
+        return False
+    if study.kind == COLLAPSE:
+        return True
+    given, measures = found.get("parameters"), found.get("measures")
+    names = {one.name for one in study.vary}
+    if found.get("run") != run or not isinstance(given, dict) or set(given) != names:
+        return False
+    if found.get("status") != DONE:
+        return found.get("status") == NO_RESULT
+    if not isinstance(measures, dict) or set(measures) != set(study.measure):
+        return False
+    numbers = all(isinstance(value, int | float) for value in measures.values())
+    return numbers and (not study.fail or isinstance(found.get("fails"), bool))
 
 
 def _lives(process: int) -> bool:

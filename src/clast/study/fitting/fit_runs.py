@@ -84,4 +84,7 @@ class FitRuns:
         if result["status"] != DONE:
             return CaseError(result["reason"], where="vary")
         study = self.folder.study
-        return np.array([result["measures"][one.measure] for one in study.observe])
+        values = np.array([result["measures"][one.measure] for one in study.observe])
+        if not np.isfinite(values).all():
+            return CaseError(f"run {run} has a measured point without a position", where="observe")
+        return values
