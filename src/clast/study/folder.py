@@ -31,11 +31,14 @@ from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
+from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.study.description import COLLAPSE, FIT, Description, described
 from clast.study.trial_cases import content_of
 from clast.study.variables.distributions import Value
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
+RUN_FILE = "run.vtkhdf"
+"""Result file of a run that is kept, or that writes checkpoints."""
 ASKED = "asked.jsonl"
 SHARD = 10_000
 """Runs in a folder."""
@@ -124,6 +127,13 @@ class StudyFolder:
             )
         return Case.from_text(text, str(file.absolute()))
 
+    @cached_property
+    def writes_files(self) -> bool:
+        """Whether runs write result files, and with them checkpoints; trials begin anew."""
+        if self.study.kind == COLLAPSE:
+            return False
+        return self.study.keep in ("failed", "all") or self.base.output.checkpoint_every is not None
+
     @contextmanager
     def driven(self) -> Iterator[None]:
         """Keep other drivers out in the block; raises CaseError where one is at work."""
@@ -169,20 +179,28 @@ class StudyFolder:
 
     @contextmanager
     def making(self, run: int) -> Iterator[Path]:
-        """Give a folder that becomes that of a run when the block ends well."""
+        """Give a folder that becomes that of a run when the block ends well.
+
+        It has the files of whoever was killed at the run on this machine, where a checkpoint is
+        among them; such a folder is left where the block ends by an error.
+        """
         place = self.place(run)
         place.parent.mkdir(parents=True, exist_ok=True)
         part = place.with_name(f".{place.name}.{socket.gethostname()}.{os.getpid()}")
-        shutil.rmtree(part, ignore_errors=True)
-        part.mkdir()
+        if not self._goes_on(part):
+            shutil.rmtree(part, ignore_errors=True)
+            self._take_over(run, part)
+        part.mkdir(exist_ok=True)
         try:
             yield part
             if place.exists() and self.result(run) is None:
                 shutil.rmtree(place)
             with suppress(OSError):  # somebody else has done it meanwhile: the same
                 os.rename(part, place)
-        finally:
             shutil.rmtree(part, ignore_errors=True)
+        finally:
+            if not self._goes_on(part):
+                shutil.rmtree(part, ignore_errors=True)
 
     def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
         """Write the result of a run into its folder, last of all."""
@@ -241,15 +259,29 @@ class StudyFolder:
         except FileNotFoundError:
             return set()
 
+    def _take_over(self, run: int, part: Path) -> None:
+        """Rename to ``part`` the folder of a run that was killed here and can go on."""
+        if not self.writes_files:
+            return
+        for left in self.place(run).parent.glob(f".{self.place(run).name}.*"):
+            if _is_abandoned(left.name) and self._goes_on(left):
+                with suppress(OSError):  # somebody else has taken it
+                    os.rename(left, part)
+                    return
+
+    def _goes_on(self, part: Path) -> bool:
+        """Return whether the run that was left in a folder can go on."""
+        return self.writes_files and checkpoint_path(part / RUN_FILE).exists()
+
     def _tidy(self) -> None:
-        """Remove the files of runs that were killed on this machine."""
+        """Remove the files of runs that were killed on this machine, and cannot go on."""
         for shard in (self.path / RUNS).glob("*/"):
             with os.scandir(shard) as entries:
                 parts = [entry.name for entry in entries if entry.name.startswith(".")]
-            for name in parts:
-                _, _, rest = name[1:].partition(".")
-                host, _, process = rest.rpartition(".")
-                if host == socket.gethostname() and not _lives(int(process or 0)):
+            for name in filter(_is_abandoned, parts):
+                number = name[1:].partition(".")[0]
+                is_done = number.isdecimal() and self.result(int(number)) is not None
+                if is_done or not self._goes_on(shard / name):
                     shutil.rmtree(shard / name, ignore_errors=True)
 
 
@@ -328,6 +360,14 @@ def _is_whole(found: Any, run: int, study: Description) -> bool:
         return False
     numbers = all(isinstance(value, int | float) for value in measures.values())
     return numbers and (not study.fail or isinstance(found.get("fails"), bool))
+
+
+def _is_abandoned(name: str) -> bool:
+    """Return whether a folder is of a process of this machine that has ended."""
+    _, _, rest = name[1:].partition(".")
+    host, _, process = rest.rpartition(".")
+    is_here = host == socket.gethostname() and process.isdecimal()
+    return is_here and not _lives(int(process))
 
 
 def _lives(process: int) -> bool:

@@ -13,11 +13,10 @@ from clast.errors import CaseError
 from clast.results import Run
 from clast.study import probabilities
 from clast.study.description import WORST
-from clast.study.folder import StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.probabilities import StudyResults
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
-from clast.study.work import RUN_FILE
 
 KEPT = "worst.txt"
 """Numbers of the worst runs, the worst first."""

@@ -18,7 +18,7 @@ from clast.pictures.study import figures
 from clast.results import read_results
 from clast.study import probabilities, sweep_report
 from clast.study.description import MONTECARLO, SWEEP, Description
-from clast.study.folder import StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.kept_runs import made_again
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
@@ -27,7 +27,6 @@ from clast.study.sensitivity import MEANING, sensitivities
 from clast.study.trial_cases import content_of
 from clast.study.variables.parameter_units import units_of, with_units
 from clast.study.variables.parameters import ParameterPlaces
-from clast.study.work import RUN_FILE
 
 KIND_TITLES = {SWEEP: "sweep", MONTECARLO: "Monte Carlo"}
 """Kind of study -> its title."""

@@ -15,20 +15,21 @@ from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
+from clast.case.resume import resume
 from clast.errors import CaseError, ClastError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
+from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
 from clast.study.description import Description, FactorSettings
 from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
+from clast.study.folder import RUN_FILE as RUN_FILE
 from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
 
-RUN_FILE = "run.vtkhdf"
-"""Result file of a run that is kept."""
 LONGEST_REASON = 500
 """Most characters of why there is no result."""
 
@@ -106,13 +107,15 @@ class Bench:
         }
         with folder.making(run) as part:
             base = f"../../../{Path(study.case).parent.as_posix()}"
-            text = case_text.to_toml(with_files(content, base))
-            (part / CASE).write_text(text, encoding="utf-8")
-            output = part / RUN_FILE if study.keep in ("failed", "all") else None
+            text = case_text.to_toml(with_files(content, base)).encode("utf-8")
+            file = part / CASE
+            if file.exists() and file.read_bytes() != text:  # a checkpoint of other parameters
+                _forget(part)
+            file.write_bytes(text)
+            output = part / RUN_FILE if folder.writes_files else None
             result.update(self._result(content, output))
-            if output is not None and study.keep == "failed" and not _is_failure(result):
-                for file in part.glob("run*"):
-                    file.unlink()
+            if not (study.keep == "all" or (study.keep == "failed" and _is_failure(result))):
+                _forget(part)
             folder.write_result(part, result)
         return result
 
@@ -175,11 +178,22 @@ class One:
     def measured(self) -> RunResults:
         """Its results."""
         if not self.made:
-            run: Run = self.case.run(output=self.output, warn=lambda _text: None)
+            run = self._run()
             if not run.report.finished:
                 raise KeyboardInterrupt
             self.made.append(RunResults(run))
         return self.made[0]
+
+    def _run(self) -> Run:
+        """Return the run, gone on with from its checkpoint where it has one."""
+        quiet: dict[str, Any] = {"warn": lambda _text: None}
+        left = None if self.output is None else checkpoint_path(self.output)
+        if left is not None and left.exists():
+            try:
+                return resume(left, **quiet)
+            except CaseError:  # of another version, or damaged
+                _forget(left.parent)
+        return self.case.run(output=self.output, **quiet)
 
 
 def factor_of(how: FactorSettings) -> Reduction:
@@ -213,6 +227,12 @@ def factor_of_safety_of(case: Case, how: FactorSettings) -> float:
             remedy="run clast study fos on the case of this run for the curves",
         )
     return found.value
+
+
+def _forget(part: Path) -> None:
+    """Remove result file and checkpoints of a run."""
+    for file in part.glob("run*"):
+        file.unlink()
 
 
 def _called(one: One, name: str, *given: str) -> Any:

@@ -87,3 +87,12 @@ def slab_case(path: Path, **changes: object) -> Slab:
 @pytest.fixture
 def slab(tmp_path: Path) -> Slab:
     return slab_case(tmp_path / "slab.toml")
+
+
+@pytest.fixture
+def slab_in_steps(tmp_path: Path) -> Slab:
+    """A slab that moves for 100 steps, and writes checkpoints."""
+    found = slab_case(tmp_path / "slab.toml", stages=(), end=0.5)
+    text = found.file.read_text() + "\n[output]\ncheckpoint_every = 1e6\n"
+    found.file.write_text(text)
+    return found

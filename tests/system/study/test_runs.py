@@ -21,6 +21,7 @@ from clast.study import probabilities
 from clast.study.folder import StudyFolder
 from clast.study.study_api import HowMade, resume
 from clast.study.study_report import write_report
+from clast.study.work import Bench
 
 VARY = {
     "joint.plane.friction_angle": "normal(34, 4, low=5, high=70)",
@@ -119,6 +120,56 @@ def test_a_study_that_is_killed_again_and_again_ends_with_the_same_table(slab, t
     found = probabilities.probability(probabilities.columns_of(part))
     assert (found.runs, found.lost) == (500, 0)
     assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
+
+
+def interrupted(case: clast.Case, **given) -> clast.Run:
+    """Run a case as one is that hears the interrupt key after 60 steps: it leaves a checkpoint."""
+
+    def press(at) -> None:
+        if at.steps == 60:
+            signal.raise_signal(signal.SIGINT)
+
+    return RUN(case, progress=press, **given)
+
+
+def refused(case: clast.Case, **given) -> clast.Run:
+    raise AssertionError("the run begins anew")
+
+
+RUN = clast.Case.run
+
+
+@pytest.mark.parametrize("of", ["another process", "this process", "other parameters"])
+def test_a_run_that_was_killed_goes_on_from_its_checkpoint(
+    slab_in_steps, tmp_path, monkeypatch, of
+):
+    """Its result is that of a run that was not, and nothing of its files is left."""
+    made = study(slab_in_steps, measure={"u": "largest(speed(A))", "n": "steps()"}, fail="")
+    described = made.described(1)
+    whole = Bench.of(StudyFolder.made(tmp_path / "whole", made.case, described)).make(1)
+    bench = Bench.of(StudyFolder.made(tmp_path / "part", made.case, described))
+    monkeypatch.setattr(clast.Case, "run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        bench.make(1)
+    (left,) = bench.folder.place(1).parent.iterdir()
+    assert (left / "run.checkpoint.h5").exists() and bench.folder.result(1) is None
+    if of == "another process":
+        ended = subprocess.Popen([sys.executable, "-c", ""])
+        ended.wait()
+        left = left.rename(left.with_name(left.name.replace(str(os.getpid()), str(ended.pid))))
+        with bench.folder.driven():  # what can go on is no litter
+            assert left.exists()
+    monkeypatch.setattr(clast.Case, "run", refused)
+    if of == "other parameters":
+        text = (left / "case.toml").read_text()
+        (left / "case.toml").write_text(text.replace("cohesion", "cohesion ", 1))
+        monkeypatch.setattr(clast.Case, "run", RUN)
+    assert bench.make(1) == whole
+    assert sorted(file.name for file in bench.folder.place(1).iterdir()) == [
+        "case.toml",
+        "result.json",
+    ]
+    assert [one.name for one in bench.folder.place(1).parent.iterdir()] == ["00000001"]
 
 
 def test_a_run_with_wrong_numbers_has_no_result_and_the_others_go_on(slab, tmp_path):
