@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
+    BrokenExecutor,
     CancelledError,
     Executor,
     Future,
@@ -106,7 +107,11 @@ class Processes:
             context = get_context("spawn")
             pool = ProcessPoolExecutor(1, mp_context=context, initializer=start_worker)
             self._pools[place] = pool
-        return self._pools[place].submit(make_runs, folder, runs, os.getpid())
+        try:
+            return self._pools[place].submit(make_runs, folder, runs, os.getpid())
+        except BrokenExecutor:  # it died while it had nothing to do
+            self.renew(place)
+            return self.submit(place, folder, runs)
 
     def renew(self, place: int) -> None:
         """Have a new worker at a place."""
@@ -140,8 +145,15 @@ class Foreign:
         return 2 * max(1, self.workers())
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
-        """Have a portion of runs made by a worker."""
-        return self.executor.submit(make_runs, folder, runs)
+        """Have a portion of runs made by a worker; raises CaseError where it takes none."""
+        try:
+            return self.executor.submit(make_runs, folder, runs)
+        except (RuntimeError, OSError) as error:  # it was shut down, or has broken
+            raise CaseError(
+                f"takes no more runs: {' '.join(str(error).split())[:200]}",
+                where="executor",
+                remedy="finished runs are kept; give another executor to continue",
+            ) from None
 
     def renew(self, place: int) -> None:
         """Leave it to the executor."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 from clast.study import trial_table
 from clast.study.description import (
     COLLAPSE,
@@ -54,6 +54,50 @@ class HowMade:
     """Called with how far the study is."""
     scheduler: str = ""
     """Address of a Dask scheduler, tcp://host:port; "": none."""
+
+    def __post_init__(self) -> None:
+        """Raise CaseError for values that name nobody who could make runs."""
+        if self.executor is not None and not callable(getattr(self.executor, "submit", None)):
+            raise CaseError(
+                f"a {type(self.executor).__name__} is not an executor",
+                where="executor",
+                remedy="give one of concurrent.futures, e.g. client.get_executor() of Dask",
+            )
+        if self.workers is not None and not (_is_whole(self.workers) and self.workers > 0):
+            raise CaseError(
+                f"{shortened(repr(self.workers))} is not a valid number of workers",
+                where="workers",
+                remedy="give a whole number from 1 on, or leave it out",
+            )
+        if self.array is not None and not _is_part(self.array):
+            raise CaseError(
+                f"{shortened(repr(self.array))} is not part of an array",
+                where="array",
+                remedy="give e.g. (3, 10): every tenth run, from the third on",
+            )
+        given = {
+            "array": self.array is not None,
+            "scheduler": bool(self.scheduler),
+            "executor": self.executor is not None,
+        }
+        several = [name for name, is_given in given.items() if is_given]
+        if len(several) > 1:
+            raise CaseError(
+                f"{' and '.join(several)} exclude each other",
+                where=several[-1],
+                remedy="leave all but one of them out",
+            )
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_part(value: Any) -> bool:
+    """Return whether a value is (i, n) with i from 1 to n."""
+    if not (isinstance(value, tuple) and len(value) == 2 and all(map(_is_whole, value))):
+        return False
+    return 1 <= value[0] <= value[1]
 
 
 USUAL = HowMade()

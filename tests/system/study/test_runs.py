@@ -11,13 +11,14 @@ import sys
 import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study import probabilities
+from clast.study import executors, probabilities
 from clast.study.folder import StudyFolder
 from clast.study.study_api import HowMade, resume
 from clast.study.study_report import write_report
@@ -248,6 +249,67 @@ def test_workers_that_never_begin_are_no_fault_of_the_runs(slab, tmp_path):
     with pytest.raises(CaseError, match="no worker starts"):
         study(slab).run(tmp_path / "out", n=7, how=how)
     assert StudyFolder.opened(tmp_path / "out").count() == 0
+
+
+class Plain(Executor):
+    """An executor that says nothing of itself, and runs what it is given at once."""
+
+    def submit(self, call, /, *given):
+        future = Future()
+        future.set_result(call(*given))
+        return future
+
+
+def test_an_executor_need_not_say_how_many_workers_it_has(slab, tmp_path):
+    table = study(slab).run(tmp_path / "out", n=5, executor=Plain())
+    assert table["status"] == ["done"] * 5
+
+
+def test_an_executor_that_was_shut_down_is_said(slab, tmp_path):
+    pool = ThreadPoolExecutor(1)
+    pool.shutdown()
+    with pytest.raises(CaseError, match="takes no more runs"):
+        study(slab).run(tmp_path / "out", n=2, executor=pool)
+
+
+@pytest.mark.parametrize(
+    ("how", "what"),
+    [
+        ({"executor": "processes"}, "a str is not an executor"),
+        ({"workers": 0}, "0 is not a valid number of workers"),
+        ({"workers": 1.5}, "not a valid number of workers"),
+        ({"workers": True}, "not a valid number of workers"),
+        ({"array": (0, 3)}, "is not part of an array"),
+        ({"array": (4, 3)}, "is not part of an array"),
+        ({"array": "1/3"}, "is not part of an array"),
+        ({"array": (1, 2), "executor": Plain()}, "array and executor exclude each other"),
+        ({"array": (1, 2), "scheduler": "tcp://h:1"}, "array and scheduler exclude each other"),
+    ],
+)
+def test_who_could_not_make_runs_is_refused(how, what):
+    with pytest.raises(CaseError, match=what) as refused:
+        HowMade(**how)
+    assert refused.value.remedy
+
+
+def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(monkeypatch):
+    class Pool:
+        made: ClassVar[list[Pool]] = []
+
+        def __init__(self, *_, **__):
+            self.made.append(self)
+
+        def submit(self, *_):
+            if self is self.made[0]:
+                raise BrokenExecutor("it was killed")
+            return "a future"
+
+        def shutdown(self, **_):
+            pass
+
+    monkeypatch.setattr(executors, "ProcessPoolExecutor", Pool)
+    assert executors.Processes(1).submit(0, "out", [1]) == "a future"
+    assert len(Pool.made) == 2
 
 
 def test_a_folder_is_of_one_study(slab, tmp_path):
