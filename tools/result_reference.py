@@ -84,7 +84,7 @@ def page() -> str:
                 f"`{one.place}`",
                 "block" if one.of_blocks else "vertex",
                 ", ".join(one.parts) or "-",
-                one.meaning,
+                one.about,
                 "once" if one.per is Per.RUN else "each frame",
                 one.since or "-",
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
@@ -20,6 +20,9 @@ FIXED, FREE, EDGE = "#dcdcdc", "#efe0b9", "#262626"
 RAMP = np.array([(255, 255, 204), (254, 204, 92), (253, 141, 60), (227, 26, 28)], np.float64)
 """Colours of values from 0 to 1."""
 MOST_ROWS = 12
+CURVE_HEIGHT = 110.0
+LINE, LETTER = 14.0, 6.5
+"""Height of a line of text and width of a letter, pixels."""
 
 
 def side_by_side(title: str, drawing: str, rows: Iterable[tuple[str, object]]) -> str:
@@ -109,29 +112,40 @@ def _ramp(share: float) -> str:
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
-def curves(x: NDArray[Any], lines: Sequence[NDArray[Any]]) -> str:
-    """Return curves over ``x`` (t,) as SVG, each ``lines`` (t,), with their ends as text."""
-    every = np.concatenate([np.asarray(line, np.float64) for line in lines] or [np.zeros(0)])
+def curves(x: NDArray[Any], lines: Mapping[str, NDArray[Any]]) -> str:
+    """Return curves over the time ``x`` (t,), s, as SVG, below their names in their colours.
+
+    ``lines`` has name -> values (t,); the ends of the axes stand beside them.
+    """
+    every = np.concatenate([np.asarray(line, np.float64) for line in lines.values()] or [[]])
     sound = every[np.isfinite(every)]
     if len(x) < 2 or not len(sound):
         return ""
     low, high = float(sound.min()), float(sound.max())
-    span = high - low or 1.0
-    wide = float(x[-1] - x[0]) or 1.0
-    drawn = []
-    for number, line in enumerate(lines):
+    ends = (f"{high:.3g}", f"{low:.3g}")
+    left = MARGIN + LETTER * (max(map(len, ends)) + 1)
+    top = LINE * len(lines) + MARGIN
+    foot = top + CURVE_HEIGHT
+    drawn = [_text(left, foot + LINE, f"t = {x[0]:.4g} to {x[-1]:.4g} s")]
+    for end, y in zip(ends, (top + 9, foot), strict=True):
+        drawn.append(_text(MARGIN, y, end))
+    frame = f"{left:.1f},{top:.1f} {left:.1f},{foot:.1f} {left + WIDTH:.1f},{foot:.1f}"
+    drawn.append(f'<polyline points="{frame}" fill="none" stroke="#999"/>')
+    for number, (name, line) in enumerate(lines.items()):
+        ink = INKS[number % len(INKS)]
+        drawn.append(_text(left, LINE * (number + 1) - 2, name, ink))
         kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), 400)).astype(int))
         kept = kept[np.isfinite(np.asarray(line, np.float64)[kept])]
-        across = MARGIN + (np.asarray(x)[kept] - x[0]) / wide * WIDTH
-        up = MARGIN + (high - np.asarray(line)[kept]) / span * 0.6 * HEIGHT
+        across = left + (np.asarray(x)[kept] - x[0]) / (float(x[-1] - x[0]) or 1.0) * WIDTH
+        up = top + (high - np.asarray(line)[kept]) / (high - low or 1.0) * CURVE_HEIGHT
         path = "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(across, up, strict=True))
-        ink = INKS[number % len(INKS)]
         drawn.append(f'<path d="M{path}" fill="none" stroke="{ink}" stroke-width="1.3"/>')
-    tall = 0.6 * HEIGHT + 2 * MARGIN
-    text = 'font-family="sans-serif" font-size="10" fill="#777"'
-    drawn.append(f'<text x="{MARGIN}" y="{MARGIN + 9}" {text}>{high:.3g}</text>')
-    drawn.append(f'<text x="{MARGIN}" y="{tall - MARGIN}" {text}>{low:.3g}</text>')
-    return _svg(np.array([WIDTH + 2 * MARGIN, tall]), "".join(drawn))
+    return _svg(np.array([left + WIDTH + MARGIN, foot + LINE + MARGIN]), "".join(drawn))
+
+
+def _text(x: float, y: float, text: str, ink: str = "#777") -> str:
+    font = 'font-family="sans-serif" font-size="11"'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {font} fill="{ink}">{escape(text)}</text>'
 
 
 def _svg(size: NDArray[Any], content: str) -> str:

@@ -51,7 +51,8 @@ def test_what_a_run_and_its_model_look_like(wall, title):
     assert "<script" not in text and "</table><s" not in text
     history = results.history("top")
     text = history._repr_html_()
-    assert text.count("<path") == 2 and "displacement_x" in text
+    assert text.count("<path") == 2 and "Measured point top" in text
+    assert ">displacement_x (m)</text>" in text and "<th>velocity_y (m/s)</th>" in text
 
 
 def test_models_cases_and_runs_have_reprs(parted, tmp_path):
@@ -62,8 +63,14 @@ def test_models_cases_and_runs_have_reprs(parted, tmp_path):
     assert case._repr_html_().count("<path") == 1 and "convex" in case._repr_html_()
     broken = clast.Case.validated(BROKEN, "test")
     assert "cannot be built" in broken._repr_html_()
-    assert "<table>" in parted.contacts(-1)._repr_html_()
-    assert "20 rows" in parted.steps._repr_html_()
+    contacts = parted.contacts(-1)._repr_html_()
+    assert "<table>" in contacts and ">slide</td>" in contacts and "slip (m)" in contacts
+    steps = parted.steps._repr_html_()
+    assert "Steps" in steps and ">20</td>" in steps and "penetration (m)</text>" in steps
+    energy = parted.energy._repr_html_()
+    assert energy.count("<path") == 4 and "t = 0 to 0.04 s" in energy
+    block = parted.block("moved")._repr_html_()
+    assert "Block moved" in block and "stress_yy (Pa)" in block
 
 
 SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]

@@ -149,23 +149,20 @@ def _over_time(table: TableSchema) -> Callable[[Recording, Sequence[int]], Rows]
         if table.of is None:
             columns = results.table(table.name)
             yield tuple(columns)
-            yield from _with(_texts(table, columns))
+            yield from _with(_lists(columns))
             return
         for number, name in enumerate(results.names_of(table)):
             columns = results.table(table.name, name)
             if number == 0:
                 yield (table.of.name, *columns)
-            yield from _with(_texts(table, columns), name)
+            yield from _with(_lists(columns), name)
 
     return given
 
 
-def _texts(table: TableSchema, columns: Columns) -> Iterator[Sequence[Any]]:
+def _lists(columns: Columns) -> Iterator[Sequence[Any]]:
     """Give the columns of a table, those in words that have words."""
-    words = {column.name: column.words for column in table.columns if column.words}
-    for name, values in columns.items():
-        known = words.get(name)
-        yield [known[k] for k in values] if known else values.tolist()
+    return (values.tolist() for values in columns.in_words().values())
 
 
 def _stages(results: Recording, frames: Sequence[int]) -> Rows:

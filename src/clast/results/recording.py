@@ -231,7 +231,7 @@ class Recording:
         known = {one.name: one for one in OVER_TIME}
         if name not in known:
             raise unknown_name("table", name, tuple(known))
-        return Columns(self._rows_called(known[name], of))
+        return Columns(self._rows_called(known[name], of), known[name], of or "")
 
     def lacks(self, table: TableSchema) -> bool:
         """Return whether it was recorded without a table, by an earlier clast."""
@@ -258,7 +258,7 @@ class Recording:
 
         Raises CaseError for a point that does not exist.
         """
-        return PointHistory(self._rows_called(HISTORY, name))
+        return PointHistory(self._rows_called(HISTORY, name), HISTORY, name)
 
     @property
     def bolt_name(self) -> tuple[str, ...]:
@@ -270,28 +270,28 @@ class Recording:
 
         Raises CaseError for a bolt that does not exist.
         """
-        return BoltHistory(self._rows_called(BOLT_TABLE, name))
+        return BoltHistory(self._rows_called(BOLT_TABLE, name), BOLT_TABLE, name)
 
     def measured_contact(self, name: str) -> ContactHistory:
         """Return the history of the measured contact ``name``, a row per step, as a table.
 
         Raises CaseError for one that does not exist.
         """
-        return ContactHistory(self._rows_called(CONTACT_TABLE, name))
+        return ContactHistory(self._rows_called(CONTACT_TABLE, name), CONTACT_TABLE, name)
 
     def reaction(self, name: str) -> ReactionHistory:
         """Return a reaction of supports, a row per instant, as a table.
 
         Raises CaseError for one that does not exist.
         """
-        return ReactionHistory(self._rows_called(REACTION_TABLE, name))
+        return ReactionHistory(self._rows_called(REACTION_TABLE, name), REACTION_TABLE, name)
 
     def link(self, name: str) -> Columns:
         """Return the history of a link, a row per instant: time, force, moment, state.
 
         Raises CaseError for one that does not exist.
         """
-        return Columns(self._rows_called(LINK_TABLE, name))
+        return Columns(self._rows_called(LINK_TABLE, name), LINK_TABLE, name)
 
     @property
     def lining_joint_name(self) -> tuple[str, ...]:

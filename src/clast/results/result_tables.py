@@ -19,7 +19,20 @@ from numpy.typing import NDArray
 from clast import thumbnails
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR, WORN
+from clast.results.schema import (
+    BOLT_STATES,
+    BOLT_TABLE,
+    CONTACTS,
+    HISTORY,
+    LINING_STATES,
+    LINING_TABLE,
+    PLANE,
+    SLIP,
+    TABLES,
+    TENSOR,
+    WORN,
+    TableSchema,
+)
 
 PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
 """Names of the columns of vectors and of stresses, by their number."""
@@ -90,16 +103,20 @@ class GrowingTable:
 class Columns(dict[str, NDArray[Any]]):
     """A table: column name -> array (rows,).  Iterating gives the names, ``len`` the rows."""
 
-    def __init__(self, rows: NDArray[Any]) -> None:
+    def __init__(self, rows: NDArray[Any], schema: TableSchema | None = None, of: str = "") -> None:
         super().__init__()
         self.rows = rows
+        self._schema = schema.name if schema else ""  # tables are sent to other processes
+        self.of = of
+        """Name of the point, bolt, ... that it tells of, "" for one of the run."""
+        names = {one.name: one.names for one in schema.columns} if schema else {}
         for name in rows.dtype.names or ():
             values = rows[name]
             if values.ndim == 1:
                 self[name] = values
                 continue
-            for part, number in zip(PARTS[values.shape[1]], range(values.shape[1]), strict=True):
-                self[f"{name}_{part}"] = values[:, number]
+            parts = [f"{name}_{part}" for part in PARTS[values.shape[1]]]
+            self.update(zip(names.get(name, parts), values.T, strict=True))
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         """Return a column, or a vector of which there are columns, (rows,) or (rows, parts)."""
@@ -115,24 +132,52 @@ class Columns(dict[str, NDArray[Any]]):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({len(self)} rows: {', '.join(self)})"
 
-    drawn: tuple[str, ...] = ()
-    """Columns that a notebook draws over time."""
+    @property
+    def schema(self) -> TableSchema | None:
+        """The table of the schema that it is; None for one that is put together from others."""
+        return next((one for one in TABLES if one.name == self._schema), None)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column that has one."""
+        return self.schema.units if self.schema else {}
+
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """Columns that a notebook draws over time."""
+        return self.schema.drawn if self.schema else ()
+
+    def in_words(self) -> dict[str, NDArray[Any]]:
+        """Return the columns, with words in place of numbers that have them: states and modes."""
+        words = self.schema.words if self.schema else {}
+        return {
+            name: np.asarray(words[name], object)[values] if name in words else values
+            for name, values in self.items()
+        }
+
+    def _title(self) -> str:
+        if self.schema is None:
+            return type(self).__name__
+        kind = self.schema.of.meaning if self.schema.of else self.schema.name
+        return f"{kind[0].upper()}{kind[1:]} {self.of}".strip()
 
     def _repr_html_(self) -> str:
-        lines = [self[name] for name in self.drawn if name in self]
-        drawing = thumbnails.curves(self["time"], lines) if "time" in self and lines else ""
-        said = f"{len(self)} rows"
-        if drawing:
-            said += f"; drawn: {', '.join(self.drawn)}"
-        return thumbnails.side_by_side(type(self).__name__, drawing, [(said, "")]) + (
-            thumbnails.table(self)
-        )
+        units = self.units
+        heads = {name: f"{name} ({units[name]})" if units.get(name) else name for name in self}
+        lines = {heads[name]: self[name] for name in self.drawn if name in self}
+        drawing = thumbnails.curves(self["time"], lines) if lines else ""
+        shown = {heads[name]: values for name, values in self.in_words().items()}
+        title = thumbnails.side_by_side(self._title(), drawing, [("rows", len(self))])
+        return title + thumbnails.table(shown)
 
 
 class MotionTable(Columns):
     """How a point moved, a row per instant; t rows."""
 
-    drawn = ("displacement_x", "displacement_y")
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """Columns that a notebook draws over time."""
+        return HISTORY.drawn
 
     @property
     def time(self) -> Floats:
@@ -188,6 +233,14 @@ class BlockHistory(MotionTable):
         """Its vertices, m, shape (t, k, 2)."""
 
     @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column."""
+        return {**HISTORY.units, **{f"stress_{part}": "Pa" for part in TENSOR}}
+
+    def _title(self) -> str:
+        return f"Block {self.name}"
+
+    @property
     def stress(self) -> Floats:
         """Stress (xx, yy, xy), Pa, tension positive, shape (t, 3)."""
         return self.rows["stress"]
@@ -202,8 +255,6 @@ class BoltHistory(Columns):
     Columns: time, force, elongation, state.  A grouted bolt has the force and the elongation of the
     joint where it carries most.
     """
-
-    drawn = ("force",)
 
     @property
     def time(self) -> Floats:
@@ -285,6 +336,24 @@ class LiningHistory:
     def _of(self, name: str) -> NDArray[Any]:
         return np.stack([rows[name] for rows in self.rows], axis=1)
 
+    def _repr_html_(self) -> str:
+        units = LINING_TABLE.units
+        names = ("normal_force", "shear_force", "moment", "utilisation")
+        last = {"along (m)": self.along}
+        for name in names:
+            last[f"{name} ({units[name]})" if units[name] else name] = self._of(name)[-1]
+        last["state"] = np.asarray(LINING_STATES, object)[self.state[-1]]
+        normal = self.normal_force
+        lines = {
+            "largest normal_force (N/m)": normal.max(axis=1),
+            "smallest (N/m)": normal.min(axis=1),
+        }
+        rows = [("joints", len(self.along)), ("rows", len(self.time))]
+        drawing = thumbnails.curves(self.time, lines)
+        return thumbnails.side_by_side("Lining, table of the last instant", drawing, rows) + (
+            thumbnails.table(last)
+        )
+
 
 class ContactHistory(Columns):
     """History of a measured contact, a row after every step; t rows.
@@ -292,8 +361,6 @@ class ContactHistory(Columns):
     Columns: time, normal, shear (Pa), opening, opening_least, opening_most, slip, slip_least,
     slip_most (m; NaN while there is no contact), sliding (share of the length).
     """
-
-    drawn = ("normal", "shear")
 
     @property
     def time(self) -> Floats:
@@ -378,6 +445,18 @@ class FrameBolts(Columns):
         """State of each bolt, as in BoltHistory, shape (k,)."""
         return self["state"]
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column that has one."""
+        return BOLT_TABLE.units
+
+    def in_words(self) -> dict[str, NDArray[Any]]:
+        """Return the columns, with states in words."""
+        return {**self, "state": np.asarray(BOLT_STATES, object)[self.state]}
+
+    def _title(self) -> str:
+        return "Bolts"
+
     def __repr__(self) -> str:
         counts = np.bincount(self.state, minlength=len(BOLT_STATES))
         said = [f"{n} {what}" for n, what in zip(counts, BOLT_STATES, strict=True) if n]
@@ -392,7 +471,7 @@ class FrameContacts(Columns):
     """
 
     def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
-        super().__init__(rows)
+        super().__init__(rows, CONTACTS)
         for end in ("vertex", "edge"):
             self[f"{end}_block"] = np.searchsorted(block_start, self[end], side="right") - 1
 

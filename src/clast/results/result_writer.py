@@ -389,7 +389,7 @@ def _write_grid(grid: Any, model: Model) -> None:
     _fixed(grid, "CellData/rock", model.block_rock)
     _fixed(grid, "CellData/fixed", (model.fixed & ~model.lined).astype(np.uint8))
     for one in FIELDS:
-        grid[one.place].attrs["about"] = one.meaning
+        grid[one.place].attrs["about"] = one.about
     _make_room_for_steps(grid.create_group("Steps"), model)
 
 

@@ -55,6 +55,8 @@ CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 PLANE, TENSOR = ("x", "y"), ("xx", "yy", "xy")
 """Components of vectors and of stresses: columns are called displacement_x, stress_xx."""
+LINK = ("along", "across")
+"""Components of forces of links, along and across the link."""
 
 
 class Per(Enum):
@@ -87,6 +89,11 @@ class Column:
     """Its name where its numbers are found damaged; "": they are not checked."""
     may_be_nan: bool = False
     """Whether NaN is a value."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its components as columns of their own, its own name for a scalar."""
+        return tuple(f"{self.name}_{part}" for part in self.parts) or (self.name,)
 
     def entry(self, *rows: int) -> tuple[Any, ...]:
         """Return its entry in a dtype, of so many ``rows`` if there are any."""
@@ -162,11 +169,23 @@ class TableSchema:
     """Name of its CSV file, its own name if empty."""
     without: str = ""
     """The message where there are none of its things."""
+    drawn: tuple[str, ...] = ()
+    """Columns that a notebook draws over time."""
 
     @property
     def timed(self) -> tuple[Column, ...]:
         """Its columns with the time."""
         return self.columns if self.per is Per.FRAME else (TIME, *self.columns)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column, those of components included, "" for numbers without one."""
+        return {name: one.unit for one in self.timed for name in one.names}
+
+    @property
+    def words(self) -> dict[str, tuple[str, ...]]:
+        """Meanings of the numbers of those columns that have words."""
+        return {one.name: one.words for one in self.columns if one.words}
 
     @property
     def row(self) -> np.dtype[Any]:
@@ -221,6 +240,7 @@ ENERGY = TableSchema(
     name="energy",
     meaning="Energy ledger, J per metre of thickness; sums since the start, except stored energy.",
     per=Per.INSTANT,
+    drawn=("kinetic", "elastic", "gravity", "friction"),
     columns=tuple(
         Column(name=name, unit="J/m", meaning=about["kind"].value, since=about["since"])
         for name, about in LEDGER.items()
@@ -230,6 +250,7 @@ STEPS = TableSchema(
     name="steps",
     meaning="Accepted steps.",
     per=Per.STEP,
+    drawn=("penetration",),
     columns=(
         Column(name="step", unit="s", meaning="length of the step"),
         Column(name="passes", kind="i8", meaning="assemblies and solves"),
@@ -251,6 +272,7 @@ HISTORY = TableSchema(
     of=POINTS,
     csv="histories",
     without="no measured points are recorded",
+    drawn=("displacement_x", "displacement_y"),
     columns=(
         Column(name="displacement", parts=PLANE, unit="m", meaning="since the start, or a reset"),
         Column(name="velocity", parts=PLANE, unit="m/s", meaning="velocity"),
@@ -266,6 +288,7 @@ BOLT_TABLE = TableSchema(
     of=BOLTS,
     since="rock bolts",
     without="there are no bolts",
+    drawn=("force",),
     columns=(
         Column(name="force", unit="N/m", meaning="force, tension positive"),
         Column(
@@ -284,6 +307,7 @@ REACTION_TABLE = TableSchema(
     of=REACTIONS,
     since="reactions",
     without="nothing is held or moved",
+    drawn=("force_x", "force_y"),
     columns=(
         Column(name="force", parts=PLANE, unit="N/m", meaning="force of the support on the blocks"),
         Column(name="moment", unit="N", meaning="its moment about the point of the reaction"),
@@ -305,10 +329,11 @@ LINK_TABLE = TableSchema(
     of=LINKS,
     since="links",
     without="there are no links",
+    drawn=("force_along", "force_across"),
     columns=(
         Column(
             name="force",
-            parts=("along", "across"),
+            parts=LINK,
             unit="N/m",
             meaning="force on the first block, along and across the link",
         ),
@@ -325,6 +350,7 @@ LINING_TABLE = TableSchema(
     of=LINING_JOINTS,
     since="linings",
     without="there are no linings",
+    drawn=("normal_force",),
     columns=(
         Column(name="normal_force", unit="N/m", meaning="normal force N, tension positive"),
         Column(
@@ -392,6 +418,7 @@ CONTACT_TABLE = TableSchema(
     of=MEASURED_CONTACTS,
     since="measured contacts",
     without="no contacts are measured",
+    drawn=("normal", "shear"),
     columns=(
         Column(name="normal", unit="Pa", meaning="normal force per length, compression positive"),
         Column(name="shear", unit="Pa", meaning="shear force per length, signed as the slip"),
@@ -445,7 +472,8 @@ class Field:
     place: str
     """Its place there: Points, PointData/NAME for vertices, CellData/NAME for blocks."""
     meaning: str
-    """Meaning and unit, as they are written beside it."""
+    unit: str = ""
+    """SI unit, "" for numbers without one."""
     parts: tuple[str, ...] = ()
     """Components, () for a scalar; VTK wants vectors with a third one, which is zero."""
     component: str = ""
@@ -460,6 +488,11 @@ class Field:
         return self.place.rpartition("/")[2]
 
     @property
+    def about(self) -> str:
+        """Meaning and unit, as they are written beside it."""
+        return f"{self.meaning}, {self.unit}" if self.unit else self.meaning
+
+    @property
     def of_blocks(self) -> bool:
         """Whether it has a row for each block, not for each vertex."""
         return self.place.startswith("CellData/")
@@ -471,37 +504,43 @@ class Field:
 
 
 FIELDS = (
-    Field(place="Points", parts=PLANE, meaning="vertices, m"),
+    Field(place="Points", parts=PLANE, meaning="vertices", unit="m"),
     Field(
         place="PointData/displacement",
         parts=PLANE,
-        meaning="displacement of the vertex since the start or a reset, m",
+        meaning="displacement of the vertex since the start or a reset",
+        unit="m",
     ),
     Field(
         place="CellData/displacement",
         parts=PLANE,
-        meaning="displacement of the centroid since the start or a reset, m",
+        meaning="displacement of the centroid since the start or a reset",
+        unit="m",
     ),
-    Field(place="CellData/velocity", parts=PLANE, meaning="velocity of the centroid, m/s"),
+    Field(place="CellData/velocity", parts=PLANE, meaning="velocity of the centroid", unit="m/s"),
     Field(
         place="CellData/rotation",
-        meaning="rotation since the start or a reset, rad, counter-clockwise",
+        meaning="rotation since the start or a reset, counter-clockwise",
+        unit="rad",
     ),
     Field(
         place="CellData/stress",
         parts=TENSOR,
         component="sigma",
-        meaning="stress (xx, yy, xy), Pa, tension positive",
+        meaning="stress (xx, yy, xy), tension positive",
+        unit="Pa",
     ),
     Field(
         place="CellData/sigma_1",
-        meaning="largest principal stress in the plane, Pa, tension positive",
+        meaning="largest principal stress in the plane, tension positive",
+        unit="Pa",
     ),
     Field(
         place="CellData/sigma_3",
-        meaning="smallest principal stress in the plane, Pa, tension positive",
+        meaning="smallest principal stress in the plane, tension positive",
+        unit="Pa",
     ),
-    Field(place="CellData/max_shear", meaning="largest shear stress in the plane, Pa"),
+    Field(place="CellData/max_shear", meaning="largest shear stress in the plane", unit="Pa"),
     Field(
         place="CellData/gone",
         meaning="1 where the block has been excavated, else 0",

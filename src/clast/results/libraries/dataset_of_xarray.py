@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from clast.results.libraries.optional_libraries import library
-from clast.results.schema import BLOCK_FIELDS, OVER_TIME, PLANE, TENSOR, Per
+from clast.results.schema import BLOCK_FIELDS, LINK, OVER_TIME, PLANE, TENSOR, Column, Per
 
-COMPONENTS = {PLANE: "component", TENSOR: "stress_component"}
-"""Dimension of vectors and of stresses."""
+COMPONENTS = {PLANE: "component", TENSOR: "stress_component", LINK: "link_component"}
+"""Dimension of vectors, of stresses and of forces of links."""
 ROWS = {Per.INSTANT: "instant", Per.STEP: "step_number"}
 """Dimension of the rows of a table."""
 
@@ -24,9 +24,11 @@ def to_xarray(recording: Any) -> Any:
         "component": list(PLANE),
         "stress_component": list(TENSOR),
         "vertex_block": ("vertex", _owners(recording)),
-        "rock": ("block", np.asarray(recording.rock_name, object)[recording.block_rock]),
+        "rock": ("block", np.asarray(recording.rock_name)[recording.block_rock]),
         "fixed": ("block", recording.fixed),
     }
+    if recording.frame_stages:
+        coordinates["stage"] = "frame", list(recording.frame_stages)
     variables: dict[str, Any] = {
         "vertices": (
             ("frame", "vertex", "component"),
@@ -38,7 +40,7 @@ def to_xarray(recording: Any) -> Any:
         if field.name in recording.field_names:
             parts = (COMPONENTS[field.parts],) if field.parts else ()
             dimensions = ("frame", "block", *parts)
-            about = {"long_name": field.meaning}
+            about = {"long_name": field.meaning, "units": field.unit}
             variables[field.name] = dimensions, recording.field(field.name), about
     for table in OVER_TIME:
         if not recording.lacks(table):
@@ -74,5 +76,20 @@ def _add_table(
         values = np.stack([part[column.name] for part in parts], axis=1)
         values = values if things else values[:, 0]
         component = (COMPONENTS[column.parts],) if column.parts else ()
-        about = {"long_name": column.meaning, "units": column.unit}
-        variables[name] = (rows, *things, *component), values, about
+        if column.parts:
+            coordinates.setdefault(component[0], list(column.parts))
+        variables[name] = (rows, *things, *component), values, _about(name, column)
+
+
+def _about(name: str, column: Column) -> dict[str, Any]:
+    """Return name, unit and the words of numbers that have them, by the CF conventions."""
+    said = name.replace("_", " ")
+    known = said.endswith(column.meaning)
+    about: dict[str, Any] = {
+        "long_name": said if known else f"{said}: {column.meaning}",
+        "units": column.unit,
+    }
+    if column.words:
+        about["flag_values"] = list(range(len(column.words)))
+        about["flag_meanings"] = " ".join(word.replace(" ", "_") for word in column.words)
+    return about
