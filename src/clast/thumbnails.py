@@ -19,6 +19,7 @@ INKS = ("#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a")
 FIXED, FREE, EDGE = "#dcdcdc", "#efe0b9", "#262626"
 RAMP = np.array([(255, 255, 204), (254, 204, 92), (253, 141, 60), (227, 26, 28)], np.float64)
 """Colours of values from 0 to 1."""
+CELL = "text-align:right;white-space:nowrap"
 MOST_ROWS = 12
 CURVE_HEIGHT = 110.0
 LINE, LETTER = 14.0, 6.5
@@ -56,7 +57,7 @@ def table(columns: Mapping[str, NDArray[Any]]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     lines = [
         "".join(
-            f'<td style="text-align:right">{"…" if row is None else _cell(values[row])}</td>'
+            f'<td style="{CELL}">{"…" if row is None else _cell(values[row])}</td>'
             for values in columns.values()
         )
         for row in shown

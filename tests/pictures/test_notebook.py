@@ -12,7 +12,7 @@ from clast.errors import CaseError
 from clast.pictures.notebook.view import PageFrame, page_view
 from clast.pictures.page.document import widget_script
 from clast.pictures.page.scene import scene_of
-from scenes.browsers import CHROMIUM, RENDERERS
+from scenes.browsers import CHROMIUM, RENDERERS, until
 
 NASTY = "</table><script>alert(1)</script> \"'&\u202e\U0001f600"
 
@@ -84,6 +84,17 @@ BROKEN = {
 }
 
 
+COUNT_CONTEXTS = """
+  globalThis.contexts = [];
+  const { getContext } = HTMLCanvasElement.prototype;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+    const found = getContext.call(this, kind, ...more);
+    if (kind === "webgl2" && found) contexts.push(found);
+    return found;
+  };
+"""
+
+
 def test_the_widget_draws_in_a_shadow_tree_and_leaves_the_address(parted):
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     if CHROMIUM is None:
@@ -97,6 +108,8 @@ def test_the_widget_draws_in_a_shadow_tree_and_leaves_the_address(parted):
             page = browser.new_page(viewport={"width": 900, "height": 700})
             faults = []
             page.on("pageerror", lambda fault, found=faults: found.append(str(fault)))
+            page.add_init_script(COUNT_CONTEXTS)
+            page.goto("about:blank")
             page.set_content("<h1>Notebook</h1><div id='a'></div><div style='height:3000px'></div>")
             before = page.evaluate("getComputedStyle(document.querySelector('h1')).fontSize")
             page.evaluate(
@@ -119,5 +132,7 @@ def test_the_widget_draws_in_a_shadow_tree_and_leaves_the_address(parted):
             # out of sight the graphics card is let go, in sight it is drawn again
             page.evaluate("a.clastPage.rest(); a.clastPage.wake(); a.clastPage.draw()")
             page.evaluate("away()")
+            until(page, "contexts.every((gl) => gl.isContextLost())")
+            assert page.evaluate("contexts.length") > 0 or renderer == RENDERERS["canvas"]
             assert faults == []
             browser.close()

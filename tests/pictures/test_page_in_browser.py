@@ -95,6 +95,19 @@ def test_blocks_have_the_colour_of_their_field_and_their_name_is_told(opened, wa
     assert page.faults == []
 
 
+def test_a_page_whose_graphics_card_is_taken_away_goes_on(opened, wall, browser):
+    results = wall(4, 5)
+    page = opened(results)
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    foot = np.add.reduceat(results.vertices(5), results.block_start[:-1])[1] / 4.0 - origin
+    if browser[1] == "webgl2":
+        page.evaluate("clastPage.drawing.gl.getExtension('WEBGL_lose_context').loseContext()")
+    until(page, "clastPage.root.dataset.renderer === 'canvas'")
+    settled(page)
+    assert colour_at(page, *foot) == [0xDC, 0xDC, 0xDC]
+    assert page.faults == []
+
+
 @pytest.mark.parametrize("field", ["slip", "opening"])
 def test_joints_have_the_scale_and_the_colours_of_still_pictures(opened, parted, field):
     page = opened(parted, address=f"#field={field}&layers=")

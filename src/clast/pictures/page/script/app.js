@@ -82,9 +82,15 @@ export class Page {
     const wanted = new URLSearchParams(location.search).get("renderer");
     if (wanted !== "canvas") {
       const gl = document.createElement("canvas").getContext("webgl2");
-      if (gl && (wanted === "webgl2" || !isSoftware(gl))) {
+      const fit = gl && (wanted === "webgl2" || !isSoftware(gl));
+      // browsers give few contexts, and take the oldest away where there are too many
+      gl?.getExtension("WEBGL_lose_context")?.loseContext();
+      if (fit) {
         try {
           const real = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+          this.canvas.addEventListener("webglcontextlost", () => {
+            if (this.drawing?.gl === real) this.useCanvas();
+          });
           return new WebglDrawing(real, this.run);
         } catch (fault) {
           console.warn(`WebGL2 is not used: ${fault.message}`);
@@ -382,9 +388,14 @@ export class Page {
     this.framesDrawn = (this.framesDrawn ?? 0) + 1;
     const asked = new URLSearchParams(location.search).get("renderer");
     if (this.drawing.name !== "webgl2" || asked || this.framesDrawn > 5 || this.frameTime < SLOW) return;
+    this.useCanvas();
+  }
+
+  /** Go on with the 2D canvas: WebGL2 is slow, or the browser has taken its context away. */
+  useCanvas() {
     this.renewCanvas();
     this.drawing = new CanvasDrawing(this.canvas, this.run);
-    this.root.dataset.renderer = "canvas";
+    this.root.dataset.renderer = this.drawing.name;
     this.resize();
   }
 
