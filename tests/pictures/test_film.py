@@ -97,7 +97,7 @@ def test_a_block_is_drawn_where_the_results_have_it(wall):
         assert here.min() < 90, "the corner of an outline is dark"
 
 
-@pytest.mark.parametrize("field", ["rock", "block", "joint", "velocity"])
+@pytest.mark.parametrize("field", ["rock", "block", "joint", "none", "velocity"])
 def test_every_kind_of_field_is_filmed(wall, field):
     results = wall(3, 3)
     drawing = FrameDrawer(results, range(6), FilmLook(field=field, size=(480.0,)), 1280)

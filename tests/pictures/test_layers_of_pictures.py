@@ -1,14 +1,18 @@
 """Layers above blocks, two frames side by side, several histories in one picture."""
 
+import itertools
 import re
 
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 import clast
 from clast.errors import CaseError
+from clast.pictures import canvas, draw_blocks
 from clast.pictures.compared_frames import plot_two_frames
 from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import plot_histories
@@ -55,7 +59,12 @@ def test_all_layers_are_drawn_and_explained(parted, tmp_path, ending):
     clast.plot_results(parted, path, look=Look(layers=LAYERS, size=(16.0,)))
     if ending == "svg":
         text = path.read_text("utf-8")
-        for word in ("contact force as width", "compression", "lines of equal", "displacement, up"):
+        for word in (
+            "contact force as width",
+            "compression",
+            "equal displacement, every",
+            "displacement, up",
+        ):
             assert word in text
 
 
@@ -99,6 +108,11 @@ def test_what_is_no_layer_and_no_frame(parted, tmp_path):
         Look(layers=("chain",))
     with pytest.raises(CaseError, match="frame"):
         plot_two_frames(parted, tmp_path / "a.png", (0, 99))
+    narrow = r"8 cm is too narrow for two frames\n  give a width of (\d+) cm or more"
+    with pytest.raises(CaseError, match=narrow) as refused:
+        plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(size=(8.0,)))
+    least = float(re.search(r"of (\d+) cm", str(refused.value))[1])
+    plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(size=(least,)))
     with pytest.raises(CaseError, match="no block lies in this area"):
         plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(zoom=(50, 50, 60, 60)))
 
@@ -114,3 +128,42 @@ def test_two_frames_have_the_water_the_scale_and_the_direction_of_gravity(
     before, after = (text_of(path).split() for path in (plain, marked))
     # the letter g, and the length of the bar with its unit
     assert "g" not in before and "g" in after and len(after) == len(before) + 3
+
+
+def test_levels_say_their_interval_and_blocks_may_stay_without_colours(parted, tmp_path):
+    path = tmp_path / "levels.svg"
+    clast.plot_results(parted, path, field="none", contacts=False, look=Look(layers=("levels",)))
+    shown = " ".join(re.findall("<!-- (.*?) -->", path.read_text("utf-8")))
+    moved = np.hypot(*(parted.vertices(-1) - parted.vertices(0)).T).max()
+    found = re.search(r"equal displacement, every ([\d.]+) mm", shown)
+    assert found and 2.0 < moved * 1e3 / float(found[1]) <= 9.0
+    assert "Blocks at" in shown and "Displacement" not in shown
+    with pytest.raises(CaseError, match=r"the fields are: displacement, .*none.*worn"):
+        clast.plot_results(parted, path, field="qqq")
+
+
+def test_two_frames_have_the_joints_and_their_legend(parted, tmp_path):
+    path = tmp_path / "two.svg"
+    plot_two_frames(parted, path, (0, -1), field="joint")
+    assert "no joint named" in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize("width", [1.2, 2.0, 2.8, 4.0])
+@pytest.mark.parametrize("limits", [(-1.9, 0.0), (-180.0, 0.0), (0.0, 1.75)])
+def test_numbers_below_a_colour_bar_do_not_touch(width, limits):
+    sheet = canvas.Sheet(
+        size=(6.0, 3.0), axes=(1.0, 1.5, 4.0, 1.0), bar=(1.0, 1.0, width, 0.15), upright=False,
+        title=(), legend=0.3,
+    )  # fmt: skip
+    figure = canvas.new_figure(sheet.size, 100)
+    coloured = PolyCollection([])
+    coloured.set_array([0.0])
+    coloured.set_clim(*limits)
+    draw_blocks.draw_colour_bar(figure, sheet, coloured, "Stress (MPa)", "neither")
+    agg = FigureCanvasAgg(figure)
+    agg.draw()
+    numbers = [one for one in figure.axes[-1].get_xticklabels() if one.get_text()]
+    boxes = [one.get_window_extent(agg.get_renderer()) for one in numbers]
+    seen = sorted((box.x0, box.x1) for box in boxes if box.width > 0.0)
+    assert len(seen) >= 2
+    assert all(left[1] + 3.0 < right[0] for left, right in itertools.pairwise(seen))

@@ -19,10 +19,7 @@ def film(
     ] = None,
     field: Annotated[
         str,
-        typer.Option(
-            help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-            "mobilised, sliding: state of the joints."
-        ),
+        typer.Option(help="Colour of the blocks or joints, as of clast plot."),
     ] = "displacement",
     stage: Annotated[str | None, typer.Option(metavar="NAME", help="Show only this stage.")] = None,
     fps: Annotated[float, typer.Option(metavar="N", help="Frames per second.")] = 25.0,

@@ -109,8 +109,9 @@ PictureFile = Annotated[
 ColourField = Annotated[
     str,
     typer.Option(
-        help="Quantity that colours the blocks; joint: their edges; slip, opening, "
-        "mobilised, sliding, worn: state of the joints."
+        help="Colour of the blocks: displacement, velocity (_x, _y), rotation, sigma_xx, _yy, _xy, "
+        "_1, _3, max_shear, rock, block, none; joint: that of edges; slip, opening, mobilised, "
+        "sliding, worn: state of the joints."
     ),
 ]
 ContactArrows = Annotated[bool, typer.Option(help="Draw contact forces as arrows.")]

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks, draw_bolts
 from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE, UPRIGHT
 from clast.pictures.draw_water import draw_water, handles_of_water, pressures_of, waters_of
 from clast.pictures.fields import SCALARS, check_field
-from clast.pictures.figure_options import CM, DEFAULT, Look
+from clast.pictures.figure_options import CM, DEFAULT, SMALLEST, Look
 from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
 from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
 from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
-from clast.pictures.plot import draw_points, legend_handles, places_of_points
+from clast.pictures.plot import draw_points, edges_of, legend_handles, places_of_points
 from clast.pictures.scale import ColourScale, scale_of
-from clast.pictures.strokes import GROUND
+from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
+from clast.pictures.supports.draw_links import draw_links, handles_of_links
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -47,7 +51,7 @@ def plot_two_frames(
     part = _part(results, numbers, look)
     title = results.title or results.name
     above = tuple(name for name in look.layers if name in LAYERS)
-    handles = _handles(results, numbers[-1], field, above)
+    handles = _handles(results, numbers[-1], field, part, above)
     bars = int(field in SCALARS or field in JOINT_FIELDS)
     below = int("scale" in look.layers)
     size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, below)
@@ -68,7 +72,7 @@ def plot_two_frames(
         box = (wide.axes[0] + place * shift, *wide.axes[1:])
         axes = figure.add_axes(wide.share(box))
         canvas.view(axes, *seen, size)
-        coloured, unit = _draw_frame(axes, results, number, field, scale, seen, above)
+        coloured, unit = _draw_frame(axes, results, number, field, scale, seen, above, size[0])
         if place:
             axes.set_ylabel("")
         if place and scale is not None:
@@ -83,14 +87,19 @@ def plot_two_frames(
     return canvas.save(figure, Path(path))
 
 
-def _handles(results: Recording, number: int, field: str, above: tuple[str, ...]) -> list[Any]:
+def _handles(
+    results: Recording, number: int, field: str, part: canvas.Part, above: tuple[str, ...]
+) -> list[Any]:
     """Return the legend of both, as the later frame needs it, with the layers ``above``."""
+    edges = _edges(results, number, field, part)
     waters = waters_of(results, number)
     pressed = pressures_of(results, waters, number, results.vertices(number))
     return [
         *legend_handles(results, field, absent_in_frame(results, number)),
+        *handles_of(edges, part),
         *handles_of_water(waters, pressed),
         *draw_bolts.handles_of(results.bolts(number)),
+        *handles_of_links(results, number),
         *layer_handles(above, results, number),
     ]
 
@@ -103,12 +112,17 @@ def _draw_frame(
     scale: ColourScale | None,
     seen: canvas.Part,
     above: tuple[str, ...],
+    width: float,
 ) -> tuple[Any, str]:
-    """Draw one frame with the layers ``above``; return the coloured artist and its unit."""
+    """Draw one frame with the layers ``above``; return the coloured artist and its unit.
+
+    ``width`` is that of the axes, inches.
+    """
     axes.set_title(_time(results, number), fontsize=TEXT_SIZE, color=INK, loc="left")
     here, absent = results.vertices(number), absent_in_frame(results, number)
     draw_blocks.draw_start(axes, results, results.vertices(0), absent)
-    free = draw_blocks.draw_blocks(axes, results, here, 1.0, absent)
+    edges = _edges(results, number, field, seen)
+    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, absent)
     drawn, unit = ~(results.fixed | absent), ""
     coloured: Any = free
     if scale is None:
@@ -122,10 +136,28 @@ def _draw_frame(
         unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
     waters = waters_of(results, number)
     draw_water(axes, results, waters, pressures_of(results, waters, number, here), seen)
+    if edges:
+        shown = draw_blocks.within(results, here, *seen)
+        draw_edges(axes, edges, seen, width, int(shown.sum()))
     draw_bolts.draw_bolts(axes, results.bolts(number))
     draw_layers(above, axes, results, number)
+    draw_links(axes, results, number)
+    if field == "block":
+        draw_blocks.draw_names(axes, results, here, absent)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     return coloured, unit
+
+
+def _edges(results: Recording, number: int, field: str, part: canvas.Part) -> Sequence[EdgeGroup]:
+    """Return the edges that are drawn in the colours of their joints, if they are asked for."""
+    return edges_of(
+        results,
+        field,
+        results.vertices(number),
+        results.vertices(0),
+        part,
+        absent_in_frame(results, number),
+    )
 
 
 def _time(results: Recording, number: int) -> str:
@@ -143,6 +175,13 @@ def _half(look: Look, bars: int) -> Look:
         return look
     beside = LEFT + RIGHT + (BAR + BAR_LABELS) * bars
     width = 0.5 * (look.size[0] * CM + beside - BETWEEN)
+    if width < SMALLEST * CM:
+        least = (2.0 * SMALLEST * CM - LEFT - RIGHT + BETWEEN) / CM  # enough for either bar
+        raise CaseError(
+            f"{look.size[0]:g} cm is too narrow for two frames",
+            where="size",
+            remedy=f"give a width of {math.ceil(least)} cm or more",
+        )
     return replace(look, size=(width / CM, *look.size[1:]))
 
 

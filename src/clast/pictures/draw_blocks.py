@@ -170,11 +170,15 @@ def colour(
     draw_colour_bar(figure, sheet, blocks, label, scale.extend)
 
 
+PLAIN = ("joint", "none")
+"""Fields that leave the blocks themselves without colours."""
+
+
 def paint_kinds(
     blocks: PolyCollection, results: Recording, field: str, frame: int, drawn: Bools
 ) -> None:
     """Colour the blocks ``drawn`` (n,) by a field that tells kinds apart."""
-    if field == "joint":
+    if field in PLAIN:
         blocks.set_facecolor(GROUND)
         return
     kinds = results.field(field, frame)[drawn]
@@ -190,10 +194,16 @@ def paint(blocks: Collection, values: Floats, scale: ColourScale, unit: str) -> 
     return unit
 
 
+WIDTH_OF_TICK = 0.45
+"""Width of a number below a colour bar with the space beside it, inches."""
+
+
 def draw_colour_bar(
     figure: Figure, sheet: Sheet, coloured: Collection, label: str, extend: str
 ) -> None:
     """Explain on a sheet how blocks or lines are coloured; ``extend`` as matplotlib has it."""
+    from matplotlib.ticker import MaxNLocator
+
     place = figure.add_axes(sheet.share(sheet.bar))
     bar = figure.colorbar(
         coloured,
@@ -201,6 +211,10 @@ def draw_colour_bar(
         orientation="vertical" if sheet.upright else "horizontal",
         extend=extend,
     )
+    if not sheet.upright:
+        most = max(2, int(sheet.bar[2] / WIDTH_OF_TICK))
+        bar.locator = MaxNLocator(min(9, most), steps=[1, 2, 2.5, 5, 10])
+        bar.update_ticks()
     bar.set_label(label, fontsize=TEXT_SIZE, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
     bar.outline.set_linewidth(0.5)

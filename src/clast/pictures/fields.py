@@ -62,16 +62,20 @@ KINDS = {
     "rock": "Rock",
     "block": "Blocks",
     "joint": "Edges by joint",
+    "none": "Blocks",
 }
-"""Fields that tell kinds apart."""
+"""Fields that tell kinds apart, and that which colours nothing."""
 
 
 def check_field(name: str, more: Iterable[str] = ()) -> None:
     """Raise CaseError for a field that no picture knows; ``more`` are those of joints."""
     known = (*SCALARS, *KINDS, *more)
     if name not in known:
+        close = spelling.nearest(name, known)
+        every = f"the fields are: {', '.join(known)}"  # they are listed nowhere else in a terminal
         raise CaseError(
-            f"there is no field '{name}'", remedy=spelling.advice(name, known, kind="field")
+            f"there is no field '{name}'",
+            remedy=f"did you mean '{close}'?" if close else every,
         )
 
 

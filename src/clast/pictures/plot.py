@@ -95,7 +95,7 @@ def draw_results(
     bars = int(field in SCALARS or field in JOINT_FIELDS)
     title = results.title or results.name
     absent = absent_in_frame(results, number)
-    edges = _edges(results, field, here, start, part, absent)
+    edges = edges_of(results, field, here, start, part, absent)
     water = pressures_of(results, waters, number, here)
     above = tuple(name for name in look.layers if name in LAYERS)
     handles = [
@@ -250,7 +250,7 @@ def _draw_joints(
     draw_blocks.draw_colour_bar(figure, sheet, lines, label, scale.extend)
 
 
-def _edges(
+def edges_of(
     results: Recording,
     field: str,
     here: Floats,

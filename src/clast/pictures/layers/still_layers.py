@@ -198,28 +198,37 @@ def _reference(results: Recording, frame: int) -> Floats:
     return results.vertices(since)
 
 
-def _level_handles(results: Recording, frame: int) -> list[Any]:
+def _levels(results: Recording, frame: int) -> tuple[Floats, float, str]:
+    """Return the levels of displacement, their factor from metres, and their unit."""
+    from matplotlib.ticker import MaxNLocator
+
     moved = results.vertices(frame) - _reference(results, frame)
-    largest = float(np.hypot(*moved.T).max(initial=0.0))
-    return [_line(INK, _up_to("lines of equal displacement", largest, "m"), 0.8)] if largest else []
+    there = np.repeat(~absent_in_frame(results, frame), np.diff(results.block_start))
+    largest = float(np.hypot(*moved[there].T).max(initial=0.0))
+    if largest == 0.0:
+        return np.zeros(0), 1.0, "m"
+    factor, unit = prefixed(largest, "m")
+    levels = np.asarray(MaxNLocator(LEVELS).tick_values(0.0, factor * largest))
+    return levels[(levels > 0.0) & (levels < factor * largest)], factor, unit
+
+
+def _level_handles(results: Recording, frame: int) -> list[Any]:
+    levels, _, unit = _levels(results, frame)
+    if not len(levels):
+        return []
+    return [_line(INK, f"equal displacement, every {levels[0]:g} {unit}", 0.8)]
 
 
 def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
     """Draw lines of equal displacement within blocks, with their values."""
     from matplotlib.patheffects import Normal, Stroke
-    from matplotlib.ticker import MaxNLocator
     from matplotlib.tri import Triangulation
 
     here = results.vertices(frame)
     size = np.hypot(*(here - _reference(results, frame)).T)
-    largest = float(size.max(initial=0.0))
+    levels, factor, unit = _levels(results, frame)
     corners = _triangles(results, here, frame)
-    if largest == 0.0 or not len(corners):
-        return
-    factor, unit = prefixed(largest, "m")
-    levels = np.asarray(MaxNLocator(LEVELS).tick_values(0.0, factor * largest))
-    levels = levels[(levels > 0.0) & (levels < factor * largest)]
-    if not len(levels):
+    if not len(levels) or not len(corners):
         return
     drawn = axes.tricontour(
         Triangulation(here[:, 0], here[:, 1], corners),
