@@ -16,6 +16,7 @@ from clast.pictures import canvas, draw_blocks
 from clast.pictures.compared_frames import plot_two_frames
 from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import plot_histories
+from clast.pictures.joints.joint_values import resultants_of
 from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
 from scenes.drawings import text_of
 
@@ -27,14 +28,30 @@ def drawn(draw, run):
     return axes.collections
 
 
-def test_chains_are_as_wide_as_forces(parted):
+def test_chains_are_as_wide_as_the_forces_of_faces(parted):
     contacts = parted.contacts(-1)
-    size = np.sort(np.hypot(*contacts.force.T))
+    faces: dict[tuple[int, int], np.ndarray] = {}
+    pairs = zip(contacts.vertex_block, contacts.edge_block, contacts.force, strict=True)
+    for one, other, force in pairs:  # blocks of this run meet in one face each
+        key = (min(one, other), max(one, other))
+        faces[key] = faces.get(key, np.zeros(2)) + (force if one < other else -force)
+    size = np.sort([np.hypot(*force) for force in faces.values()])
+    kept = size[size > 0.005 * size.max()]
+    assert len(kept) < len(contacts)
     (lines,) = drawn(_draw_chains, parted)
     widths = np.sort(lines.get_linewidths())
-    kept = size[size > 0.005 * size.max()]
     assert len(widths) == len(kept)
     assert (widths - 0.4) / 4.6 == pytest.approx(kept / size.max())
+
+
+def test_a_chain_passes_the_centre_of_its_face(parted):
+    contacts = parted.contacts(-1)
+    found = resultants_of(contacts)
+    for at, blocks in zip(found.at, found.block, strict=True):
+        own = [set(pair) == set(blocks) for pair in
+               zip(contacts.vertex_block, contacts.edge_block, strict=True)]  # fmt: skip
+        weight = np.hypot(*contacts.force[own].T)
+        assert at == pytest.approx(weight @ contacts.position[own] / weight.sum())
 
 
 def test_crosses_have_length_and_direction_of_principal_stresses(parted):
@@ -60,7 +77,7 @@ def test_all_layers_are_drawn_and_explained(parted, tmp_path, ending):
     if ending == "svg":
         text = path.read_text("utf-8")
         for word in (
-            "contact force as width",
+            "force between blocks as width",
             "compression",
             "equal displacement, every",
             "displacement, up",

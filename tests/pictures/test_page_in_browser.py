@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import clast
-from clast.pictures.joints.joint_values import JOINT_FIELDS, scale_of_faces
+from clast.pictures.joints.joint_values import JOINT_FIELDS, resultants_of, scale_of_faces
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.server import LiveServer
 from clast.pictures.page.document import BUDGET, page_text
@@ -233,7 +233,8 @@ def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp
     contacts = results.contacts(-1)
     most = np.hypot(*contacts.force.T).max()
     assert f"contact force, up to {most / 1e3:.3g} kN/m" in text
-    assert f"contact force as width, up to {most / 1e3:.3g} kN/m" in text
+    chains = resultants_of(contacts).size.max()
+    assert f"force between blocks as width, up to {chains / 1e3:.3g} kN/m" in text
     for part in ("Stress σyy", "bed", "head", "compression, up to", "tension, up to", "fixed"):
         assert part in text, part
     with page.expect_download() as taken:
@@ -273,6 +274,43 @@ def test_the_legend_of_a_chart_has_the_values_of_the_frame(opened, parted):
         exact = [parted.times[frame], *moved[at]]
         assert said == pytest.approx(exact, rel=1e-3, abs=1e-12)
     assert page.faults == []
+
+
+def test_chains_are_those_of_still_pictures(opened, parted):
+    page = opened(parted, address="#layers=chains")
+    for frame in range(len(parted.times)):
+        wanted = resultants_of(parted.contacts(frame))
+        found = page.evaluate(
+            "(frame) => modules.contact_faces.resultantsOf(clastPage.run, frame)"
+            ".map(({ x, y, size }) => [x, y, size])",
+            frame,
+        )
+        exact = np.column_stack([wanted.at, wanted.size])
+        exact = exact[np.argsort(exact[:, 2])]
+        rows = np.reshape(sorted(found, key=lambda row: row[2]), (-1, 3))
+        rows[:, :2] += page.evaluate("clastPage.run.scene.origin")
+        assert rows == pytest.approx(exact, rel=2e-3, abs=2e-3)
+    assert page.faults == []
+
+
+def test_a_chart_says_its_values_at_once_and_nothing_lies_on_its_legend(opened, parted):
+    page = opened(parted, 390, 844)
+    page.select_option("[data-part=curve]", label="Energy")
+    until(
+        page, "[...document.querySelectorAll('.u-legend .u-value')].every((one) => one.innerText)"
+    )
+    legend = page.locator(".u-legend").bounding_box()
+    button = page.locator("[data-part=csv]").bounding_box()
+    assert legend["y"] + legend["height"] <= button["y"]
+    assert page.faults == []
+
+
+def test_fields_without_a_scale_offer_none(opened, parted):
+    page = opened(parted, address="#field=none")
+    assert not page.is_visible("[data-part=share]") and not page.is_visible("[data-part=low]")
+    page.select_option("[data-part=field]", "velocity")
+    settled(page)
+    assert page.is_visible("[data-part=share]") and page.is_visible("[data-part=low]")
 
 
 def test_water_is_drawn_where_it_presses(opened, wet_run):

@@ -28,6 +28,8 @@ NAME_BOX = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 
 
 LEFT, RIGHT, BELOW = 0.75, 0.25, 0.55
 """Margins for the labels of the axes, inches."""
+BESIDE_TITLE = 0.5
+"""Room to the right of the title, for the arrow of gravity, inches."""
 TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 11.0, 9.0, 8.0
 """Sizes of type, points."""
 LINE = 0.2
@@ -99,7 +101,7 @@ def axes_in(
     CaseError for a sheet on which nothing finds room.
     """
     width, height = sheet
-    lines = len(wrapped(title, min(width - LEFT - 0.1, 6.5), TITLE_SIZE))
+    lines = len(wrapped(title, min(width - LEFT - BESIDE_TITLE, 6.5), TITLE_SIZE))
     around = 0.12 + LINE * legend_lines + BELOW + 0.32 + LINE * (lines + 1)
     across = width - LEFT - RIGHT - (BAR + BAR_LABELS) * bars
     slope = extent[1] / extent[0]
@@ -139,7 +141,7 @@ def sheet_for(
     upright = up >= UPRIGHT
     beside = (BAR + BAR_LABELS) * bars if upright else 0.0
     width = LEFT + max(narrowest, across + beside) + RIGHT
-    lines = wrapped(title, min(width - LEFT - 0.1, 6.5), TITLE_SIZE)
+    lines = wrapped(title, min(width - LEFT - BESIDE_TITLE, 6.5), TITLE_SIZE)
     under = 0.12 + LINE * legend_lines
     bottom = under + BELOW + (0.0 if upright else 0.75 * bars)
     if upright:

@@ -126,13 +126,8 @@ def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Flo
         nothing = np.zeros(0)
         faces = Faces(ends=np.zeros((0, 2, 2)), value=nothing, edge=np.zeros(0, np.int64))
         return faces, [nothing for _ in values]
-    blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block]), axis=0)
     along = np.stack([-contacts.normal[:, 1], contacts.normal[:, 0]], axis=1)
-    angle = np.arctan2(along[:, 1], along[:, 0]) * STRAIGHT / np.pi
-    direction = np.round(angle).astype(np.int64) % STRAIGHT
-    key = np.stack([*blocks, direction], axis=1)
-    _, first, face = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    face = face.ravel()
+    first, face = _divided(contacts)
     place = np.einsum("mx,mx->m", contacts.position, along[first][face])
     order = np.lexsort((place, face))
     starts = np.flatnonzero(np.r_[True, np.diff(face[order]) != 0])
@@ -140,6 +135,44 @@ def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Flo
     ends = np.stack([contacts.position[order[starts]], contacts.position[order[last]]], axis=1)
     faces = Faces(ends=ends, value=np.zeros(len(starts)), edge=contacts.edge[order[starts]])
     return faces, [np.add.reduceat(one[order], starts) for one in values]
+
+
+def _divided(contacts: FrameContacts) -> tuple[Ints, Ints]:
+    """Return the first contact of each face (k,), and the face of each contact (m,)."""
+    blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block]), axis=0)
+    angle = np.arctan2(contacts.normal[:, 0], -contacts.normal[:, 1]) * STRAIGHT / np.pi
+    key = np.stack([*blocks, np.round(angle).astype(np.int64) % STRAIGHT], axis=1)
+    _, first, face = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    return first, face.ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Resultants:
+    """The resultant force of each face; k faces."""
+
+    at: Floats
+    """Centre of its contacts, weighted by their forces, m, shape (k, 2)."""
+    size: Floats
+    """Its size, N/m, shape (k,)."""
+    block: Ints
+    """The blocks on either side, shape (k, 2)."""
+
+
+def resultants_of(contacts: FrameContacts) -> Resultants:
+    """Return the resultant forces of the faces that contacts lie along."""
+    first, face = _divided(contacts)
+    force = contacts.force
+    # on the block with the lower number, whichever has the vertex
+    force[contacts.vertex_block > contacts.edge_block] *= -1.0
+    weight = np.hypot(*force.T)
+
+    def summed(values: Floats) -> Floats:
+        return np.bincount(face, values, len(first))
+
+    total = np.maximum(summed(weight), 1e-300)
+    at = np.stack([summed(weight * x) / total for x in contacts.position.T], axis=1)
+    blocks = np.stack([contacts.vertex_block[first], contacts.edge_block[first]], axis=1)
+    return Resultants(at=at, size=np.hypot(*map(summed, force.T)), block=blocks)
 
 
 def together(some: Sequence[Faces]) -> Faces:

@@ -12,6 +12,7 @@ from clast.model.model import Floats
 from clast.pictures.canvas import INK, SMALL_SIZE
 from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed
+from clast.pictures.joints.joint_values import resultants_of
 from clast.pictures.supports.draw_linings import DIAGRAMS, drawing_of, handles_of
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
@@ -74,27 +75,26 @@ def _up_to(what: str, largest: float, unit: str) -> str:
 
 
 def _chain_handles(results: Recording, frame: int) -> list[Any]:
-    size = np.hypot(*results.contacts(frame).force.T)
-    if not size.max(initial=0.0) > 0.0:
+    largest = float(resultants_of(results.contacts(frame)).size.max(initial=0.0))
+    if not largest > 0.0:
         return []
-    return [_line(CHAIN, _up_to("contact force as width", float(size.max()), "N/m"), 3.0)]
+    return [_line(CHAIN, _up_to("force between blocks as width", largest, "N/m"), 3.0)]
 
 
 def _draw_chains(axes: Axes, results: Recording, frame: int) -> None:
-    """Draw each force from block to block through its contact, as wide as it is large."""
+    """Draw the resultant of each face from block to block through it, as wide as it is large."""
     from matplotlib.collections import LineCollection
 
-    contacts, centres = results.contacts(frame), _centres(results, frame)
-    size = np.hypot(*contacts.force.T)
+    faces, centres = resultants_of(results.contacts(frame)), _centres(results, frame)
+    size = faces.size
     largest = float(size.max(initial=0.0))
     if largest == 0.0:
         return
-    ends = []
-    for block in (contacts.vertex_block, contacts.edge_block):
-        # a fixed block may reach far: its chain begins at the contact
-        held = results.fixed[block][:, None]
-        ends.append(np.where(held, contacts.position, centres[block]))
-    lines = np.stack([ends[0], contacts.position, ends[1]], axis=1)
+    # a fixed block may reach far: its chain begins at the face
+    ends = [
+        np.where(results.fixed[block][:, None], faces.at, centres[block]) for block in faces.block.T
+    ]
+    lines = np.stack([ends[0], faces.at, ends[1]], axis=1)
     kept = np.flatnonzero(size > FAINTEST * largest)
     kept = kept[np.argsort(size[kept], kind="stable")]
     widths = THIN + (THICK - THIN) * size[kept] / largest

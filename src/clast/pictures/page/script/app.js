@@ -436,6 +436,7 @@ export class Page {
   showLegend(scale) {
     fillLegend(this.$("legend"), this.seen(scale));
     this.$("limits").hidden = !scale;
+    this.$("share").parentElement.hidden = !scale;
     if (!scale) return;
     if (document.activeElement !== this.$("low")) this.$("low").value = String(Number(scale.low.toPrecision(4)));
     if (document.activeElement !== this.$("high")) this.$("high").value = String(Number(scale.high.toPrecision(4)));

@@ -4,6 +4,9 @@ import { withUnit } from "./colours.js";
 
 const INKS = ["#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a", "#4f5b66", "#00796b"];
 
+const HEIGHT = 224;
+/** Height of a chart without its legend, pixels. */
+
 /** A list of curves, one of which is drawn. */
 export class Charts {
   /**
@@ -31,7 +34,7 @@ export class Charts {
     this.plot = new uPlot(
       {
         width: this.place.clientWidth,
-        height: Math.max(160, this.place.clientHeight),
+        height: HEIGHT,
         scales: { x: { time: false } },
         axes: [
           { ...axis, values: (_, marks) => marks.map((mark) => `${mark} s`) },
@@ -48,7 +51,8 @@ export class Charts {
             value: (_, value) => (value == null ? "" : withUnit(value, curve.unit)),
           })),
         ],
-        hooks: { draw: [(plot) => this.mark(plot)] },
+        // uPlot empties its legend when it draws first
+        hooks: { draw: [(plot) => this.mark(plot)], ready: [() => setTimeout(() => this.tell())] },
       },
       [curve.time, ...curve.lines.map((line) => line.values)],
       this.place,
@@ -90,7 +94,7 @@ export class Charts {
 
   /** Fit the chart to its place. */
   resize() {
-    this.plot?.setSize({ width: this.place.clientWidth, height: Math.max(160, this.place.clientHeight) });
+    this.plot?.setSize({ width: this.place.clientWidth, height: HEIGHT });
   }
 
   /** Return the curve as a table for other programs. */

@@ -22,6 +22,42 @@ export function isOfContacts(name) {
  */
 export function facesOfContacts(run, name, frame) {
   const { contacts } = run;
+  const every = gathered(run, frame);
+  const found = { value: Float32Array.from(every, VALUES[name]) };
+  for (const [end, of] of [["x0", "first"], ["x1", "last"]]) {
+    found[end] = Float32Array.from(every, (face) => contacts.x[face[of]]);
+    found[end.replace("x", "y")] = Float32Array.from(every, (face) => contacts.y[face[of]]);
+  }
+  return found;
+}
+
+/** Return the resultant of each face of a frame: its size, N/m, its place, m, its contacts' blocks. */
+export function resultantsOf(run, frame) {
+  return gathered(run, frame).map(({ fx, fy, weight, x, y, one, other }) => ({
+    size: Math.hypot(fx, fy),
+    x: x / Math.max(weight, 1e-300),
+    y: y / Math.max(weight, 1e-300),
+    one,
+    other,
+  }));
+}
+
+/** Return the largest resultant of a face in all frames, N/m. */
+export function largestResultant(run) {
+  const { contacts } = run;
+  if (contacts.largestResultant?.frames !== run.frameCount) {
+    let largest = 0;
+    for (let frame = 0; frame < run.frameCount; frame++) {
+      for (const { size } of resultantsOf(run, frame)) largest = Math.max(largest, size);
+    }
+    contacts.largestResultant = { largest, frames: run.frameCount };
+  }
+  return contacts.largestResultant.largest;
+}
+
+/** Return the faces of a frame, with the sums of their contacts. */
+function gathered(run, frame) {
+  const { contacts } = run;
   const faces = new Map();
   for (let k = contacts.first[frame]; k < contacts.first[frame + 1]; k++) {
     const [one, other] = [contacts.on[k], contacts.by[k]];
@@ -34,18 +70,14 @@ export function facesOfContacts(run, name, frame) {
     if (!face) faces.set(key, (face = faceFrom(contacts, k)));
     add(face, contacts, k);
   }
-  const every = [...faces.values()];
-  const found = { value: Float32Array.from(every, VALUES[name]) };
-  for (const [end, of] of [["x0", "first"], ["x1", "last"]]) {
-    found[end] = Float32Array.from(every, (face) => contacts.x[face[of]]);
-    found[end.replace("x", "y")] = Float32Array.from(every, (face) => contacts.y[face[of]]);
-  }
-  return found;
+  return [...faces.values()];
 }
 
 function faceFrom(contacts, k) {
   const along = [-Math.sin(contacts.angle[k]), Math.cos(contacts.angle[k])];
-  return { along, low: Infinity, high: -Infinity, shear: 0, normal: 0, pressed: 0, sliding: 0 };
+  const [one, other] = [contacts.on[k], contacts.by[k]];
+  const sums = { shear: 0, normal: 0, pressed: 0, sliding: 0, fx: 0, fy: 0, weight: 0, x: 0, y: 0 };
+  return { along, one, other, low: Infinity, high: -Infinity, ...sums };
 }
 
 function add(face, contacts, k) {
@@ -57,4 +89,13 @@ function add(face, contacts, k) {
   face.normal += contacts.normal[k];
   face.pressed += pressed;
   if (contacts.mode[k] === SLIDES) face.sliding += pressed;
+  // on the first block of the face, whichever has the vertex
+  const side = contacts.on[k] === face.one ? 1 : -1;
+  const [fx, fy] = [side * contacts.fx[k], side * contacts.fy[k]];
+  const weight = Math.hypot(fx, fy);
+  face.fx += fx;
+  face.fy += fy;
+  face.weight += weight;
+  face.x += weight * contacts.x[k];
+  face.y += weight * contacts.y[k];
 }

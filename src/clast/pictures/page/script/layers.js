@@ -4,6 +4,7 @@ import { outline } from "./draw_canvas.js";
 import { scaleOfFaces } from "./colouring.js";
 import { withUnit } from "./colours.js";
 import { placeOfChosen } from "./chosen.js";
+import { largestResultant, resultantsOf } from "./contact_faces.js";
 import { drawLinks, drawReactions, layerOfDiagram, legendOfLinks, legendOfReactions } from "./supports.js";
 
 const PULLED = "#b2182b";
@@ -34,8 +35,8 @@ export const LAYERS = {
     draw: drawWater,
     legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
   },
-  contacts: { label: "Contact forces", draw: drawContacts, legend: (seen) => legendOfForces(seen, 1.2) },
-  chains: { label: "Force chains", draw: drawChains, legend: (seen) => legendOfForces(seen, 5, "contact force as width") },
+  contacts: { label: "Contact forces", draw: drawContacts, legend: legendOfForces },
+  chains: { label: "Force chains", draw: drawChains, legend: legendOfChains },
   crosses: { label: "Principal stresses", draw: drawCrosses, legend: legendOfCrosses },
   excavated: {
     label: "Excavated blocks",
@@ -200,11 +201,22 @@ function eachContact(run, frame, call) {
   }
 }
 
-function legendOfForces({ run, frame }, width, name = "contact force") {
+function legendOfForces({ run, frame }) {
   let largest = 0;
   eachContact(run, frame, (_, size) => (largest = Math.max(largest, size)));
-  const text = `${name}, up to ${withUnit(largest, "N/m", 3)}`;
-  return largest > 0 ? [line(FORCE, width, text)] : [];
+  const text = `contact force, up to ${withUnit(largest, "N/m", 3)}`;
+  return largest > 0 ? [line(FORCE, 1.2, text)] : [];
+}
+
+function legendOfChains({ run, frame }) {
+  const largest = resultantsOf(run, frame).reduce((most, { size }) => Math.max(most, size), 0);
+  const text = `force between blocks as width, up to ${withUnit(largest, "N/m", 3)}`;
+  return largest > 0 ? [line(FORCE, widthOfChain(largest / largestResultant(run)), text)] : [];
+}
+
+/** Return the width of a chain whose force is a share of the largest of the run, pixels. */
+function widthOfChain(share) {
+  return 0.6 + (7 * (Math.min(WIDTHS - 1, Math.floor(WIDTHS * share)) + 0.5)) / WIDTHS;
 }
 
 function drawContacts(pen, { run, view, frame }) {
@@ -229,22 +241,22 @@ function drawContacts(pen, { run, view, frame }) {
 }
 
 function drawChains(pen, { run, view, frame }) {
-  const { contacts, motion, middle, blockCount } = run;
+  const { motion, middle, blockCount } = run;
   const byWidth = Array.from({ length: WIDTHS }, () => []);
   const at = (block) => [
     view.screenX(middle[2 * block] + motion.x[frame * blockCount + block]),
     view.screenY(middle[2 * block + 1] + motion.y[frame * blockCount + block]),
   ];
-  eachContact(run, frame, (k, size) => {
-    const share = size / contacts.largest;
-    if (share < 0.005) return;
-    const point = [view.screenX(contacts.x[k]), view.screenY(contacts.y[k])];
-    // a fixed block may reach far: its chain begins at the contact
-    const from = run.fixed[contacts.on[k]] ? point : at(contacts.on[k]);
-    const to = run.fixed[contacts.by[k]] ? point : at(contacts.by[k]);
+  const largest = largestResultant(run);
+  for (const { size, x, y, one, other } of resultantsOf(run, frame)) {
+    const share = size / largest;
+    if (!(share >= 0.005)) continue;
+    const point = [view.screenX(x), view.screenY(y)];
+    // a fixed block may reach far: its chain begins at the face
+    const [from, to] = [one, other].map((block) => (run.fixed[block] ? point : at(block)));
     byWidth[Math.min(WIDTHS - 1, Math.floor(WIDTHS * share))].push([...from, ...point, ...to]);
-  });
-  byWidth.forEach((paths, k) => pen.lines(paths, FORCE, 0.6 + (7 * (k + 0.5)) / WIDTHS));
+  }
+  byWidth.forEach((paths, k) => pen.lines(paths, FORCE, widthOfChain(k / WIDTHS)));
 }
 
 /** Return largest compression and largest tension of the blocks whose crosses are drawn, Pa. */

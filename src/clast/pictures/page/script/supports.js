@@ -103,7 +103,7 @@ export function drawReactions(pen, { run, view, frame, theme }) {
     const [tailX, tailY] = [x - length * ux, y - length * uy];
     pen.lines([[tailX, tailY, x - 6 * ux, y - 6 * uy]], colour, 2.4);
     pen.areas([[x, y, x - 10 * ux + 4 * uy, y - 10 * uy - 4 * ux, x - 10 * ux - 4 * uy, y - 10 * uy + 4 * ux]], colour);
-    pen.text(tailX + 6, tailY + (uy < 0 ? 10 : -8), `${name}: ${withUnit(size, "N/m", 3)}`, colour, theme.paper);
+    pen.text(tailX + 6, tailY + (uy < 0 ? 10 : -8), `${name}: ${withUnit(size, "N/m", 3)}`, theme.ink, theme.paper);
   });
 }
 
@@ -177,7 +177,7 @@ function drawDiagram(pen, { run, view, frame, theme }, [letter, column, unit, co
     if (!known.length) return;
     for (const value of new Set([Math.min(...known), Math.max(...known)])) {
       const [, , x, y] = feet[values.indexOf(value)];
-      pen.text(x + 4, y, `${letter} ${withUnit(value, unit, 3)}`, colour, theme.paper);
+      pen.text(x + 4, y, `${letter} ${withUnit(value, unit, 3)}`, theme.ink, theme.paper);
     }
   });
 }
