@@ -12,10 +12,12 @@ import pytest
 
 from clast.inputs.builder import InputBuilder
 from clast.pictures.canvas import SMALL_SIZE
+from clast.pictures.draw_water import BLUE
 from clast.pictures.verification import (
     COMPUTED,
     CROWD,
     ROOM,
+    SUPPORT,
     Chart,
     curve,
     draw_problem,
@@ -153,3 +155,41 @@ def test_fixed_blocks_far_away_are_left_out(away: float, seen: int):
     builder.block(vertices=np.add(square, (1.0 + away, 0.0)), fixed=True)
     axes = figure_of(builder.build(), []).axes[0]
     assert len(axes.patches) == seen
+
+
+def supported(wet: str):
+    """Return a block on a fixed one, with a bolt to a wall 5 m away and a link, under 3 m of water.
+
+    ``wet``: where the water presses, on "faces" or in "joints".
+    """
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    builder.block(name="block", vertices=square)
+    builder.block(name="base", vertices=np.add(square, (0.0, -1.0)), fixed=True)
+    builder.block(name="wall", vertices=np.add(square, (6.0, 0.0)), fixed=True)
+    builder.add_bolt_kind("bar", stiffness=1e6)
+    builder.bolt((0.5, 0.5), (6.5, 0.5), kind="bar", name="bolt")
+    builder.link((0.2, 1.0), blocks=("block", "base"), x="rigid", contacts=False)
+    builder.water(3.0, acts_on=wet)
+    return builder.build()
+
+
+def lines_of(axes: Any, colour: str) -> list[np.ndarray]:
+    return [line.get_xydata() for line in axes.lines if line.get_color() == colour]
+
+
+def test_bolts_links_and_water_are_in_the_set_up():
+    axes = figure_of(supported("faces"), []).axes[0]
+    assert len(axes.patches) == 3  # the wall is far away, and holds a bolt
+    bolt, head, bar = lines_of(axes, SUPPORT)
+    assert bolt.tolist() == [[0.5, 0.5], [6.5, 0.5]] and head.tolist() == [[0.5, 0.5]]
+    # a link that holds x alone is a bar along x through its place
+    assert bar.mean(axis=0) == pytest.approx((0.2, 1.0)) and np.ptp(bar[:, 1]) < 1e-12
+    assert np.ptp(bar[:, 0]) > 0.1
+    level = lines_of(axes, BLUE)[0]
+    assert level.tolist() == [[0.0, 3.0], [7.0, 3.0]]
+    # in joints alone it is shown where it is, not as a level in front of the blocks
+    (joint,) = lines_of(figure_of(supported("joints"), []).axes[0], BLUE)
+    assert np.sort(joint, axis=0).tolist() == [[0.0, 0.0], [1.0, 0.0]]

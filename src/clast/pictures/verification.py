@@ -12,7 +12,12 @@ import numpy as np
 
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
+from clast.model.water.water import faces_of_joints, surface_at, wetted
 from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE, label_logarithms, style
+from clast.pictures.draw_water import BLUE
+from clast.pictures.strokes import following
+from clast.pictures.supports.draw_links import COLOURS as COLOURS_OF_LINKS
+from clast.pictures.supports.draw_links import draw_links_at_start
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +27,8 @@ ROCK, FIXED, OUTLINE = "#e6dccb", "#b7aea1", "#4a443c"
 """Colours of free blocks, fixed blocks and their outlines."""
 ARROW = "#c1440e"
 """Colour of loads and velocities."""
+SUPPORT = COLOURS_OF_LINKS["intact"]
+"""Colour of bolts and links."""
 EXACT = "#222222"
 """Colour of exact curves."""
 EXACT_STYLES = ("-", "--", ":", "-.")
@@ -38,6 +45,8 @@ CROWD, ROOM, MANY = 12, 0.12, 100
 """Arrows all drawn, how far apart more are, in widths of the set-up; blocks with thin lines."""
 SHARE = 0.18
 """Length of the longest arrow, in widths of the set-up."""
+BAR = 0.06
+"""Half of the length of a link's bar, in widths of the set-up."""
 FAR = 1.25
 """Distance from free blocks beyond which fixed ones are left out, in widths of the free ones."""
 DOTS = 150
@@ -206,6 +215,8 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     _draw_arrows(axes, *_velocities(model), SHARE * size)
     _draw_spins(axes, model)
     _draw_ground_motion(axes, model, size)
+    _draw_water(axes, model, float(corners[:, 0].min()), float(corners[:, 0].max()))
+    _draw_supports(axes, model, BAR * size)
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
@@ -220,8 +231,33 @@ def draw_set_up(axes: Axes, model: Model) -> None:
         axes.set_xticks([])
 
 
+def _draw_water(axes: Axes, model: Model, low: float, high: float) -> None:
+    """Draw water levels from one x to another, m; where joints alone are wet, these."""
+    after = following(model.block_start)
+    for water in model.water:
+        face, _ = faces_of_joints(water.joints, model.vertices, after)
+        wet = list(wetted(water.surface, face).ends)
+        if len(water.faces.edge):
+            left, right = low - model.origin[0], high - model.origin[0]
+            x = np.unique(np.clip([left, right, *water.surface[:, 0]], left, right))
+            wet = [np.stack([x, surface_at(water.surface, x)], axis=1)]
+        for line in wet:
+            axes.plot(*(line + model.origin).T, color=BLUE, lw=1.2)
+        ends = np.concatenate(wet) + model.origin
+        axes.plot(*ends[np.argmax(ends[:, 1])], "v", ms=5.0, mfc="white", mec=BLUE, mew=0.9)
+
+
+def _draw_supports(axes: Axes, model: Model, reach: float) -> None:
+    """Draw bolts, their heads as dots, and links with bars of half this length, m."""
+    for bolt in range(len(model.bolts)):
+        points = model.bolts.at[model.bolts.bolt == bolt] + model.origin
+        axes.plot(*points.T, "-", color=SUPPORT, lw=1.3)
+        axes.plot(*points[0], "o", color=SUPPORT, ms=3.0)
+    draw_links_at_start(axes, model.link_lines, reach)
+
+
 def _in_sight(model: Model) -> list[int]:
-    """Return the blocks of a set-up, without fixed ones that are far away."""
+    """Return the blocks of a set-up, without fixed ones that are far away and hold no bolt."""
     low, high = (
         np.array([end(model.polygon(block), axis=0) for block in range(model.block_count)])
         for end in (np.min, np.max)
@@ -232,6 +268,7 @@ def _in_sight(model: Model) -> list[int]:
     first, last = low[free].min(axis=0), high[free].max(axis=0)
     reach = FAR * float((last - first).max())
     near = ((low <= last + reach) & (high >= first - reach)).all(axis=1)
+    near[model.bolts.block] = True
     return np.flatnonzero(near | free).tolist()
 
 

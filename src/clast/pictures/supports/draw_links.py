@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
-from clast.model.supports.link_lines import FREE, RIGID
+from clast.model.supports.link_lines import FREE, RIGID, LinkLines
 from clast.results import Recording
 from clast.results.schema import LINK_STATES
 
@@ -113,30 +113,43 @@ def draw_links(axes: Axes, results: Recording, frame: int) -> None:
     for state, ends, way, holds in zip(states, places, ways, links.holds, strict=True):
         colour, middle = COLOURS[LINK_STATES[state]], ends.mean(axis=0)
         axes.plot(*ends.T, "-", color=colour, lw=EDGE, zorder=5.5)
-        if way.any():
-            bar = _bar(middle, way, REACH * wide, int(holds[:2].max()))
-            axes.plot(*bar.T, "-", color=colour, lw=EDGE, zorder=5.5)
-        if holds[:2].all() or holds[2]:
-            hinge = holds[:2].any()
-            axes.plot(
-                *middle,
-                "o" if hinge else "s",
-                ms=SIZE,
-                mfc=colour if holds[2] else "white",
-                mec=colour,
-                mew=EDGE,
-                zorder=5.6,
-            )
+        draw_link(axes, middle, way * REACH * wide, holds, colour)
         if state == BROKEN:
             axes.plot(*middle, "x", color=colour, ms=1.5 * SIZE, mew=EDGE, zorder=5.7)
 
 
-def _bar(middle: Floats, way: Floats, reach: float, holds: int) -> Floats:
+def draw_links_at_start(axes: Axes, links: LinkLines, reach: float) -> None:
+    """Draw links where they are at the start, with bars of half this length, m."""
+    across = np.stack([-links.along[:, 1], links.along[:, 0]], axis=1)
+    way = np.where(links.holds[:, :1] > 0, links.along, across)
+    bar = np.count_nonzero(links.holds[:, :2], axis=1) == 1
+    for at, half, holds in zip(links.at, reach * way * bar[:, None], links.holds, strict=True):
+        draw_link(axes, at, half, holds, COLOURS["intact"])
+
+
+def draw_link(axes: Axes, at: Floats, half: Floats, holds: Ints, colour: str) -> None:
+    """Draw a link at a point (2,), m: half of its bar (2,), m, or (0, 0), and its mark."""
+    if half.any():
+        bar = _bar(at, half, int(holds[:2].max()))
+        axes.plot(*bar.T, "-", color=colour, lw=EDGE, zorder=5.5)
+    if holds[:2].all() or holds[2]:
+        axes.plot(
+            *at,
+            "o" if holds[:2].any() else "s",
+            ms=SIZE,
+            mfc=colour if holds[2] else "white",
+            mec=colour,
+            mew=EDGE,
+            zorder=5.6,
+        )
+
+
+def _bar(middle: Floats, half: Floats, holds: int) -> Floats:
     """Return the line of a link that holds one direction, m, shape (p, 2)."""
     if holds in (FREE, RIGID):
-        return np.stack([middle - reach * way, middle + reach * way])
-    across = np.array([-way[1], way[0]])
+        return np.stack([middle - half, middle + half])
+    across = np.array([-half[1], half[0]])
     place = np.linspace(-1.0, 1.0, TEETH)
     swing = 0.35 * np.where(np.arange(TEETH) % 2, 1.0, -1.0)
     swing[[0, -1]] = 0.0
-    return np.asarray(middle + reach * (place[:, None] * way + swing[:, None] * across))
+    return np.asarray(middle + place[:, None] * half + swing[:, None] * across)

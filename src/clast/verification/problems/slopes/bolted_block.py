@@ -112,13 +112,14 @@ def examine(factors: tuple[float, ...], variant: Variant) -> Outcome:
             what = f"holds at {share:g} T, {np.degrees(angle):.4g} degrees to the plane"
             rows.append(absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides"))
     fine = np.linspace(1.0, 1.5, 41)
+    exact_fine = np.array([exact_force(one, steepest(one)) for one in fine])
     chart = Chart(
         title="least force at the best angle",
         x_label="factor of safety",
-        y_label="force, N/m",
+        y_label="force, kN/m",
         curves=(
-            exact_curve("limit equilibrium", fine, [exact_force(f, steepest(f)) for f in fine]),
-            curve(variant.name, factors, found),
+            exact_curve("limit equilibrium", fine, 1e-3 * exact_fine),
+            curve(variant.name, factors, 1e-3 * np.array(found)),
         ),
     )
     return Outcome(tuple(rows), (chart,))

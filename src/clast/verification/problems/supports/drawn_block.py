@@ -96,7 +96,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="time, s",
         y_label="force, kN/m",
         curves=(
-            exact_curve("mu N + m a", corners, 1e-3 * exact),
+            exact_curve("μ N + m a", corners, 1e-3 * exact),
             curve(variant.name, time[1::4], 1e-3 * winch[1::4, 0]),
         ),
     )

@@ -98,6 +98,7 @@ def examine(pretensions: tuple[float, ...], variant: Variant) -> Outcome:
     for pretension in pretensions:
         load, moved = curve_of(pretension, variant)
         which = f"T_0 = {1e-3 * pretension:g} kN/m"
+        shown = which.replace("T_0", "T₀")
         breaks = load_at_rupture(pretension)
         yields = YIELD + FRAME * (YIELD - pretension) / BOLT
         places = (0.5 * (pretension + yields), 0.5 * (yields + breaks), load[-1])
@@ -111,8 +112,8 @@ def examine(pretensions: tuple[float, ...], variant: Variant) -> Outcome:
         rows.append(relative(quantity, "N/m", load[jump], breaks, 0.01, BETWEEN))
         exact_path = np.array([exact_moved(one, pretension) for one in load])
         curves += [
-            exact_curve(f"formula, {which}", 1e3 * exact_path, 1e-3 * load),
-            curve(f"{variant.name}, {which}", 1e3 * moved[::10], 1e-3 * load[::10]),
+            exact_curve(f"formula, {shown}", 1e3 * exact_path, 1e-3 * load),
+            curve(f"{variant.name}, {shown}", 1e3 * moved[::10], 1e-3 * load[::10]),
         ]
     chart = Chart(
         title="load and displacement",

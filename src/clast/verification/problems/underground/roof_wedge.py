@@ -149,8 +149,8 @@ def examine(wedges: tuple[Wedge, ...], variant: Variant) -> Outcome:
     leans = dict.fromkeys(wedge.lean for wedge in wedges)
     chart = Chart(
         title="load at pull-out",
-        x_label="kn/ks",
-        y_label="P0/H0",
+        x_label="kₙ/kₛ",
+        y_label="P₀/H₀",
         curves=(
             *(
                 exact_curve(
