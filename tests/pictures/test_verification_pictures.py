@@ -16,6 +16,7 @@ from clast.pictures.draw_water import BLUE
 from clast.pictures.verification import (
     COMPUTED,
     CROWD,
+    ROCK,
     ROOM,
     SUPPORT,
     Chart,
@@ -141,9 +142,33 @@ def test_a_palette_keeps_the_colours_of_thin_marks(tmp_path: Path):
     file = tmp_path / "few.png"
     draw_problem(blocks(3), [dataclasses.replace(chart(1), curves=some)], file)
     found = np.unique(np.asarray(Image.open(file).convert("RGB")).reshape(-1, 3), axis=0)
+    free = np.abs(found - [int(ROCK[k : k + 2], 16) for k in (1, 3, 5)]).sum(axis=1)
+    assert free.min() < 6
     for colour in COMPUTED:
         asked = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
         assert np.abs(found - asked).sum(axis=1).min() < 24
+
+
+def test_a_crowd_of_arrows_about_one_place_is_not_drawn():
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    builder.block(name="large", vertices=100.0 * square)
+    for k in range(CROWD + 1):
+        builder.point_load((50.0 + 0.1 * k, 50.0), (1.0, 0.0), block="large")
+    assert not figure_of(builder.build(), []).axes[0].texts
+
+
+@pytest.mark.parametrize("parts", [1, 2, 4])
+def test_a_floor_in_parts_is_drawn_whole(parts: int):
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    builder.block(vertices=square)
+    for k in range(parts):
+        part = np.add(square, (k, -1.0)) * (8.0 / parts, 1.0)
+        builder.block(vertices=part, fixed=True)
+    assert len(figure_of(builder.build(), []).axes[0].patches) == parts + 1
 
 
 @pytest.mark.parametrize(("away", "seen"), [(0.0, 2), (1.2, 2), (5.0, 1)])

@@ -41,14 +41,16 @@ KEY, LETTER, LINE = 0.5, 0.062, 0.175
 """Width of a line in a legend, width of a letter and height of a line of text, inches."""
 APART, FEW = 0.03, 40
 """Distance of the marks of a curve at least, in diagonals of the axes, and values all marked."""
-CROWD, ROOM, MANY = 12, 0.12, 100
-"""Arrows all drawn, how far apart more are, in widths of the set-up; blocks with thin lines."""
+CROWD, ROOM, LEAST, MANY = 12, 0.12, 3, 100
+"""Arrows all drawn; of more, how far apart they are, in widths of the set-up, and how many at least
+tell something; blocks with thin lines."""
 SHARE = 0.18
 """Length of the longest arrow, in widths of the set-up."""
 BAR = 0.06
 """Half of the length of a link's bar, in widths of the set-up."""
-FAR = 1.25
-"""Distance from free blocks beyond which fixed ones are left out, in widths of the free ones."""
+FAR, TOUCH = 1.25, 1e-6
+"""Distance from free blocks beyond which fixed ones are left out, and of blocks that touch, in
+widths of the free ones."""
 DOTS = 150
 """Dots per inch."""
 COLOURS = 160
@@ -142,8 +144,9 @@ def _save_small(figure: Figure, path: Path) -> None:
     buffer = BytesIO()
     figure.savefig(buffer, dpi=DOTS, format="png")
     picture = Image.open(buffer).convert("RGB")
-    # the median cut would give thin marks the grey of their neighbours
-    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    # the median cut would give thin marks the grey of their neighbours, and the largest coverage
+    # would give blocks a tinge of the marks
+    few = picture.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
 
 
@@ -257,19 +260,26 @@ def _draw_supports(axes: Axes, model: Model, reach: float) -> None:
 
 
 def _in_sight(model: Model) -> list[int]:
-    """Return the blocks of a set-up, without fixed ones that are far away and hold no bolt."""
+    """Return the blocks of a set-up, without fixed ones that are far away and hold no bolt.
+
+    What touches one that is near is near: a floor in parts is shown whole.
+    """
     low, high = (
         np.array([end(model.polygon(block), axis=0) for block in range(model.block_count)])
         for end in (np.min, np.max)
     )
-    free = ~model.fixed.astype(bool)
-    if not free.any():
+    kept = ~model.fixed.astype(bool)
+    if not kept.any():
         return list(range(model.block_count))
-    first, last = low[free].min(axis=0), high[free].max(axis=0)
-    reach = FAR * float((last - first).max())
-    near = ((low <= last + reach) & (high >= first - reach)).all(axis=1)
-    near[model.bolts.block] = True
-    return np.flatnonzero(near | free).tolist()
+    size = float((high[kept].max(axis=0) - low[kept].min(axis=0)).max())
+    reach, before = FAR * size, 0
+    kept[model.bolts.block] = True
+    while np.count_nonzero(kept) > before:
+        before = np.count_nonzero(kept)
+        first, last = low[kept].min(axis=0) - reach, high[kept].max(axis=0) + reach
+        kept |= ((low <= last) & (high >= first)).all(axis=1)
+        reach = TOUCH * size
+    return np.flatnonzero(kept).tolist()
 
 
 def _loads(model: Model) -> tuple[Floats, Floats]:
@@ -356,13 +366,15 @@ def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None
     """Draw vectors (k, 2) at (k, 2); the longest has the length given.
 
     An arrow that would run into the picture ends at its place instead of starting there.  Of many
-    arrows the longest are drawn, as far as there is room between them.
+    arrows the longest are drawn, as far as there is room between them, or none.
     """
     largest = np.hypot(*vectors.T).max(initial=0.0)
     if largest == 0.0:
         return
     if len(at) > CROWD:
         kept = _apart(at, vectors, ROOM / SHARE * length)
+        if len(kept) < LEAST:  # all about one place, as in a small hole
+            return
         at, vectors = at[kept], vectors[kept]
     arrows = vectors * length / largest
     middle = at.mean(axis=0)

@@ -110,7 +110,9 @@ def _chart(variant: Variant) -> Chart:
         return [apparent(dip, float(one), 0.0)[0] for one in off]
 
     exact = [
-        exact_curve(f"dip {dip:g}", fine, [JointPlane(dip, one, 0.0).angle() for one in fine])
+        exact_curve(
+            f"dip {dip:g} degrees", fine, [JointPlane(dip, one, 0.0).angle() for one in fine]
+        )
         for dip in DIPS
     ]
     found = np.concatenate([seen(dip, marks) for dip in DIPS])

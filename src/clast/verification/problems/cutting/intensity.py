@@ -118,7 +118,7 @@ def _chart(curves: list[Curve]) -> Chart:
     return Chart(
         title="joints on a scanline",
         x_label="direction of the scanline, degrees",
-        y_label="P10, 1/m",
+        y_label="P₁₀, 1/m",
         curves=(
             exact_curve("|cos d|/s", fine, exact_on_scanline(fine)),
             exact_curve("2 P₂₁/π", fine, np.full(len(fine), exact_anywhere())),
@@ -137,7 +137,8 @@ PROBLEM = Problem(
     title="Intensities of joint sets",
     text="In 100 m x 100 m: traces of 6 m with bridges of 2 m on lines 2 m apart, persistent "
     "joints 2 m apart on scanlines of all directions, and joints of all directions with 2 m/m2 "
-    "(Baecher's traces four times, Poisson's lines sixty times).",
+    "(Baecher's traces four times, Poisson's lines sixty times). The picture has the blocks "
+    "between such traces and a second set.",
     formula="P21 = t/((t + g) s) = 0.375 m/m2; P10 = |cos d|/s, 0.409576/m at 35 degrees; "
     "P10 = 2 P21/pi for all directions alike",
     source="stereology: the mean of |cos d| over all directions is 2/pi",

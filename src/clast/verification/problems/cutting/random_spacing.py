@@ -131,7 +131,7 @@ def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
         x_label="area a, m²",
         y_label="share of blocks that are larger",
         curves=(
-            exact_curve("z K1(z)", fine, exact_share(fine)),
+            exact_curve("z K₁(z)", fine, exact_share(fine)),
             curve(variant.name, marks, found),
         ),
         x_scale="log",

@@ -144,7 +144,7 @@ PROBLEM = Problem(
     name="invariance",
     title="The same case seen otherwise",
     text="The decelerating block (0.3 s of it) is moved by 1,000 km, turned by 37 degrees with its "
-    "gravity, numbered otherwise, and written down in mm and t.",
+    "gravity, numbered otherwise, and written down in mm and t. The picture has it turned.",
     formula="the displacement is the same",
     source="mechanics has no preferred place, direction, numbering or unit",
     set_up=lambda: written_down(VIEWS[1]),
