@@ -144,9 +144,9 @@ def _save_small(figure: Figure, path: Path) -> None:
     buffer = BytesIO()
     figure.savefig(buffer, dpi=DOTS, format="png")
     picture = Image.open(buffer).convert("RGB")
-    # the median cut would give thin marks the grey of their neighbours, and the largest coverage
-    # would give blocks a tinge of the marks
-    few = picture.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    # the median cut would give thin marks the grey of their neighbours; without the means the
+    # largest coverage would give blocks a tinge of the marks
+    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
 
 
