@@ -149,6 +149,17 @@ def test_a_palette_keeps_the_colours_of_thin_marks(tmp_path: Path):
         assert np.abs(found - asked).sum(axis=1).min() < 24
 
 
+@pytest.mark.parametrize(("height", "thin"), [(1.0, False), (0.1, True)])
+def test_outlines_of_flat_blocks_are_thin(height: float, thin: bool):
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    square = np.array([(0.0, 0.0), (6.0, 0.0), (6.0, 1.0), (0.0, 1.0)])
+    for k in range(5):
+        builder.block(vertices=np.add(square, (0.0, k)) * (1.0, height))
+    outlines = figure_of(builder.build(), []).axes[0].patches
+    assert all((one.get_linewidth() < 0.5) == thin for one in outlines)
+
+
 def test_a_crowd_of_arrows_about_one_place_is_not_drawn():
     builder = InputBuilder()
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)

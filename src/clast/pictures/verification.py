@@ -41,9 +41,11 @@ KEY, LETTER, LINE = 0.5, 0.062, 0.175
 """Width of a line in a legend, width of a letter and height of a line of text, inches."""
 APART, FEW = 0.03, 40
 """Distance of the marks of a curve at least, in diagonals of the axes, and values all marked."""
-CROWD, ROOM, LEAST, MANY = 12, 0.12, 3, 100
+CROWD, ROOM, LEAST = 12, 0.12, 3
 """Arrows all drawn; of more, how far apart they are, in widths of the set-up, and how many at least
-tell something; blocks with thin lines."""
+tell something."""
+MANY, FLAT = 100, 5.0
+"""Blocks with thin lines: so many, or as flat as this, points."""
 SHARE = 0.18
 """Length of the longest arrow, in widths of the set-up."""
 BAR = 0.06
@@ -196,6 +198,10 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     from matplotlib.patches import Polygon
 
     drawn = _in_sight(model)
+    corners = np.concatenate([model.polygon(block) for block in drawn])
+    width, height = np.ptp(corners, axis=0)
+    size = float(max(width, height))
+    line = _outline_width(model, drawn, size)
     for block in drawn:
         fixed = bool(model.fixed[block])
         patch = Polygon(
@@ -203,7 +209,7 @@ def draw_set_up(axes: Axes, model: Model) -> None:
             closed=True,
             fc=FIXED if fixed else ROCK,
             ec=OUTLINE,
-            lw=0.8 if model.block_count < MANY else 0.3,
+            lw=line,
             hatch="///" if fixed else None,
         )
         axes.add_patch(patch)
@@ -211,9 +217,6 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     if len(held):
         # without a point an artist that is not clipped would ask for room at the edge of the figure
         axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=6, clip_on=False)
-    corners = np.concatenate([model.polygon(block) for block in drawn])
-    width, height = np.ptp(corners, axis=0)
-    size = float(max(width, height))
     _draw_arrows(axes, *_loads(model), SHARE * size)
     _draw_arrows(axes, *_velocities(model), SHARE * size)
     _draw_spins(axes, model)
@@ -232,6 +235,13 @@ def draw_set_up(axes: Axes, model: Model) -> None:
         axes.set_yticks([])  # no room for numbers
     if width < 0.4 * height:
         axes.set_xticks([])
+
+
+def _outline_width(model: Model, drawn: Sequence[int], size: float) -> float:
+    """Return the width of outlines, points: less where blocks are many, or flat in the picture."""
+    flat = [float(np.ptp(model.polygon(block), axis=0).min()) for block in drawn]
+    points = 72.0 * SET_UP / size
+    return 0.8 if model.block_count < MANY and np.median(flat) * points > FLAT else 0.3
 
 
 def _draw_water(axes: Axes, model: Model, low: float, high: float) -> None:
