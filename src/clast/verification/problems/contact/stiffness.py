@@ -123,7 +123,8 @@ PROBLEM = Problem(
     text="The block on the incline at 20 degrees with normal stiffnesses from 10 MPa to 1 TPa, "
     "0.2 s from rest, and a block of 1 m x 1 m dropped by 0.1 mm; h = 1 ms. On the incline "
     "p h2/m = 1 is at p = 6.1 GPa.",
-    formula="way as in the incline problem; penetration N/(2p); a dropped block comes to rest",
+    formula="displacement as in the incline problem; penetration N/(2p); a dropped block comes to "
+    "rest",
     source="Newton's law; the paper's Section 3 has the study",
     set_up=incline,
     examine=examine,

@@ -92,7 +92,7 @@ def examine(variant: Variant) -> Outcome:
         x_label="displacement, mm",
         y_label="load, kN/m",
         curves=(
-            exact_curve("8 Mₚ/L", np.array([0.0, 11.5]), np.full(2, 1e-3 * COLLAPSE)),
+            exact_curve("4 Mₚ/l", np.array([0.0, 11.5]), np.full(2, 1e-3 * COLLAPSE)),
             curve(
                 variant.name,
                 1e3 * SPEED * np.maximum(press.time[1::4] - 0.05, 0.0),

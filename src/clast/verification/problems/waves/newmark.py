@@ -4,7 +4,7 @@ A block on a plane that dips by a, with the friction angle phi > a, slides down 
 accelerates into the slope by more than the yield acceleration g tan(phi - a), and goes on until it
 has stopped relative to the ground:
 
-    way'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)),      way' >= 0.
+    slip'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)),      slip' >= 0.
 
 The ground moves as 0.5 g sin(2 pi t).  The ground itself moves, or, seen from the ground, the block
 under the body force -rho a_ground.
@@ -166,7 +166,7 @@ PROBLEM = Problem(
     text="A block of 1 m x 0.5 m on a slope of 20 degrees with a friction angle of 30 degrees; the "
     "ground accelerates by 0.5 g sin(2 pi t), g = 9.81 m/s2, for two cycles of 1 s, as the motion "
     "of the slope's fixed points and as a body force. p = 0.1 GPa, h = 2 ms.",
-    formula="way'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)) while it slides: from "
+    formula="slip'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)) while it slides: from "
     "0.05736 to 0.67770 s, 0.31361979 m a cycle",
     source="Newmark (1965); integrated in closed form",
     set_up=shaken_slope,
