@@ -82,6 +82,25 @@ def test_numbers_of_an_axis_do_not_meet(set_up: Any):
         assert all(a.x1 < b.x0 for a, b in pairwise(labels))
 
 
+@pytest.mark.parametrize("flat", [0.15, 0.17, 0.2, 0.25, 0.3, 0.5, 1.0, 3.0])
+@pytest.mark.parametrize("low", [0.0, -0.5])
+def test_numbers_above_each_other_do_not_meet(flat: float, low: float):
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    corners = np.array([(0.0, low), (1.0, low), (1.0, 1.0 + low), (0.0, 1.0 + low)])
+    builder.block(vertices=corners * (6.2, 6.2 * flat))
+    figure = figure_of(builder.build(), [chart(3)])
+    figure.canvas.draw()
+    axis = figure.axes[0].yaxis
+    low, high = axis.get_view_interval()
+    labels = [
+        one.get_window_extent()
+        for place, one in zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=True)
+        if low <= place <= high
+    ]
+    assert labels and all(a.y1 <= b.y0 for a, b in pairwise(labels))
+
+
 def test_of_many_arrows_and_marks_some_are_drawn():
     few, many = (figure_of(blocks(count), []).axes[0] for count in (3, 150))
     assert len(few.texts) == 3

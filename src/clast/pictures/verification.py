@@ -228,7 +228,8 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.autoscale_view()
     # numbers beside each other take more room than above each other
     axes.locator_params(axis="x", nbins=max(1, min(3, round(3 * width / height))))
-    axes.locator_params(axis="y", nbins=max(1, min(6, round(6 * height / width))))
+    upright = max(1, min(6, int(6 * height / width)))
+    axes.locator_params(axis="y", nbins=upright, min_n_ticks=min(2, upright))
     axes.set_title("set-up (m)", fontsize=TEXT_SIZE, color=INK)
     style(axes)
     if height < 0.1 * width:
