@@ -79,9 +79,9 @@ def examine(periods: int, variant: Variant) -> Outcome:
     ):
         history = moved(down, tilt, (periods + 0.4) * exact, variant)
         if name == "heave":
-            value, unit = DOWN - history.displacement[:, 1], "m"
+            value, label = DOWN - history.displacement[:, 1], "heave down, m"
         else:
-            value, unit = TILT + history.rotation, "rad"
+            value, label = TILT + history.rotation, "roll, rad"
         period, left = swings(history.time, value)
         rows.append(relative(f"period of {name}", "s", period, exact, 2e-3, OF_STEP))
         quantity = f"{name}, amplitude after {periods} periods by that of the first"
@@ -90,7 +90,7 @@ def examine(periods: int, variant: Variant) -> Outcome:
             Chart(
                 title=name,
                 x_label="time, s",
-                y_label=f"{name}, {unit}",
+                y_label=label,
                 curves=(
                     exact_curve(
                         "cosine",
