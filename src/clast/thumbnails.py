@@ -118,7 +118,9 @@ def curves(x: NDArray[Any], lines: Mapping[str, NDArray[Any]]) -> str:
 
     ``lines`` has name -> values (t,); the ends of the axes stand beside them.
     """
-    every = np.concatenate([np.asarray(line, np.float64) for line in lines.values()] or [[]])
+    every = np.concatenate(
+        [np.asarray(line, np.float64) for line in lines.values()] or [np.zeros(0)]
+    )
     sound = every[np.isfinite(every)]
     if len(x) < 2 or not len(sound):
         return ""

@@ -167,7 +167,7 @@ def resultants_of(contacts: FrameContacts) -> Resultants:
     weight = np.hypot(*force.T)
 
     def summed(values: Floats) -> Floats:
-        return np.bincount(face, values, len(first))
+        return np.asarray(np.bincount(face, values, len(first)), np.float64)
 
     total = np.maximum(summed(weight), 1e-300)
     at = np.stack([summed(weight * x) / total for x in contacts.position.T], axis=1)
