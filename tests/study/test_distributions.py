@@ -94,6 +94,8 @@ def test_a_discrete_value_has_its_share() -> None:
         ("triangular(1, 5, 4)", "mode outside"),
         ("beta(0, 1)", "not positive"),
         ("discrete([])", "has 0 values"),
+        ("[]", "has 0 values"),
+        ("[[20], [30]]", r"has \[20\] among its values"),
         ("discrete([1, 2], [0.5])", "1 probabilities for 2"),
         ("discrete([1, 2], [0.5, 0.6])", "sum up to 1.1"),
         ("range(1, 2, 1)", "no count"),

@@ -85,7 +85,7 @@ def test_point_estimates_have_the_moments_of_what_they_stand_for() -> None:
     ("sampling", "count", "what"),
     [
         (LatinHypercube(1, replicates=7), 100, "cannot be divided"),
-        (LatinHypercube(1, replicates=0), 100, "cannot be divided"),
+        (LatinHypercube(1, replicates=0), 100, "not a valid number of replicates"),
         (Sobol(1), 100, "not a power of two"),
         (PointEstimate(), 1, "combinations"),
     ],

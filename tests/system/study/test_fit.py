@@ -103,6 +103,9 @@ def test_what_observations_do_not_tell_apart_is_said(case, tmp_path):
     [
         ("", "lacks the columns"),
         ("point,z\nA,1", "a column 'z'"),
+        ("point;x;y\nA;1;2", "semicolons"),
+        ("point,x,x\nA,1,2", "the column 'x' twice"),
+        ("point,x\nA,1e300", "not a valid x"),
         ("point,x\nB,1", "no measured point 'B'"),
         ("point,x\nA,one", "'one' is not a valid x"),
         ("point,x\nA,nan", "'nan' is not a valid x"),
@@ -118,6 +121,13 @@ def test_tables_that_are_none_are_refused(tmp_path, text, what):
     with pytest.raises(CaseError, match=what) as refused:
         read_observations(tmp_path / "moved.csv", ["A"])
     assert "moved.csv" in refused.value.where
+
+
+def test_a_table_of_a_spreadsheet_is_read(tmp_path):
+    """It has a byte order mark, and lines of its own."""
+    (tmp_path / "moved.csv").write_bytes("\ufeffpoint,x\r\nA,0.25\r\n".encode())
+    (found,) = read_observations(tmp_path / "moved.csv", ["A"])
+    assert (found.point, found.part, found.value) == ("A", 0, 0.25)
 
 
 def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):

@@ -17,6 +17,8 @@ from clast.inputs.declaring import text as case_text
 
 COLUMNS = ("point", "time", "x", "y", "sd")
 """Columns of a table of observations; time and sd may be missing or empty, x or y empty."""
+LARGEST = 1e9
+"""Largest number of a table, m or s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,9 +70,22 @@ def of_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[Observation, ...]:
 def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:
     """Return the observations of a table (CSV); raises CaseError naming row and column."""
     text = case_text.read_text(path, "name a table with the columns point, x, y")
-    reader = csv.DictReader(text.splitlines())
+    # spreadsheets put a byte order mark before the first column
+    reader = csv.DictReader(text.removeprefix("\ufeff").splitlines())
     heads = [head.strip() for head in reader.fieldnames or ()]
     for head in heads:
+        if ";" in head:
+            raise CaseError(
+                "has semicolons between its columns",
+                where=str(path),
+                remedy="put commas between columns, and points into numbers",
+            )
+        if heads.count(head) > 1:
+            raise CaseError(
+                f"has the column '{shortened(head)}' twice",
+                where=str(path),
+                remedy="keep one of them",
+            )
         if head not in COLUMNS:
             remedy = spelling.advice(head, COLUMNS, kind="column")
             raise CaseError(f"has a column '{shortened(head)}'", where=str(path), remedy=remedy)
@@ -112,7 +127,7 @@ def _number(text: str, where: str, column: str) -> float | None:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
+    if not abs(value) <= LARGEST:
         remedy = "write a number, or leave it empty"
         raise CaseError(f"'{shortened(text)}' is not a valid {column}", where=where, remedy=remedy)
     return value

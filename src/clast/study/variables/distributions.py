@@ -437,7 +437,8 @@ def _check_list(one: Distribution, values: Any) -> None:
         raise _bad(one, f"has {len(values)} values", "give 1 to 1,000,000 of them")
     for value in values:
         if not isinstance(value, str | bool) and not _is_number(value):
-            raise _bad(one, f"has {shortened(repr(value))}", "give numbers or texts")
+            what = f"has {shortened(repr(value))} among its values"
+            raise _bad(one, what, "give numbers or texts")
 
 
 def _within(value: float, low: float | None, high: float | None) -> float:

@@ -99,7 +99,13 @@ class LatinHypercube(Sampling):
 
     def checked(self, count: int, parameters: int) -> int:
         """Return the number of runs; raises CaseError where replicates do not divide it."""
-        if not 1 <= self.replicates <= count or count % self.replicates:
+        if self.replicates < 1:
+            raise CaseError(
+                f"{self.replicates} is not a valid number of replicates",
+                where="replicates",
+                remedy="give a whole number from 1 on; intervals need 2",
+            )
+        if self.replicates > count or count % self.replicates:
             raise CaseError(
                 f"{count} runs cannot be divided among {self.replicates} Latin hypercubes",
                 where="replicates",

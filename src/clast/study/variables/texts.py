@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields
 from typing import Any
 
@@ -58,7 +59,7 @@ def _made(tree: ast.expr, where: str, remedy: str) -> Distribution:
     """Return the value of an expression."""
     if not isinstance(tree, ast.Call):
         value = _plain(tree, where)
-        return Values(value if isinstance(value, list) else [value])
+        return _of_kind(Values, {"values": value if isinstance(value, list) else [value]}, where)
     word = tree.func.id if isinstance(tree.func, ast.Name) else ""
     if word not in KINDS:
         said = spelling.advice(word, KINDS, kind="distribution")
@@ -83,6 +84,11 @@ def _made(tree: ast.expr, where: str, remedy: str) -> Distribution:
         name: _made(one, where, remedy) if name == "factor" else _plain(one, where)
         for name, one in given.items()
     }
+    return _of_kind(kind, values, where)
+
+
+def _of_kind(kind: type[Any], values: Mapping[str, Any], where: str) -> Any:
+    """Return a distribution of a kind; its errors name the place of its text."""
     try:
         return kind(**values)
     except CaseError as error:
