@@ -143,3 +143,14 @@ def test_a_file_of_the_case_that_was_edited_is_refused(tmp_path):
     copied.write_text(table.replace("1,1", "1,2"))
     with pytest.raises(CaseError, match="or a file beside it"):
         _ = StudyFolder.opened(again.path).base
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path, monkeypatch):
+    folder = made(tmp_path / "out")
+
+    def locked(self, mode="r", *given, **named):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", locked)
+    with pytest.raises(CaseError, match="cannot be written: Permission denied"), folder.driven():
+        pass

@@ -136,8 +136,19 @@ class StudyFolder:
 
     @contextmanager
     def driven(self) -> Iterator[None]:
-        """Keep other drivers out in the block; raises CaseError where one is at work."""
-        with (self.path / STUDY).open("r+b") as file:
+        """Keep other drivers out in the block.
+
+        Raises CaseError where one is at work, and where the folder cannot be written.
+        """
+        try:
+            opened = (self.path / STUDY).open("r+b")
+        except OSError as error:
+            raise CaseError(
+                f"cannot be written: {error.strerror}",
+                where=str(self.path),
+                remedy="change its permissions, or continue a copy of it",
+            ) from None
+        with opened as file:
             if not locks.claim(file):
                 raise CaseError(
                     "is in use by another clast study",
