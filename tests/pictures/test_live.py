@@ -9,6 +9,7 @@ import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -250,6 +251,31 @@ def test_a_page_pauses_steps_and_lets_the_run_go_on(tmp_path):
         # the run is the same to the bit; the steps that were asked for are frames beside the others
         assert (run.vertices(-1) == plain.vertices(-1)).all()
         assert set(plain.times) < set(run.times) and len(run.times) == len(plain.times) + 3
+
+
+def test_a_pause_and_the_end_say_where_the_run_is(tmp_path):
+    page = LivePage(tmp_path / "run.vtkhdf")
+    try:
+        told = []
+        page._tell = lambda: told.append(page._where["steps"])
+        places = [
+            Progress(time=1e-3 * k, end=1.0, step=1e-3, steps=k, contacts=4, penetration=0.0)
+            for k in range(10)
+        ]
+        halt = SimpleNamespace(keep_frame=lambda: None, let_go=lambda: page._order("go"))
+        for place in places[:6]:  # within a moment: all but the first are not told
+            page(place)
+        page._order("pause")
+        halt.where = lambda: places[5]
+        page.lead(halt)
+        assert told[-1] == 5
+        for place in places[6:]:
+            page(place)
+        assert told[-1] == 5
+        page.over()
+        assert told[-1] == 9
+    finally:
+        page.close()
 
 
 def test_a_page_has_a_checkpoint_written_that_the_run_goes_on_from(tmp_path):

@@ -58,6 +58,7 @@ class LivePage:
         self._told = 0.0
         self._where: dict[str, Any] = {}
         self._said = ""
+        self._last: Progress | None = None
         self._process = subprocess.Popen(
             [sys.executable, "-m", "clast.pictures.live", str(Path(output).resolve()), at],
             stdin=subprocess.PIPE,
@@ -92,6 +93,7 @@ class LivePage:
         """Say where the run is, a few times a second."""
         if self.line is not None:
             self.line(progress)
+        self._last = progress
         now = perf_counter()
         if now - self._told < TELL_EVERY and not self._paused:
             return
@@ -112,6 +114,7 @@ class LivePage:
             self._asked = not self._orders.empty()
             return
         halt.keep_frame()
+        self._where = _where(halt.where())  # steps since it was told last are many
         self._tell()
         while self._paused and not self._steps:
             halt.let_go()
@@ -163,7 +166,10 @@ class LivePage:
     # --- the end -----------------------------------------------------------------------------
 
     def over(self) -> None:
-        """Say that the run is over; the page stays as long as somebody looks at it."""
+        """Say that the run is over, and where; the page stays as long as somebody looks at it."""
+        if self._last is not None:
+            self._where = _where(self._last)
+            self._tell()
         with suppress(OSError):
             self._pipe.close()
 
