@@ -305,6 +305,23 @@ def test_a_chart_says_its_values_at_once_and_nothing_lies_on_its_legend(opened, 
     assert page.faults == []
 
 
+def test_the_legend_tells_what_lies_beyond_the_scale(opened, wall):
+    results = wall(4, 5)
+    page = opened(results, address="#field=velocity")
+    assert "above" not in page.inner_text("[data-part=legend]")
+    speed = np.hypot(*results.field("velocity", -1)[~results.fixed].T)
+    low, high = 0.4 * speed.max(), 0.6 * speed.max()
+    page.fill("[data-part=low]", str(low))
+    page.fill("[data-part=high]", str(high))
+    page.press("[data-part=high]", "Enter")
+    settled(page)
+    text = page.inner_text("[data-part=legend]")
+    assert "above, to " in text and ("below, to " in text) == bool((speed < low).any())
+    found = number(text.split("above, to ")[1].split("/s")[0])
+    assert found == pytest.approx(speed.max(), rel=5e-3)
+    assert page.faults == []
+
+
 def test_fields_without_a_scale_offer_none(opened, parted):
     page = opened(parted, address="#field=none")
     assert not page.is_visible("[data-part=share]") and not page.is_visible("[data-part=low]")

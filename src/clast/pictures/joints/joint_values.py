@@ -167,7 +167,8 @@ def resultants_of(contacts: FrameContacts) -> Resultants:
     weight = np.hypot(*force.T)
 
     def summed(values: Floats) -> Floats:
-        return np.asarray(np.bincount(face, values, len(first)), np.float64)
+        sums: Floats = np.bincount(face, values, len(first)).astype(np.float64)
+        return sums
 
     total = np.maximum(summed(weight), 1e-300)
     at = np.stack([summed(weight * x) / total for x in contacts.position.T], axis=1)

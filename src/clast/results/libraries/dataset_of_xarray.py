@@ -66,16 +66,18 @@ def _add_table(
     parts = [recording.table(table.name, name).rows for name in names or (None,)]
     clock = f"{rows}_time"
     coordinates.setdefault(clock, (rows, parts[0]["time"], {"units": "s"}))
-    things = [] if table.of is None else [table.of.name]
+    things: tuple[str, ...] = ()
     if table.of is not None:
+        things = (table.of.name,)
         coordinates[table.of.name] = list(names)
     for column in table.columns:
         # points and blocks both have a displacement
         name = f"{things[0] if things else table.name}_{column.name}"
         values = np.stack([part[column.name] for part in parts], axis=1)
         values = values if things else values[:, 0]
-        component = [COMPONENTS[column.parts]] if column.parts else []
+        component: tuple[str, ...] = ()
         if column.parts:
+            component = (COMPONENTS[column.parts],)
             coordinates.setdefault(component[0], list(column.parts))
         variables[name] = (rows, *things, *component), values, _about(name, column)
 

@@ -1,6 +1,6 @@
 // What has colours in a frame: blocks by a field, or the joints between them.
 
-import { FIXED, PLAIN, Scale, endsOf, kindColour } from "./colours.js";
+import { FIXED, PLAIN, SLACK, Scale, endsOf, kindColour } from "./colours.js";
 
 /** Fields that tell kinds apart. */
 export const KINDS = { rock: "Rock", block: "Blocks", none: "Nothing" };
@@ -32,8 +32,9 @@ export function coloursOf(run, state) {
   if (!(field in run.scene.labels)) return [plain(run), run.hasFaces(field) ? scaleOfFaces(run, state) : null];
   const values = run.values(field, frame);
   const counted = (_, block) => !run.fixed[block] && !run.isGone(frame, block);
-  const [low, high] = limits ?? endsOf(values.filter(counted), run.area.filter(counted), state.share);
-  const scale = new Scale(run.scene.colours, low, high);
+  const own = values.filter(counted);
+  const [low, high] = limits ?? endsOf(own, run.area.filter(counted), state.share);
+  const scale = new Scale(run.scene.colours, low, high).holds(own, limits ? SLACK.limits : SLACK.ends);
   return [Array.from(values, (value, block) => (run.fixed[block] ? FIXED : scale.colour(value))), scale];
 }
 
@@ -47,7 +48,7 @@ export function scaleOfFaces(run, { field, frame, share, limits }) {
   const least = 0.1 * lengths.reduce((most, one) => Math.max(most, one), 0) + 1e-12;
   const weights = Float32Array.from(lengths, (length) => Math.max(length, least));
   const [low, high] = limits ?? endsOf(Float32Array.from(values), weights, share);
-  return new Scale(run.scene.colours, low, high);
+  return new Scale(run.scene.colours, low, high).holds(values, limits ? SLACK.limits : SLACK.ends);
 }
 
 function ofKinds(run, kindOf) {

@@ -61,12 +61,24 @@ export class Scale {
   constructor(colours, low, high) {
     this.low = low;
     this.high = high;
+    /** What lies beyond, by colour, value that is furthest away, and word. */
+    this.beyond = [];
     const kind = low >= 0 ? "rising" : high <= 0 ? "falling" : "both";
     this.colours = colours[kind];
     [this.under, this.over] = colours.beyond[kind];
     // a scale on both sides is drawn about zero: its colours are those of the larger side
     const half = Math.max(-low, high);
     [this.first, this.last] = kind === "both" ? [-half, half] : [low, high];
+  }
+
+  /** Take note of the values of a frame: how far they go beyond the scale, by more than a ``slack``. */
+  holds(values, slack) {
+    const [least, most] = values.reduce(([a, b], one) => [Math.min(a, one), Math.max(b, one)], [Infinity, -Infinity]);
+    const room = slack * (this.high - this.low);
+    this.beyond = [];
+    if (least < this.low - room) this.beyond.push({ colour: this.under, value: least, word: "below" });
+    if (most > this.high + room) this.beyond.push({ colour: this.over, value: most, word: "above" });
+    return this;
   }
 
   /** Return a value's colour. */
@@ -82,6 +94,9 @@ export class Scale {
     return Math.min(1, Math.abs(value) / Math.max(-this.low, this.high));
   }
 }
+
+/** Values beyond a scale by less than this share are not told, as in still pictures: see scale.py. */
+export const SLACK = { limits: 1e-9, ends: 0.02 };
 
 const PREFIXES = { "-3": "n", "-2": "µ", "-1": "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T" };
 

@@ -14,8 +14,11 @@ const LINE = 20;
  * @param {any} seen run, state, theme and scale of a drawing
  */
 export function entriesOf(seen) {
-  const { run, state } = seen;
+  const { run, state, scale } = seen;
   const entries = [];
+  for (const { colour, value, word } of scale?.beyond ?? []) {
+    entries.push({ fill: colour, text: `${word}, to ${withUnit(value, labelOf(run, state.field)[1], 3)}` });
+  }
   if (state.field === "rock") {
     run.scene.rocks.forEach((rock, k) => entries.push({ fill: kindColour(k), text: rock }));
   }
