@@ -264,6 +264,28 @@ def test_a_name_at_the_right_edge_stands_on_the_left(opened, parted, tmp_path, r
     assert page.faults == []
 
 
+@pytest.mark.parametrize(("share", "anchor"), [(0.3, "start"), (0.7, "end")])
+def test_a_long_name_is_cut_where_the_drawing_ends(opened, parted, tmp_path, share, anchor):
+    page = opened(parted, address="#layers=points")
+    page.evaluate(
+        """(share) => {
+          const { view, run, state } = clastPage;
+          run.points[0].name = "name ".repeat(60);
+          view.x = run.points[0].x[state.frame] + ((0.5 - share) * view.width) / view.scale;
+        }""",
+        share,
+    )
+    with page.expect_download() as taken:
+        page.click("[data-part=svg]")
+    taken.value.save_as(tmp_path / "taken.svg")
+    texts = ElementTree.parse(tmp_path / "taken.svg").iter("{http://www.w3.org/2000/svg}text")
+    (name,) = [one for one in texts if one.text.startswith("name name")]
+    assert name.get("text-anchor") == anchor and name.text.endswith("…")
+    width = page.evaluate("clastPage.view.width")
+    assert 0.5 * width < 7 * len(name.text) <= 0.7 * width
+    assert page.faults == []
+
+
 def test_the_legend_of_a_chart_has_the_values_of_the_frame(opened, parted):
     page = opened(parted)
     moved = parted.history("A").displacement

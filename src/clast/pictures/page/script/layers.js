@@ -360,10 +360,14 @@ function drawPoints(pen, { run, view, frame, theme }) {
   run.points.forEach(({ name, x: xs, y: ys }) => {
     const [x, y] = [xs[frame], ys[frame]];
     pen.circle(view.screenX(x), view.screenY(y), 4, theme.paper, theme.ink);
-    // where there is no room on its right a name stands on its left
+    // where there is no room on its right a name stands on its left, cut where there is none either
     const right = view.screenX(x) + 8;
-    const [at, anchor] = right + LETTER * name.length < view.width ? [right, "start"] : [right - 16, "end"];
-    pen.text(at, view.screenY(y) - 8, name, theme.ink, theme.paper, anchor);
+    const [before, behind] = [(right - 16) / LETTER, (view.width - right) / LETTER];
+    const fits = name.length < behind || behind >= before;
+    const [at, anchor] = fits ? [right, "start"] : [right - 16, "end"];
+    const room = Math.max(6, Math.floor(fits ? behind : before));
+    const text = name.length > room ? `${Array.from(name).slice(0, room - 1).join("")}…` : name;
+    pen.text(at, view.screenY(y) - 8, text, theme.ink, theme.paper, anchor);
   });
 }
 
