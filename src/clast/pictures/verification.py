@@ -285,8 +285,8 @@ def _in_sight(model: Model) -> list[int]:
     size = float((high[kept].max(axis=0) - low[kept].min(axis=0)).max())
     reach, before = FAR * size, 0
     kept[model.bolts.block] = True
-    while int(kept.sum()) > before:
-        before = int(kept.sum())
+    while np.count_nonzero(kept) > before:
+        before = int(np.count_nonzero(kept))
         first, last = low[kept].min(axis=0) - reach, high[kept].max(axis=0) + reach
         kept |= ((low <= last) & (high >= first)).all(axis=1)
         reach = TOUCH * size
