@@ -39,17 +39,21 @@ def test_slip_is_drawn_along_the_faces(parted):
 
 
 def test_a_joint_that_slides_mobilises_its_friction(parted, tmp_path):
-    slip, mobilised, sliding = (
-        JOINT_FIELDS[name].faces(parted, -1) for name in ("slip", "mobilised", "sliding")
+    slip, mobilised, sliding, utilised = (
+        JOINT_FIELDS[name].faces(parted, -1)
+        for name in ("slip", "mobilised", "sliding", "utilisation")
     )
     still, slid = np.argsort(np.abs(slip.value))
     assert mobilised.value[slid] == pytest.approx(20.0, abs=0.01)
     assert mobilised.value[still] < 10.0
     assert sliding.value[slid] == pytest.approx(100.0)
     assert sliding.value[still] == 0.0
-    for field in ("mobilised", "sliding"):
+    assert utilised.value[slid] == pytest.approx(100.0)
+    tangents = np.tan(np.radians([mobilised.value[still], 20.0]))
+    assert utilised.value[still] == pytest.approx(100.0 * tangents[0] / tangents[1])
+    for field in ("mobilised", "sliding", "utilisation"):
         picture = plot_results(parted, tmp_path / f"{field}.svg", field=field)
-        unit = {"mobilised": "(°)", "sliding": "(%)"}[field]
+        unit = {"mobilised": "(°)", "sliding": "(%)", "utilisation": "(%)"}[field]
         assert unit in picture.read_text("utf-8")
     # at the start nothing touches
     assert len(JOINT_FIELDS["mobilised"].faces(parted, 0).value) == 0

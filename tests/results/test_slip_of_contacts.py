@@ -6,7 +6,7 @@ from numpy.lib.recfunctions import drop_fields
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.joints.joint_values import faces_worn
+from clast.pictures.joints.joint_values import JOINT_FIELDS, faces_worn
 from clast.results import read_results
 from clast.results.result_tables import FrameContacts
 
@@ -73,10 +73,52 @@ def test_strength_is_lost_with_the_slide(tmp_path, keys, lost):
     assert value == pytest.approx(100.0 * share, rel=2e-3)
 
 
+@pytest.mark.parametrize("law", ["penalty", "augmented-lagrangian"])
+@pytest.mark.parametrize("process", ["convex", "modified", "open-close"])
+def test_what_slides_carries_its_strength(tmp_path, process, law):
+    """|T| = N tan(phi) + c L where it slides; below that N tan(alpha) on a plane of alpha."""
+    method = {"process": process, "contact_law": {"name": law, "normal_stiffness": 5e8}}
+    for joint, cohesion in (({}, 0.0), ({"cohesion": 100.0}, 100.0)):
+        run = pushed(tmp_path, joint=joint, **method)
+        contacts = run.contacts(-1)
+        slides = contacts.mode == 1
+        assert slides.any()
+        size = np.abs(contacts.shear_force)
+        assert size[slides] == pytest.approx(contacts.strength[slides], rel=1e-9)
+        assert (size <= contacts.strength * (1.0 + 1e-9)).all()
+        # the brick is 1 m long; the modified process bounds friction by the N of the solve before
+        whole = contacts.normal_force.sum() * np.tan(np.radians(20.0)) + cohesion
+        lagged = process == "modified" and law == "augmented-lagrangian"
+        assert contacts.strength.sum() == pytest.approx(whole, rel=0.06 if lagged else 1e-3)
+    file = read_results(tmp_path / "a.vtkhdf").contacts(-1)
+    assert np.array_equal(file.strength, contacts.strength)
+
+
+def test_what_rests_uses_a_share_of_its_strength():
+    """A block on a plane of 20 degrees: (W sin(alpha))/(W cos(alpha) tan(phi) + c L)."""
+    alpha, phi, cohesion = np.radians(20.0), np.radians(30.0), 2e3
+    builder = clast.ModelBuilder(gravity=(-9.8 * np.sin(alpha), -9.8 * np.cos(alpha)))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0, cohesion=cohesion)
+    builder.block(name="plane", vertices=[(-4, -1), (4, -1), (4, 0), (-4, 0)], fixed=True)
+    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 0.2), (0, 0.2)])
+    run = clast.simulate(builder.build(), step=2e-3, end=0.5, dynamic_ratio=0.0)
+    contacts, weight = run.contacts(-1), 2500.0 * 9.8 * 0.2
+    strength = weight * np.cos(alpha) * np.tan(phi) + cohesion
+    assert contacts.strength.sum() == pytest.approx(strength, rel=1e-6)
+    (face,) = JOINT_FIELDS["utilisation"].faces(run, -1).value
+    assert face == pytest.approx(100.0 * weight * np.sin(alpha) / strength, rel=1e-4)
+
+
 def test_older_results_do_not_have_it(tmp_path):
     contacts = pushed(tmp_path).contacts(-1)
-    older = FrameContacts(drop_fields(contacts.rows, ["opening", "slip"]), np.array([0, 4, 8]))
-    for name in ("opening", "slip"):
-        with pytest.raises(CaseError, match="without opening and slip of contacts"):
+    dropped = ["opening", "slip", "strength"]
+    older = FrameContacts(drop_fields(contacts.rows, dropped), np.array([0, 4, 8]))
+    for name, what in (
+        ("opening", "opening and slip of contacts"),
+        ("slip", "opening and slip of contacts"),
+        ("strength", "shear strengths of contacts"),
+    ):
+        with pytest.raises(CaseError, match=f"without {what}"):
             getattr(older, name)
     assert len(older.normal_force)

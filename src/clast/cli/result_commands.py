@@ -111,7 +111,7 @@ ColourField = Annotated[
     typer.Option(
         help="Colour of the blocks: displacement, velocity (_x, _y), rotation, sigma_xx, _yy, _xy, "
         "_1, _3, max_shear, rock, block, none; joint: that of edges; slip, opening, mobilised, "
-        "sliding, worn: state of the joints."
+        "sliding, utilisation (shear over strength), worn: state of the joints."
     ),
 ]
 ContactArrows = Annotated[bool, typer.Option(help="Draw contact forces as arrows.")]

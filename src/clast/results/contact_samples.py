@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from clast.contact.contacts import Contacts
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.coulomb import largest_forces
 from clast.contact.joints.weakening import strength_lost
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State, contact_keys
@@ -82,6 +83,13 @@ def opening_and_slip(
     gap = contacts.gap + contacts.rest_gap
     opening, slip = _kept(model, state, contacts, rows, {"gap": gap, "slip": contacts.slip})
     return opening, slip
+
+
+def shear_strengths(contacts: Contacts, response: ContactResponse, rows: Ints) -> Floats:
+    """Return N tan(phi) + c L of some contacts in the step, N/m, (k,): what sliding ones carry."""
+    given = ~np.isnan(contacts.friction_base)
+    normal = np.where(given, contacts.friction_base, response.normal_force)
+    return largest_forces(contacts, normal)[1][rows]
 
 
 def worn(model: Model, state: State, result: tuple[Contacts, Bools], rows: Ints) -> Floats:

@@ -23,6 +23,7 @@ from clast.results.contact_samples import (
     contact_rows,
     opening_and_slip,
     places_of,
+    shear_strengths,
     worn,
 )
 from clast.results.frames import VERTICES
@@ -80,6 +81,7 @@ class FrameFields:
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
         rows["opening"], rows["slip"] = opening_and_slip(self._model, state, contacts, loaded)
+        rows["strength"] = shear_strengths(contacts, response, loaded)
         rows["worn"] = worn(self._model, state, (contacts, response.bonded), loaded)
         return rows
 

@@ -28,6 +28,7 @@ from clast.results.schema import (
     LINING_TABLE,
     PLANE,
     SLIP,
+    STRENGTH,
     TABLES,
     TENSOR,
     WORN,
@@ -467,7 +468,7 @@ class FrameContacts(Columns):
     """The contacts of one frame that carry a force, a row each; m rows.
 
     Columns: position_x, position_y, normal_x, normal_y, normal_force, shear_force, vertex, edge,
-    mode, joint, opening, slip, worn, vertex_block, edge_block.
+    mode, joint, opening, slip, worn, strength, vertex_block, edge_block.
     """
 
     def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
@@ -544,6 +545,14 @@ class FrameContacts(Columns):
         Raises CaseError as ``opening`` does.
         """
         return self._since("worn", WORN)
+
+    @property
+    def strength(self) -> Floats:
+        """Shear strength N tan(phi) + c L in the last step, N/m, shape (m,).
+
+        Raises CaseError as ``opening`` does.
+        """
+        return self._since("strength", STRENGTH)
 
     def _since(self, name: str, what: str) -> Floats:
         if name not in self:

@@ -49,6 +49,7 @@ POLYGON = 7
 """VTK's number for a polygonal cell."""
 SLIP = "opening and slip of contacts"
 WORN = "the strength that contacts have lost"
+STRENGTH = "shear strengths of contacts"
 CHUNK_BYTES = 2048
 """Bytes that small things share a chunk of the file with."""
 CHUNK_ROWS = 512
@@ -407,6 +408,12 @@ CONTACTS = TableSchema(
             name="worn",
             meaning="share of the strength lost: 0 at the peak, 1 at the residual one",
             since=WORN,
+        ),
+        Column(
+            name="strength",
+            unit="N/m",
+            meaning="shear strength N tan(phi) + c L, which sliding contacts carry",
+            since=STRENGTH,
         ),
     ),
 )

@@ -110,6 +110,17 @@ def faces_sliding(results: Recording, frame: int) -> Faces:
     return replace(faces, value=100.0 * sums[0] / np.maximum(sums[1], 1e-300))
 
 
+def faces_utilised(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with their shear force over their shear strength, percent.
+
+    Both are sums over the contacts of a face; one without strength carries no shear force, and
+    has 0.
+    """
+    contacts = results.contacts(frame)
+    faces, sums = _faces_of(contacts, contacts.shear_force, contacts.strength)
+    return replace(faces, value=100.0 * np.abs(sums[0]) / np.maximum(sums[1], 1e-300))
+
+
 def faces_worn(results: Recording, frame: int) -> Faces:
     """Return the faces of a frame with the share of their strength that is lost, percent.
 
@@ -202,6 +213,7 @@ JOINT_FIELDS = {
     "opening": JointField("Opening of joints", "m", faces_opened),
     "mobilised": JointField("Mobilised friction of joints", "°", faces_mobilised),
     "sliding": JointField("Share of joints that slides", "%", faces_sliding),
+    "utilisation": JointField("Shear over strength of joints", "%", faces_utilised),
     "worn": JointField("Strength lost by joints", "%", faces_worn),
 }
 """Fields that colour joints, and not blocks."""
