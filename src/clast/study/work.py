@@ -24,8 +24,7 @@ from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
 from clast.study.description import Description, FactorSettings
-from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
-from clast.study.folder import RUN_FILE as RUN_FILE
+from clast.study.folder import CASE, DONE, NO_RESULT, RUN_FILE, StudyFolder, with_files
 from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces

@@ -11,9 +11,8 @@ import clast
 from clast.results import read_results
 from clast.study.collapsing import trial
 from clast.study.collapsing.collapse_report import write_collapse
-from clast.study.folder import StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.report_page import FIGURES, REPORT
-from clast.study.work import RUN_FILE
 
 
 @pytest.fixture

@@ -32,9 +32,9 @@ from clast.study.collapsing.trial import (
     tried,
 )
 from clast.study.description import COLLAPSE, Description, FactorSettings
-from clast.study.folder import CASE, DONE, StudyFolder, with_files
+from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, with_files
 from clast.study.trial_cases import content_of, given_case
-from clast.study.work import RUN_FILE, factor_of, search_of
+from clast.study.work import factor_of, search_of
 
 TRIALS = "trials.csv"
 """Table of the trials."""

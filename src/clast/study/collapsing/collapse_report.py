@@ -15,9 +15,8 @@ from clast.results import read_results
 from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.run.stages.failure_verdict import Scales
 from clast.study.collapsing.collapse import Collapse, ends, undecided
-from clast.study.folder import StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.report_page import FIGURES, REPORT, Page, add_figures
-from clast.study.work import RUN_FILE
 
 
 def write_collapse(folder: StudyFolder, found: Collapse) -> Path:

@@ -92,7 +92,7 @@ def examine(variant: Variant) -> Outcome:
         sunk = 0.5 * NORMAL_FORCE / stiffness
         at = f"at p = {stiffness:.0e}"
         tolerance = 0.0066 + sunk / exact
-        rows.append(relative(f"way on the incline {at}", "m", way, exact, tolerance, SOFT))
+        rows.append(relative(f"displacement on the incline {at}", "m", way, exact, tolerance, SOFT))
         if stiffness >= SETTLED:
             quantity = f"penetration on the incline {at}"
             rows.append(
@@ -138,8 +138,8 @@ PROBLEM = Problem(
                 reason="one pass, springs only after invasion: unstable above p h2/m = 6",
             )
             for quantity in (
-                "way on the incline at p = 1e+11",
-                "way on the incline at p = 1e+12",
+                "displacement on the incline at p = 1e+11",
+                "displacement on the incline at p = 1e+12",
                 "penetration on the incline at p = 1e+11",
                 "penetration on the incline at p = 1e+12",
                 "energy left of a drop at p h2/m = 12",
@@ -153,7 +153,7 @@ PROBLEM = Problem(
                 "process has no remedy: the block hops where its two corners do not land alike",
             )
             for quantity in (
-                "way on the incline at p = 1e+12",
+                "displacement on the incline at p = 1e+12",
                 "penetration on the incline at p = 1e+12",
             )
         ),

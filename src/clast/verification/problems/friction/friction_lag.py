@@ -49,7 +49,7 @@ def examine(variant: Variant) -> Outcome:
         excess = [computed_excess(angle, step, variant) for step in STEPS]
         found.append(excess)
         for step, computed in zip(STEPS, excess, strict=True):
-            quantity = f"excess of the way at {angle:g} degrees, h = {1e3 * step:g} ms"
+            quantity = f"excess of the displacement at {angle:g} degrees, h = {1e3 * step:g} ms"
             exact = exact_excess(angle, step)
             rows.append(relative(quantity, "", computed, exact, 0.05, REASON))
         order = np.log2(excess[0] / excess[1])

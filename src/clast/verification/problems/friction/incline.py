@@ -84,7 +84,7 @@ def compare(friction_angle: float, variant: Variant) -> Comparison:
     """Return the row of Table 1 for a friction angle, degrees."""
     exact = exact_way(friction_angle)
     computed = worse_of(*computed_way(friction_angle, STEP, variant), exact)
-    quantity = f"way (the worse of u, v) at {friction_angle:g} degrees"
+    quantity = f"displacement (the worse of u, v) at {friction_angle:g} degrees"
     if exact < 1e-9:
         reason = "stays where it is: below 1 cm"
         return absolute(quantity, "m", computed, 0.0, 0.01, reason)
@@ -103,7 +103,7 @@ def implicit_tolerance(friction_angle: float) -> tuple[float, str]:
     """Return the tolerance of friction inside the solve, and its reason."""
     if friction_angle <= 35.0:
         return 0.0005, "no lag; what is left is the first bounce on the contact springs"
-    return 0.001, "the same 0.2 mm on a shorter way"
+    return 0.001, "the same 0.2 mm of a shorter displacement"
 
 
 TOLERANCES = {

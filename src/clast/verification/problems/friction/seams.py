@@ -141,11 +141,11 @@ def examine(pieces: tuple[int, ...], variant: Variant) -> Outcome:
         for name, joint, loose in (("", CLOSED, False), (", open joints, loose", OPEN, True)):
             model = rest_on(number, joint=joint, loose=loose, speed=SPEED)
             way = way_on(model, variant, step=STEP, end=TIME)
-            quantity = f"way without friction, {number} blocks{name}"
+            quantity = f"displacement without friction, {number} blocks{name}"
             rows.append(relative(quantity, "m", way, SPEED * TIME, 1e-3, ROUND))
         model = rest_on(number, slope=SLOPE, friction_angle=FRICTION_ANGLE)
         way = way_on(model, variant, step=STEP, end=SLIDING_TIME)
-        quantity = f"way down the slope, {number} blocks"
+        quantity = f"displacement down the slope, {number} blocks"
         rows.append(relative(quantity, "m", way, sliding_way(), 5e-3, LAG))
     free = 0.5 * PUSH / MASS * STATIC_STEP * (STATIC_TIME - SEARCHED)
     edge = TOTAL / PUSHED_OVER - START - LENGTH
@@ -154,7 +154,7 @@ def examine(pieces: tuple[int, ...], variant: Variant) -> Outcome:
         del steps[1]  # they leave less penetration, so that this is a step already
     for share, exact, since in steps:
         model = rest_on(PUSHED_OVER, push=PUSH, rise=share * PRESSED_IN)
-        quantity = f"way when pushed over a step of {share:g} penetrations"
+        quantity = f"displacement when pushed over a step of {share:g} penetrations"
         rows.append(relative(quantity, "m", static_way(model, variant, since), exact, 1e-3, ROUND))
     return Outcome(tuple(rows))
 

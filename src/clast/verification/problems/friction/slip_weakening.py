@@ -98,7 +98,7 @@ def compare_slides(variant: Variant) -> Outcome:
     slide = GRAVITY * (np.sin(SLOPE) - np.cos(SLOPE) * tangent(RESIDUAL))
     rows: tuple[Comparison, ...] = (
         absolute(
-            "way without a push",
+            "displacement without a push",
             "m",
             float(np.abs(alone.displacement @ ALONG).max()),
             0.0,
@@ -148,7 +148,7 @@ PROBLEM = Problem(
     "degrees over 20 mm of sliding. Alone it stands; pushed downwards it comes to rest or slides "
     "for good. h = 0.5 ms, p = 1 GPa.",
     formula="v_c^2 = g cos a (mu_p - tan a)^2 w/(mu_p - mu_r); at last g (sin a - cos a mu_r)",
-    source="work and energy of a sliding block; the way by integration in 200,000 steps",
+    source="work and energy of a sliding block; the displacement by integration in 200,000 steps",
     set_up=block_on_slope,
     examine=examine,
     variants=(IMPLICIT, OPEN_CLOSE, CONVEX),

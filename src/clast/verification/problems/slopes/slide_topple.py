@@ -118,7 +118,7 @@ def examine(modes: tuple[str, ...], variant: Variant) -> Outcome:
         computed = computed_motion(ratio, friction_angle, variant)
         exact = exact_motion(ratio, friction_angle)
         for what, unit, one, other in zip(
-            ("way", "rotation"), ("m", "rad"), computed, exact, strict=True
+            ("displacement", "rotation"), ("m", "rad"), computed, exact, strict=True
         ):
             tolerance = share * max(abs(other), 0.02)
             rows.append(absolute(f"{what}: {name}", unit, one, other, tolerance, reason))

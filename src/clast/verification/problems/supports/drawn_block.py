@@ -82,7 +82,12 @@ def examine(variant: Variant) -> Outcome:
         relative("floor along", "N/m", float(floor[-1, 0]), -FRICTION, 1e-6, ROUGH),
         relative("floor across", "N/m", float(floor[-1, 1]), NORMAL, 1e-6, ROUGH),
         absolute(
-            "way beyond v (t - e/2)", "m", moved - SPEED * (END - 0.5 * EASE), 0.0, 2e-12, EXACT
+            "displacement beyond v (t - e/2)",
+            "m",
+            moved - SPEED * (END - 0.5 * EASE),
+            0.0,
+            2e-12,
+            EXACT,
         ),
     ]
     ways = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))

@@ -37,7 +37,7 @@ DAMPED = 0.05
 """Share of critical damping at 10 Hz of the damped run."""
 RIGID = 1e6
 """Multiple of rho c_p at the bottom of a pile that is sheared: it must not rock."""
-OF_STEP = "20 steps a period: (w h)^2/12 is 0.8 % of the wave's way"
+OF_STEP = "20 steps a period: (w h)^2/12 is 0.8 % of the distance the wave goes"
 
 
 @dataclass(frozen=True)

@@ -147,7 +147,9 @@ def examine(acts: tuple[str, ...], cycles: int, variant: Variant) -> Outcome:
         stopped = float(time[np.flatnonzero((time > begin() + 0.1) & (rate < STOPPED))[0]])
         exact = exact_way(float(cycles))
         rows += [
-            relative(f"way in {cycles} s, {one}", "m", moved[-1], exact, 0.002, FIRST_ORDER),
+            relative(
+                f"displacement in {cycles} s, {one}", "m", moved[-1], exact, 0.002, FIRST_ORDER
+            ),
             absolute(f"end of the slide, {one}", "s", stopped, end(), 2.5 * STEP, "steps of 2 ms"),
         ]
         chart = Chart(
@@ -174,5 +176,7 @@ PROBLEM = Problem(
     variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     examine_briefly=partial(examine, ("moving base",), 1),
-    known_failures=(KnownFailure(variant=MULTIPLIERS, quantity="way in", reason=CHATTERS),),
+    known_failures=(
+        KnownFailure(variant=MULTIPLIERS, quantity="displacement in", reason=CHATTERS),
+    ),
 )

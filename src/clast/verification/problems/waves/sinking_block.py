@@ -58,7 +58,7 @@ def examine(variant: Variant) -> Outcome:
     taken = weight * exact - 0.5 * weight / GRAVITY * final**2
     soft = "first order in h; the block gives by a hundredth of its height"
     rows = (
-        relative("way", "m", float(sunk[-1]), exact, 5e-3, soft),
+        relative("displacement", "m", float(sunk[-1]), exact, 5e-3, soft),
         relative("speed", "m/s", speed, final, 5e-3, soft),
         relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft),
     )
