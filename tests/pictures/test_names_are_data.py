@@ -124,7 +124,7 @@ def test_in_the_report_of_a_study(name):
         page.say(title)
         page.head(title)
         page.table([title], [[title]])
-        page.run(run_of(title))
+        page.run(run_of(title), title)
         pages.append(Elements(page.text()))
     assert pages[0].found == pages[1].found and name in pages[0].text
     inner, plain = (Elements(page.frames[0]) for page in pages)

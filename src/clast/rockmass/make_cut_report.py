@@ -143,16 +143,14 @@ def _checked(error: float, at: Site) -> tuple[str, ...]:
     rounding = at.grid * sum(one.length for one in outlines) / at.window.area
     if abs(error) > rounding:
         raise ModelError(
-            f"the areas of the blocks differ from the domain by {error:+.2g} of the domain more "
-            "than its area",
+            f"the areas of the blocks differ from that of the domain by {error:+.2g} of it",
             where="domain",
             remedy="this is a fault of clast: another tolerance may get round it; please report it",
         )
     return (
-        f"the areas of the blocks exceed the domain by {error:+.2g} of the domain more than its "
-        "area: thin blocks at "
-        "outlines, or outlines that meet at a small angle, were left on the grid; a finer "
-        "tolerance brings them onto the outlines",
+        f"the areas of the blocks differ from that of the domain by {error:+.2g} of it: thin "
+        "blocks at outlines, or outlines that meet at a small angle, were left on the grid; a "
+        "finer tolerance brings them onto the outlines",
     )
 
 
