@@ -29,7 +29,7 @@ from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.run.simulate import simulate
 from clast.run.stages.equilibrium import STANDARD_GRAVITY
-from clast.run.stages.failure_verdict import GOES
+from clast.run.stages.failure_verdict import Scales
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.trial_cases import Content, changed, content_of
@@ -100,7 +100,6 @@ class Settled:
     """Factor with which the blocks came to rest."""
     record: StageRecord
     """How they did."""
-
     stages: tuple[StageRecord, ...] = ()
     """How the stages of the case itself ended."""
 
@@ -160,7 +159,7 @@ def in_short_steps(content: Content, model: Model) -> Content:
     No step moves a block by more than a share of the movement from which blocks fail
     (docs/decisions/0186).
     """
-    longest = STRIDE * GOES * float(np.sqrt(np.median(model.area)))
+    longest = STRIDE * Scales.of(model).goes
     time = TimeTable.model_validate(content["time"])
     if time.largest_movement(model) <= longest:
         return content
@@ -258,8 +257,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
     if last.outcome == REACHED:
         return replace(trial, verdict=STANDS)
     trial = replace(trial, reason=last.hindrance)
-    size = float(np.sqrt(np.median(start.model.area)))
-    fails = last.outcome == FAILS and far[farthest] > GOES * size
+    fails = last.outcome == FAILS and far[farthest] > Scales.of(start.model).goes
     if fails or (last.outcome == MOVING and is_driven(start, run)):
         order = np.argsort(-far, kind="stable")
         together = order[far[order] >= TOGETHER * far[farthest]]
