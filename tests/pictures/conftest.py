@@ -135,6 +135,44 @@ def parted(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02, output=path)
 
 
+@pytest.fixture(scope="session")
+def sprayed(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
+    """Return the run of a hole in four blocks that is dug, and lined two stages later.
+
+    The lining, a measured point, a reaction and the block above are all called "crown".
+    """
+    builder = clast.ModelBuilder(title="Sprayed", gravity=(0.0, 0.0))
+    builder.in_situ = {"stress": [-4e5, -2e6, 0.0]}
+    builder.add_rock("stone", young=2e9, poisson=0.2, density=2500.0)
+    for name, strength in (("default", 0.0), ("bond", 1e6)):
+        given = {"cohesion": strength, "tensile_strength": strength}
+        stiffness = {"normal_stiffness": 1e10, "shear_stiffness": 1e10}
+        builder.add_joint(name, friction_angle=35.0, **given, **stiffness)
+    ring = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+    builder.block(name="core", vertices=ring)
+    for k, name in enumerate(("right", "crown", "left", "invert")):
+        here, there = ring[k], ring[(k + 1) % 4]
+        far = [(3.0 * x, 3.0 * y) for x, y in (here, there)]
+        out = [(1.5 * x, 1.5 * y) for x, y in far]
+        builder.block(name=name, vertices=[here, *far, there])
+        builder.block(name=f"far {name}", vertices=[far[0], *out, far[1]], fixed=True)
+    builder.opening("hole", ["core"])
+    keys = {"thickness": 0.1, "segment": 0.5, "young": 20e9, "density": 2400.0}
+    builder.lining("crown", opening="hole", joint="bond", stage="line", **keys)
+    builder.measured_point("crown", (0.0, 1.0), block="crown")
+    builder.measured_reaction("crown", block="far crown")
+    stages = (
+        clast.Stage(name="settled", until="time", time=0.2),
+        clast.Stage(
+            name="dig", until="time", time=0.2, excavate=("hole",), relax=0.5, relax_time=1.0
+        ),
+        clast.Stage(name="line", until="time", time=0.8),
+    )
+    path = tmp_path_factory.mktemp("sprayed") / "sprayed.vtkhdf"
+    given = {"step": 0.1, "dynamic_ratio": 0.0, "max_displacement": 0.05, "every": 0.1}
+    return clast.simulate(builder.build(), end=1.2, stages=stages, output=path, **given)
+
+
 @pytest.fixture(scope="module")
 def wet_run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     builder = clast.ModelBuilder(title="Pier", gravity=(0.0, -9.81))

@@ -8,6 +8,7 @@ import matplotlib.colors
 import numpy as np
 import pytest
 
+import clast
 from clast.actions.relaxation import no_forces
 from clast.exports import write_dxf, write_vtu
 from clast.pictures import canvas
@@ -99,3 +100,23 @@ def test_files_of_before_have_no_gone_blocks(dug: Results, tmp_path):
     assert "gone" not in old.field_names
     assert not absent_in_frame(old, -1).any()
     plot_results(old, tmp_path / "old.png", contacts=False)
+
+
+def test_a_lining_that_comes_later_is_neither_there_nor_excavated(sprayed, monkeypatch):
+    """The core goes with the second stage, the segments come with the third."""
+    results = clast.read(sprayed.output)
+    core = np.array([name == "core" for name in results.block_name])
+    assert results.lined.tolist() == ["/" in name for name in results.block_name]
+    figures: list = []
+    monkeypatch.setattr(canvas, "save", lambda figure, path: figures.append(figure) or path)
+    for frame, stage in enumerate(results.frame_stages):
+        dug = stage != "settled"
+        awaited = results.awaited(frame)
+        assert np.array_equal(awaited, results.lined & (stage != "line"))
+        assert np.array_equal(absent_in_frame(results, frame), awaited | (core & dug))
+        plot_results(results, "x.png", frame=frame, field="rock", contacts=False)
+        axes = figures[-1].axes[0]
+        polygons = [c for c in axes.collections if type(c).__name__ == "PolyCollection"]
+        assert len(polygons[1].get_paths()) == dug
+        said = [text.get_text() for text in figures[-1].findobj(matplotlib.text.Text)]
+        assert ("excavated" in said) == dug

@@ -15,29 +15,7 @@ from clast.pictures.live.server import LiveServer
 from clast.pictures.page.document import BUDGET, page_text
 from clast.pictures.page.scene import scene_of
 from clast.pictures.scale import scale_of
-from scenes.browsers import settled, until
-
-
-def colour_at(page, x, y, above=False):
-    """Return red, green and blue of the drawing at a point of the world, m about its origin.
-
-    It is that of the blocks, or of what is drawn ``above`` them.
-    """
-    return page.evaluate(
-        """([x, y, above]) => {
-          const { view } = clastPage;
-          const canvas = above ? clastPage.above : clastPage.canvas;
-          const copy = document.createElement("canvas");
-          [copy.width, copy.height] = [canvas.width, canvas.height];
-          const context = copy.getContext("2d");
-          clastPage.draw();
-          context.drawImage(canvas, 0, 0);
-          const dots = canvas.width / view.width;
-          const at = [view.screenX(x) * dots, view.screenY(y) * dots].map(Math.round);
-          return [...context.getImageData(at[0], at[1], 1, 1).data].slice(0, 3);
-        }""",
-        [x, y, above],
-    )
+from scenes.browsers import colour_at, settled, until
 
 
 def test_a_page_plays_and_answers(opened, wall, browser):

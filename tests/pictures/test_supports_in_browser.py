@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 import clast
+from clast.pictures.draw_blocks import areas_of
+from clast.pictures.fields import SCALARS
 from clast.pictures.joints.joint_values import JOINT_FIELDS
+from clast.pictures.page.frame_data import moving
+from clast.pictures.scale import scale_of
 from clast.pictures.supports.draw_links import places_of, states_of
 from clast.pictures.supports.draw_reactions import forces_in
-from scenes.browsers import settled
+from clast.results.frames import absent_in_frame
+from scenes.browsers import colour_at, settled
 
 
 @pytest.fixture(scope="module")
@@ -128,3 +133,65 @@ def test_live_frames_join_where_a_field_of_joints_comes_or_goes(opened, parted):
     own = counts[3]
     assert counts[0] == own + [0] * len(own) and counts[1] == [0] * len(own) + own
     assert counts[2] == sum(own)
+
+
+def test_blocks_that_come_in_a_later_stage_are_on_the_page(opened, sprayed):
+    """Each block is there as the file has it, in the colours and in the scale, and is told."""
+    results = clast.read(sprayed.output)
+    page = opened(results, address="#field=sigma_1&layers=excavated,before")
+    origin = page.evaluate("clastPage.run.scene.origin")
+    for frame in range(len(results.times)):
+        absent = absent_in_frame(results, frame)
+        there = page.evaluate(
+            "(frame) => clastPage.run.scene.blocks.map((_, k) => clastPage.run.isGone(frame, k))",
+            frame,
+        )
+        assert there == absent.tolist()
+    segment = int(np.flatnonzero(results.lined)[0])
+    own = slice(*results.block_start[segment : segment + 2])
+    at = results.vertices(-1)[own].mean(axis=0) - origin
+    drawn = colour_at(page, *at)
+    page.evaluate("clastPage.goTo(clastPage.run.stages.indexOf('dig'))")
+    settled(page)
+    assert colour_at(page, *at) == [255, 255, 255] != drawn
+    assert "excavated" in page.inner_text("[data-part=legend]")
+    page.evaluate(f"clastPage.choose({{ chosen: {segment} }})")
+    settled(page)
+    assert "comes later" in page.inner_text("[data-part=chosen]")
+    page.focus("[data-part=above]")
+    page.keyboard.press("End")
+    settled(page)
+    assert "comes later" not in page.inner_text("[data-part=chosen]")
+    values = page.evaluate("clastPage.charts.curve.lines[0].values")
+    assert [one is None for one in values] == [one != "line" for one in results.frame_stages]
+    most = SCALARS["sigma_1"].values(results, -1)
+    free = ~(results.fixed | absent_in_frame(results, -1))
+    area = areas_of(results, results.vertices(-1))
+    scale = scale_of(most[free], area[free], None)
+    ends = page.evaluate("['low', 'high'].map((end) => Number(clastPage.$(end).value))")
+    assert ends == pytest.approx([scale.low, scale.high], rel=1e-3)
+    without = free & ~results.lined
+    assert scale.high > scale_of(most[without], area[without], None).high
+    assert page.faults == []
+
+
+@pytest.mark.parametrize("cut", [1, 3, 4, 5, 7])
+def test_live_frames_join_where_blocks_go_and_come(opened, sprayed, cut):
+    results = clast.read(sprayed.output)
+    page = opened(results)
+    parts = [
+        moving(results, np.array(range(*ends)), 1e6)
+        for ends in ((0, cut), (cut, len(results.times)))
+    ]
+    whole, found = page.evaluate(
+        """async (parts) => {
+          const { decodeMoving, joined } = modules.moving;
+          const { blockStart, blockCount, gone } = clastPage.run;
+          const decoded = parts.map((one) => decodeMoving(one, blockStart));
+          const [first, second] = await Promise.all(decoded);
+          return [gone, joined(first, second, blockCount).gone];
+        }""",
+        parts,
+    )
+    assert found == whole and sum(map(len, whole)) == 2 * int(results.lined.sum()) + 1
+    assert page.faults == []

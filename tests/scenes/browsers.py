@@ -11,6 +11,28 @@ RENDERERS = {
 """Name, as ``?renderer=`` of a page has it -> arguments of the browser."""
 
 
+def colour_at(page, x, y, above=False):
+    """Return red, green and blue of the drawing at a point of the world, m about its origin.
+
+    It is that of the blocks, or of what is drawn ``above`` them.
+    """
+    return page.evaluate(
+        """([x, y, above]) => {
+          const { view } = clastPage;
+          const canvas = above ? clastPage.above : clastPage.canvas;
+          const copy = document.createElement("canvas");
+          [copy.width, copy.height] = [canvas.width, canvas.height];
+          const context = copy.getContext("2d");
+          clastPage.draw();
+          context.drawImage(canvas, 0, 0);
+          const dots = canvas.width / view.width;
+          const at = [view.screenX(x) * dots, view.screenY(y) * dots].map(Math.round);
+          return [...context.getImageData(at[0], at[1], 1, 1).data].slice(0, 3);
+        }""",
+        [x, y, above],
+    )
+
+
 def settled(page):
     """Wait until what was asked for has been drawn, and the address tells it."""
     page.evaluate(

@@ -95,7 +95,7 @@ def _handles(
     waters = waters_of(results, number)
     pressed = pressures_of(results, waters, number, results.vertices(number))
     return [
-        *legend_handles(results, field, absent_in_frame(results, number)),
+        *legend_handles(results, field, number),
         *handles_of(edges, part),
         *handles_of_water(waters, pressed),
         *draw_bolts.handles_of(results.bolts(number)),
@@ -122,7 +122,8 @@ def _draw_frame(
     here, absent = results.vertices(number), absent_in_frame(results, number)
     draw_blocks.draw_start(axes, results, results.vertices(0), absent)
     edges = _edges(results, number, field, seen)
-    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, absent)
+    outlined, awaited = 0.0 if edges else 1.0, results.awaited(number)
+    free = draw_blocks.draw_blocks(axes, results, here, outlined, absent, awaited)
     drawn, unit = ~(results.fixed | absent), ""
     coloured: Any = free
     if scale is None:

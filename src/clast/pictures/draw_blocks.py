@@ -99,11 +99,12 @@ def draw_blocks(
     vertices: Floats,
     share: float = 1.0,
     absent: Bools | None = None,
+    awaited: Bools | None = None,
 ) -> PolyCollection:
     """Draw all blocks, the fixed ones hatched, and return those that are to be coloured.
 
     Outlines have a ``share`` of their width, 0 where something else draws them.  Of blocks that are
-    ``absent`` (n,) there is a thin outline only.
+    ``absent`` (n,) there is a thin outline only, of those ``awaited`` in a later stage (n,) none.
     """
     from matplotlib.collections import PolyCollection
 
@@ -114,7 +115,10 @@ def draw_blocks(
     fixed, free = np.flatnonzero(results.fixed & there), np.flatnonzero(~results.fixed & there)
     axes.add_collection(
         PolyCollection(
-            [outlines[b] for b in np.flatnonzero(~there)],
+            [
+                outlines[b]
+                for b in np.flatnonzero(~there if awaited is None else ~(there | awaited))
+            ],
             facecolors="none",
             edgecolors=FAINT,
             linewidths=0.6 * whole,

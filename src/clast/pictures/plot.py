@@ -99,7 +99,7 @@ def draw_results(
     water = pressures_of(results, waters, number, here)
     above = tuple(name for name in look.layers if name in LAYERS)
     handles = [
-        *legend_handles(results, field, absent),
+        *legend_handles(results, field, number),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
         *draw_bolts.handles_of(results.bolts(number)),
@@ -209,7 +209,8 @@ def _draw_blocks(
     assert figure is not None
     here, absent = results.vertices(number), absent_in_frame(results, number)
     draw_blocks.draw_start(axes, results, results.vertices(0), absent)
-    free = draw_blocks.draw_blocks(axes, results, here, outlined, absent)
+    awaited = results.awaited(number)
+    free = draw_blocks.draw_blocks(axes, results, here, outlined, absent, awaited)
     shown = draw_blocks.within(results, here, *whole)
     if field in JOINT_FIELDS:
         free.set_facecolor(GROUND)
@@ -337,13 +338,14 @@ def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
     return canvas.cut_to(name, left, SMALL_SIZE), "right"
 
 
-def legend_handles(results: Recording, field: str, absent: Bools) -> list[Any]:
+def legend_handles(results: Recording, field: str, frame: int) -> list[Any]:
     """Return the legend: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
-    if absent.any():
+    absent = absent_in_frame(results, frame)
+    if (absent & ~results.awaited(frame)).any():
         dashed = Line2D([], [], color=FAINT, lw=0.6, ls=draw_blocks.EXCAVATED, label="excavated")
         handles.append(dashed)
     if (results.fixed & ~absent).any():

@@ -21,6 +21,7 @@ from clast.model.state import State
 from clast.model.supports.lining_joints import LiningJoints
 from clast.model.water.water import Water
 from clast.results.frames import (
+    ABSENT,
     VERTICES,
     Frame,
     FrameStore,
@@ -28,6 +29,7 @@ from clast.results.frames import (
     bolts_of,
     contacts_of,
     field_of,
+    frame_number,
     frame_of,
     unknown_name,
 )
@@ -316,6 +318,28 @@ class Recording:
         rows = [LINING_TABLE.one(every, int(k)) for k in own]
         section = joints.section[own] if len(joints.section) else joints.section
         return LiningHistory(joints.along[own], joints.face[own], section, rows)
+
+    @property
+    def lined(self) -> Bools:
+        """True for the segments of linings, shape (n,)."""
+        rocks = [f"lining {name}" for name in self.lining_name]
+        return np.isin(np.asarray(self.rock_name)[self.block_rock], rocks)
+
+    def awaited(self, frame: int) -> Bools:
+        """Return which blocks have not come by a frame: linings of later stages, shape (n,)."""
+        return np.asarray(frame_number(self._frames, frame) < self._comes)
+
+    @cached_property
+    def _comes(self) -> Ints:
+        """First frame of segments of linings, the number of frames for none; 0 for rock, (n,)."""
+        found = np.zeros(len(self.block_name), np.int64)
+        lined = np.flatnonzero(self.lined)
+        if len(lined) and ABSENT in self.field_names:
+            frames, first = range(len(self.times)), int(lined[0])
+            rows = self._frames.series(ABSENT, frames, first, int(lined[-1]) + 1)
+            absent = rows[:, lined - first] != 0.0
+            found[lined] = np.where(absent.all(axis=0), len(frames), absent.argmin(axis=0))
+        return found
 
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""

@@ -265,7 +265,7 @@ def summary(results: Results) -> dict[str, Any]:
         "time": [float(results.times[0]), float(results.times[-1])],
         "blocks": len(results.block_name),
         "fixed_blocks": int(results.fixed.sum()),
-        "excavated_blocks": int(absent_in_frame(results, -1).sum()),
+        "excavated_blocks": int((absent_in_frame(results, -1) & ~results.awaited(-1)).sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
         "joints": list(results.joints.name) if results.joints else [],

@@ -136,7 +136,8 @@ class FrameDrawer:
         here, absent = results.vertices(frame), absent_in_frame(results, frame)
         draw_blocks.draw_start(axes, results, self._start, absent)
         joints = field == "joint"
-        free = draw_blocks.draw_blocks(axes, results, here, 0.0 if joints else 1.0, absent)
+        outlined, awaited = 0.0 if joints else 1.0, results.awaited(frame)
+        free = draw_blocks.draw_blocks(axes, results, here, outlined, absent, awaited)
         drawn = ~(results.fixed | absent)
         if field in JOINT_FIELDS:
             free.set_facecolor(GROUND)
@@ -176,7 +177,7 @@ class FrameDrawer:
         if self._look.field == "joint":
             edges = edges_by_joint(results, here, self._start, self._together, absent)
         return [
-            *legend_handles(results, self._look.field, absent),
+            *legend_handles(results, self._look.field, last),
             *handles_of(edges, self._part),
             *handles_of_water(waters, pressures_of(results, waters, last, here)),
             *draw_bolts.handles_of(results.bolts(last)),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model.model import Bools, Floats, Ints
+from clast.model.model import Floats, Ints
 from clast.model.stages.records import counted_from
 from clast.pictures.draw_water import pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
@@ -62,7 +62,7 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
     return {
         "times": results.times[numbers].tolist(),
         "stages": [stages[n] for n in numbers] if stages else [],
-        "gone": _gone_from(results, numbers).tolist(),
+        "gone": _gone(results, numbers),
         "motion": _packed_motion(motion, start, results.block_start),
         "fields": _packed_fields(results, numbers),
         **_thinned(about, budget),
@@ -84,14 +84,18 @@ class _About:
     origin: Floats
 
 
-def _gone_from(results: Recording, numbers: Ints) -> Ints:
-    """Return the frame from which on each block is excavated; the number of frames for never."""
-    found = np.full(len(results.block_name), len(numbers))
-    for k in range(len(numbers) - 1, -1, -1):
-        absent: Bools = absent_in_frame(results, int(numbers[k]))
-        if not absent.any():
-            break
-        found[absent] = k
+def _gone(results: Recording, numbers: Ints) -> list[list[int]]:
+    """Return the frames in which each block is taken away, comes, is taken away, and so on.
+
+    Linings of later stages are taken away in the first.
+    """
+    found: list[list[int]] = [[] for _ in results.block_name]
+    before = np.zeros(len(found), np.bool_)
+    for frame, number in enumerate(numbers):
+        absent = absent_in_frame(results, int(number))
+        for block in np.flatnonzero(absent != before):
+            found[block].append(frame)
+        before = absent
     return found
 
 
@@ -99,9 +103,11 @@ def _fields(results: Recording, numbers: Ints) -> Iterator[tuple[str, Floats]]:
     """Give the fields that the page cannot work out by itself, (frames, n).
 
     Displacements are among them where a stage has reset them: they do not count from the start.
+    So they are where linings come later: those take another shape as they come.
     """
     names = ["velocity_x", "velocity_y", "sigma_xx", "sigma_yy", "sigma_xy"]
-    if any(event.kind == "displacements reset" for event in results.events):
+    reset = any(event.kind == "displacements reset" for event in results.events)
+    if reset or results.awaited(0).any():
         names += ["displacement_x", "displacement_y", "rotation"]
     for name in names:
         yield name, np.stack([results.field(name, int(number)) for number in numbers])

@@ -40,6 +40,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         "block_start": raw(results.block_start, "<i4"),
         "blocks": list(results.block_name),
         "fixed": np.flatnonzero(results.fixed).tolist(),
+        "lined": np.flatnonzero(results.lined).tolist(),
         "rocks": list(results.rock_name),
         "rock": np.asarray(results.field("rock", 0), np.int64).tolist(),
         "joints": list(results.joint_name),

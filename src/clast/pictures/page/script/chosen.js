@@ -28,7 +28,7 @@ function ofBlock(run, { chosen: block, frame }) {
   const rows = [["Rock", run.scene.rocks[run.scene.rock[block]] ?? "–"]];
   rows.push(["Area", `${plain(run.area[block])} m²`]);
   if (run.fixed[block]) rows.push(["Support", "fixed"]);
-  if (run.isGone(frame, block)) rows.push(["State", "excavated"]);
+  if (run.isGone(frame, block)) rows.push(["State", run.isAwaited(frame, block) ? "comes later" : "excavated"]);
   for (const name of OF_BLOCK) {
     const [label, unit] = run.scene.labels[name];
     rows.push([label, withUnit(run.value(name, frame, block), unit)]);
@@ -54,7 +54,7 @@ export function curvesOfChosen(run, state) {
   const { chosen: block } = state;
   const field = state.field in run.scene.labels ? state.field : "displacement";
   const [label, unit] = run.scene.labels[field];
-  const values = run.times.map((_, frame) => run.value(field, frame, block));
+  const values = run.times.map((_, frame) => (run.isGone(frame, block) ? null : run.value(field, frame, block)));
   return [
     { name: `Block ${run.scene.blocks[block]}, ${label}`, unit, time: run.times, lines: [{ name: label, values }] },
   ];

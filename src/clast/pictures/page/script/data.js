@@ -12,6 +12,7 @@ export class RunData {
     this.blockCount = scene.blocks.length;
     this.fixed = new Uint8Array(this.blockCount);
     for (const block of scene.fixed) this.fixed[block] = 1;
+    this.lined = new Set(scene.lined);
   }
 
   /** Decode everything; the page can draw afterwards. */
@@ -120,9 +121,16 @@ export class RunData {
     return [map[0] * x + map[1] * y + map[4], map[2] * x + map[3] * y + map[5]];
   }
 
-  /** Return whether a block has been excavated in a frame. */
+  /** Return whether a block is not there in a frame: it has been excavated, or comes later. */
   isGone(frame, block) {
-    return frame >= this.gone[block];
+    const past = this.gone[block].findIndex((change) => change > frame);
+    return (past < 0 ? this.gone[block].length : past) % 2 === 1;
+  }
+
+  /** Return whether a block is a segment of a lining that comes after a frame. */
+  isAwaited(frame, block) {
+    const [first, second = Infinity] = this.gone[block];
+    return this.lined.has(block) && first === 0 && frame < second;
   }
 
   /**

@@ -99,7 +99,9 @@ export function blocksOf(run, joint) {
   const [x0, y0, x1, y1] = [joint.edge, next].flatMap((v) => [run.start[2 * v], run.start[2 * v + 1]]);
   // a little to the right of the edge, at the start
   const [x, y] = [0.5 * (x0 + x1) + 1e-3 * (y1 - y0), 0.5 * (y0 + y1) - 1e-3 * (x1 - x0)];
-  return [block, run.blockOfOutline(run.start, x, y)];
+  // linings that come later lie in the rock until then
+  const isOther = (one) => run.isAwaited(0, one) !== run.isAwaited(0, block);
+  return [block, run.blockOfOutline(run.start, x, y, isOther)];
 }
 
 /** Return the name of the joint set or the joint, "" where it has none of its own. */

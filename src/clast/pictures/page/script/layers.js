@@ -76,7 +76,7 @@ export function layersOf(run) {
     contacts: run.contacts.shown > 0,
     chains: run.contacts.shown > 0,
     crosses: true,
-    excavated: run.gone.some((frame) => frame < run.frameCount),
+    excavated: scene.blocks.some((_, block) => run.isGone(run.frameCount - 1, block) && !run.isAwaited(run.frameCount - 1, block)),
     bolts: Boolean(run.bolts),
     "normal-forces": Boolean(run.linings),
     "shear-forces": Boolean(run.linings),
@@ -88,10 +88,10 @@ export function layersOf(run) {
   return Object.keys(LAYERS).filter((name) => has[name]);
 }
 
-function drawBefore(pen, { run, view, theme }) {
+function drawBefore(pen, { run, view, frame, theme }) {
   const paths = [];
   for (let block = 0; block < run.blockCount; block++) {
-    const path = outline(run, view, run.start, block);
+    const path = !run.isAwaited(frame, block) && outline(run, view, run.start, block);
     if (path) paths.push([...path, path[0], path[1]]);
   }
   pen.lines(paths, theme.faint, 0.8);
@@ -101,7 +101,8 @@ function drawExcavated(pen, { run, view, frame, theme }) {
   const here = run.vertices(frame);
   const paths = [];
   for (let block = 0; block < run.blockCount; block++) {
-    const path = run.isGone(frame, block) && outline(run, view, here, block);
+    const isExcavated = run.isGone(frame, block) && !run.isAwaited(frame, block);
+    const path = isExcavated && outline(run, view, here, block);
     if (path) paths.push([...path, path[0], path[1]]);
   }
   pen.lines(paths, theme.faint, 0.8, [4, 3]);

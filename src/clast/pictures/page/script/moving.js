@@ -99,7 +99,7 @@ export function joined(before, more, wide) {
     times: [...before.times, ...more.times],
     stages: [...before.stages, ...more.stages],
     levels: [...before.levels, ...more.levels],
-    gone: before.gone.map((frame, block) => (frame < frames ? frame : frames + more.gone[block])),
+    gone: before.gone.map((changes, block) => changesJoined(changes, more.gone[block], frames)),
     motion: eachJoined(before.motion, more.motion),
     fields: eachJoined(before.fields, more.fields),
     contacts: rowsJoined(before.contacts, more.contacts),
@@ -118,6 +118,13 @@ export function joined(before, more, wide) {
     if (before[kind]) found[kind] = { ...before[kind], ...eachJoined(before[kind], more[kind]) };
   }
   return withTotals(found);
+}
+
+/** Return when a block goes and comes: ``more`` is told as if it had been there before its first frame. */
+function changesJoined(before, more, frames) {
+  const behind = more.map((frame) => frames + frame);
+  if (before.length % 2 === 0) return [...before, ...behind];
+  return behind[0] === frames ? [...before, ...behind.slice(1)] : [...before, frames, ...behind];
 }
 
 /** Return the faces of frames that have none of a field. */
