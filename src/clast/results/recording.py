@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+import clast
 from clast import thumbnails
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event, StageRecord
@@ -136,9 +137,19 @@ class Recording:
     """Stage with which each load, water or table that stages name begins."""
 
     @property
+    def file(self) -> Path | None:
+        """The result file; None where nothing was written."""
+        raise NotImplementedError
+
+    @property
     def name(self) -> str:
         """Name of the result file, "run" where there is none."""
-        raise NotImplementedError
+        return self.file.name if self.file else "run"
+
+    @property
+    def version(self) -> str:
+        """Version of the clast that made the run."""
+        return clast.__version__
 
     @property
     def _frames(self) -> FrameStore:
@@ -485,9 +496,9 @@ class Run(Recording):
         return sizes
 
     @property
-    def name(self) -> str:
-        """Name of the result file, "run" where there is none."""
-        return self.output.name if self.output else "run"
+    def file(self) -> Path | None:
+        """The result file; None where nothing was written."""
+        return self.output
 
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
         rows = self.tables[table.name]

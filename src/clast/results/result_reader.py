@@ -65,9 +65,14 @@ class Results(Recording):
     """Names of tables that an earlier clast did not write."""
 
     @property
-    def name(self) -> str:
-        """Name of the file."""
-        return self.path.name
+    def file(self) -> Path:
+        """The result file."""
+        return self.path
+
+    @property
+    def version(self) -> str:
+        """Version of the clast that made the run."""
+        return self.versions.get("clast", "unknown")
 
     @property
     def _frames(self) -> FrameStore:
@@ -257,7 +262,7 @@ def summary(results: Results) -> dict[str, Any]:
         "title": results.title,
         **main_parameters(results.about),
         "about": results.about,
-        "version": results.versions.get("clast", "unknown"),
+        "version": results.version,
         "versions": results.versions,
         "finished": report.finished if report else False,
         "outcome": report.outcome if report else "the run did not end; its frames are kept",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ MOST_VALUES = 4_000_000
 """Blocks times frames on a page; of longer runs frames are left out evenly."""
 COLOURS = 64
 """Colours of a scale."""
+MONTHS = (
+    "January February March April May June July August September October November December"
+).split()
 
 
 def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) -> dict[str, Any]:
@@ -34,6 +38,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
     return {
         "title": results.title or results.name,
         "file": results.name,
+        "made": [results.version, _day_of(results)],
         "frames": {"shown": len(numbers), "of": count},
         "origin": origin.tolist(),
         "vertices": raw(start - origin, "<f4"),
@@ -59,6 +64,15 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         **moving(results, numbers, budget),
         **told(results),
     }
+
+
+def _day_of(results: Recording) -> str:
+    """Return the day on which the file was last written, "" without a file."""
+    try:
+        day = date.fromtimestamp(results.file.stat().st_mtime) if results.file else None
+    except OSError:
+        return ""
+    return f"{day.day} {MONTHS[day.month - 1]} {day.year}" if day else ""
 
 
 def told(results: Recording) -> dict[str, Any]:

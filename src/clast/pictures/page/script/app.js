@@ -48,6 +48,8 @@ export class Page {
     this.playing = false;
     this.speed = 1;
     this.loop = false;
+    /** Ends what listens outside of the page. */
+    this.ending = new AbortController();
   }
 
   /** Return the element of a name. */
@@ -228,6 +230,10 @@ export class Page {
     this.root.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.$("stage"));
     if (!this.embedded) addEventListener("hashchange", () => this.readAddress());
+    const { signal } = this.ending;
+    addEventListener("beforeprint", () => this.toPaper(true), { signal });
+    addEventListener("afterprint", () => this.toPaper(false), { signal });
+    matchMedia("print").addEventListener("change", ({ matches }) => this.toPaper(matches), { signal });
   }
 
   key(event) {
@@ -341,7 +347,8 @@ export class Page {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.$("stage");
-    if (!width || !height) return;
+    // on paper the picture is that of the screen, whatever room it has there
+    if (!width || !height || this.onPaper) return;
     this.view.width = width;
     this.view.height = height;
     const dots = Math.min(2, devicePixelRatio || 1);
@@ -351,6 +358,27 @@ export class Page {
     }
     this.charts?.resize();
     this.changed();
+  }
+
+  /** Put a drawing in light colours in the place of the canvases, for paper, or take it away. */
+  toPaper(wanted) {
+    if (wanted === Boolean(this.onPaper) || !this.charts) return;
+    if (wanted) {
+      const picture = document.createElement("div");
+      this.onPaper = { theme: this.theme, picture };
+      this.theme = LIGHT;
+      picture.className = "picture";
+      picture.innerHTML = this.drawnInSvg(0).finish();
+      this.$("stage").append(picture);
+    } else {
+      this.onPaper.picture.remove();
+      this.theme = this.onPaper.theme;
+      this.onPaper = null;
+      this.resize();
+    }
+    this.applyTheme();
+    // uPlot empties its legend as it draws; paper does not wait until it is told again
+    queueMicrotask(() => this.charts.tell());
   }
 
   /** Draw soon; many changes at once are drawn once. */
@@ -429,6 +457,7 @@ export class Page {
     for (const box of this.$("layers").querySelectorAll("input")) box.checked = state.layers.has(box.value);
     this.$("follow").checked = state.follow;
     this.showLegend(scale);
+    this.$("paper").textContent = this.inWords(scale);
     this.showChosen();
     this.charts?.at(time);
   }
@@ -443,9 +472,23 @@ export class Page {
     this.$("unit").textContent = labelOf(this.run, this.state.field)[1];
   }
 
+  /** Return field, limits, time, file, version and days in words, for paper. */
+  inWords(scale) {
+    const { run, state } = this;
+    const { file, made: [version, day] } = run.scene;
+    const label = fieldsOf(run)[state.field];
+    const ends = scale ? [scale.low, scale.high].map((end) => withUnit(end, labelOf(run, state.field)[1], 4)) : [];
+    const limits = scale ? ` from ${ends[0]} to ${ends[1]}${state.limits ? ", limits chosen by hand" : ""}` : "";
+    const today = new Date().toLocaleDateString("en-GB", { day: "numeric", month: "long", year: "numeric" });
+    const written = `File ${file}${day ? ` of ${day}` : ""}, made by clast ${version}`;
+    return `Colours: ${label}${limits}; ${this.$("clock").textContent}. ${written}; printed on ${today}.`;
+  }
+
   showChosen() {
     const { run, state } = this;
     const place = this.$("chosen");
+    // paper has no use for an invitation to click
+    place.parentElement.classList.toggle("controls", !isChosen(state));
     if (!isChosen(state)) {
       place.textContent = "Click a block or a joint for its numbers.";
       return;
@@ -471,6 +514,7 @@ export class Page {
     const curve = own ? curvesOfChosen(this.run, this.state)[number] : this.run.scene.curves[Number(kind)];
     if (!curve) return;
     this.charts.show(curve, this.theme);
+    this.$("charted").textContent = curve.name;
     this.$("chart").setAttribute("aria-label", `Chart: ${curve.name}`);
     this.charts.at(this.run.times[this.state.frame]);
   }
@@ -541,16 +585,23 @@ export class Page {
 
   /** Return the drawing with its legend as an SVG text. */
   svg() {
+    const { view } = this;
+    const seen = this.seen(coloursOf(this.run, this.state)[1]);
+    const pen = this.drawnInSvg(heightOfLegend(seen, view.width));
+    drawLegend(pen, seen, view.width, view.height, this.caption());
+    return pen.finish();
+  }
+
+  /** Return a pen that has drawn blocks and layers into an SVG, with some pixels left below them. */
+  drawnInSvg(below) {
     const { run, view, state, theme } = this;
     const [colours, scale] = coloursOf(run, state);
-    const seen = this.seen(scale);
-    const pen = new SvgPen(view.width, view.height + heightOfLegend(seen, view.width), theme.paper);
+    const pen = new SvgPen(view.width, view.height + below, theme.paper);
     pen.within(view.width, view.height, () => {
       drawBlocks(pen, run, view, state.frame, colours, theme);
       this.drawLayers(pen, scale);
     });
-    drawLegend(pen, seen, view.width, view.height, this.caption());
-    return pen.finish();
+    return pen;
   }
 
   savePng() {
@@ -604,6 +655,7 @@ export function embed(place, markup, style, scene) {
   return () => {
     narrow.disconnect();
     seen.disconnect();
+    page.ending.abort();
     page.play(false);
     page.rest();
   };
