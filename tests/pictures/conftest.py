@@ -185,6 +185,35 @@ def wet_run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     return clast.simulate(builder, end=0.02, step=1e-3, output=path)
 
 
+@pytest.fixture(scope="session")
+def undercut(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
+    """Return the run of eight blocks in water; two are dug, of which one leaves a closed void."""
+    builder = clast.ModelBuilder(title="Undercut", gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e10, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=60.0)
+    boxes = {
+        "floor": (-1, -1, 5, 0),
+        "wall": (0, 0, 2, 2),
+        "dug": (2, 0, 4, 2),
+        "left": (-3, 0, -2, 1),
+        "void": (-2, 0, -1, 1),
+        "right": (-1, 0, 0, 1),
+        "lintel": (-3, 1, 0, 1.5),
+        "bed": (-3, -1, -1, 0),
+    }
+    for name, (x0, y0, x1, y1) in boxes.items():
+        corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        builder.block(name=name, vertices=corners, fixed=name in ("floor", "bed"))
+    builder.water(line=[(-5.0, 0.6), (1.0, 2.0), (5.0, 1.8)], name="gw")
+    stages = [
+        clast.Stage(name="rest", until="time", time=0.05),
+        clast.Stage(name="dig", until="time", time=0.05, excavate=("dug", "void")),
+    ]
+    path = tmp_path_factory.mktemp("undercut") / "undercut.vtkhdf"
+    given = {"dynamic_ratio": 0.0, "step": 1e-2, "every": 0.05, "stages": stages}
+    return clast.simulate(builder, end=0.1, output=path, **given)
+
+
 @pytest.fixture(scope="module", params=RENDERERS)
 def browser(request: pytest.FixtureRequest) -> Iterator[tuple[Any, str]]:
     """A browser for the tests of a file, and how it draws."""

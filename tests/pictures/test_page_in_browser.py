@@ -341,6 +341,30 @@ def test_water_is_drawn_where_it_presses(opened, wet_run):
     assert page.faults == []
 
 
+def test_no_water_is_drawn_in_a_void(opened, undercut):
+    """On the edge laid bare, along the level across the void, and on the wet edge beside it."""
+    page = opened(undercut, address="#layers=water&field=none")
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    page.evaluate("(clastPage.fitAll(), clastPage.changed())")
+
+    pixel = 1.0 / page.evaluate("clastPage.view.scale")
+
+    def is_blue(x, y):
+        around = [(x + a * pixel, y + b * pixel) for a in (-1, 0, 1) for b in (-1, 0, 1)]
+        seen = [colour_at(page, *(np.array(at) - origin), above=True) for at in around]
+        return any(blue - red > 60 for red, _, blue in seen)
+
+    level = np.interp([2.5, 3.5, 4.5, 0.5], [-5.0, 1.0, 5.0], [0.6, 2.0, 1.8])
+    for frame, there in ((0, True), (len(undercut.times) - 1, False)):
+        page.evaluate(f"clastPage.goTo({frame})")
+        settled(page)
+        assert is_blue(2.0, 0.5) == there  # the side of what is dug
+        assert is_blue(-1.5, 0.0) == there  # the floor of the closed void
+        assert is_blue(2.5, level[0]) == is_blue(3.5, level[1]) == there
+        assert is_blue(0.5, level[3]) and is_blue(1.0, 0.0)
+    assert page.faults == []
+
+
 def test_an_address_holds_limits_share_and_theme(opened, wall):
     page = opened(wall(4, 5), address="#field=velocity&limits=0.1,0.2&theme=dark&follow")
     assert page.evaluate("clastPage.state.limits") == [0.1, 0.2]

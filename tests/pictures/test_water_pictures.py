@@ -5,10 +5,16 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import clast
-from clast.pictures.draw_water import pressures_of, waters_of, with_levels
+from clast.actions.water import pressed_by
+from clast.pictures import canvas
+from clast.pictures.compared_frames import plot_two_frames
+from clast.pictures.draw_water import PALE, dry_of, pressures_of, waters_of, with_levels
 from clast.pictures.figure_options import Look
+from clast.results.frames import absent_in_frame
+from clast.run.excavation import without
 
 matplotlib.use("Agg")
 
@@ -57,3 +63,74 @@ def test_a_picture_without_water_says_nothing_of_it(tmp_path: Path):
     builder.block(vertices=[(0, 0), (1, 0), (0, 1)], fixed=True)
     run = clast.simulate(builder, end=0.002, step=1e-3)
     assert "water" not in clast.plot_results(run, tmp_path / "dry.svg").read_text("utf-8")
+
+
+def test_water_is_drawn_where_it_presses_and_nowhere_else(undercut: clast.Run):
+    """The run's own forces, and by hand: none beside what is dug, nor on what it has laid bare."""
+    results = clast.read(undercut.output)
+    last = len(results.times) - 1
+    (water,) = waters_of(results, last)
+    found = pressures_of(results, (water,), last, results.vertices(last))
+    state = undercut.state
+    model = without(undercut.model, absent_in_frame(results, last))
+    exact = pressed_by(model.water[0], model, state.vertices, state.time)
+    np.testing.assert_allclose(found.ends, exact.ends + results.origin)
+    np.testing.assert_allclose(found.pressure, exact.pressure)
+    before = pressures_of(results, waters_of(results, 0), 0, results.vertices(0))
+    # the sides of both voids, with rock beside them or not
+    for x, high in ((2.0, 2.0), (4.0, 2.0), (-2.0, 1.0), (-1.0, 1.0)):
+        for one, there in ((before, True), (found, False)):
+            along = np.abs(one.ends[..., 0] - x).max(axis=1) < 1e-3
+            along &= (one.ends[..., 1] > -1e-3).all(axis=1) & (one.ends[..., 1] < high + 1e-3).all(
+                axis=1
+            )
+            assert along.any() == there, x
+    # of the floor of the voids and the roof of the closed one nothing is left
+    level = np.abs(np.diff(found.ends[..., 1], axis=1)[:, 0]) < 1e-3
+    middle = found.ends.mean(axis=1)
+    bare = level & (middle[:, 0] > 2.0) & (middle[:, 0] < 4.0) & (np.abs(middle[:, 1]) < 1e-3)
+    bare |= level & (middle[:, 0] > -2.0) & (middle[:, 0] < -1.0) & (middle[:, 1] > -0.5)
+    bare &= middle[:, 1] < 1.1
+    assert not bare.any() and len(found.ends) > 10
+
+
+def test_a_level_stops_where_it_comes_to_a_void(undercut: clast.Run):
+    results = clast.read(undercut.output)
+    (water,) = results.water
+    assert len(dry_of(results, water, 0)) == 0
+    # it comes 0.15 m below the right upper corner of what is dug, and above the closed void
+    dry = dry_of(results, water, len(results.times) - 1)
+    assert dry == pytest.approx(np.array([[2.0, 4.0]]), abs=0.02)
+
+
+@pytest.mark.parametrize("drawn", ["plot", "compared", "film"])
+def test_no_picture_has_water_in_a_void(undercut: clast.Run, monkeypatch, drawn: str):
+    results = clast.read(undercut.output)
+    last = len(results.times) - 1
+    figures: list = []
+    monkeypatch.setattr(canvas, "save", lambda figure, path: figures.append(figure) or path)
+    if drawn == "plot":
+        clast.plot_results(results, "x.png", field="none", contacts=False)
+    elif drawn == "compared":
+        plot_two_frames(results, "x.png", (0, last), field="none")
+    else:
+        from clast.pictures.film.film_frames import FilmLook, FrameDrawer
+
+        drawer = FrameDrawer(results, range(last + 1), FilmLook(field="none"), 800)
+        drawer._draw(last)
+        figures.append(drawer._figure)
+    axes = figures[0].axes[1 if drawn == "compared" else 0]
+    lines = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 1]
+    assert len(lines) == 2 and max(lines[0]) < 2.1 and min(lines[1]) > 3.9
+    blue = [
+        path.vertices
+        for collection in axes.collections
+        if len(collection.get_facecolor())
+        and collection.get_facecolor()[0][:3] == pytest.approx(to_rgb(PALE))
+        for path in collection.get_paths()
+    ]
+    middle = np.array([0.25 * one[:4].sum(axis=0) for one in blue])
+    assert len(middle) > 10
+    for x0, y0, x1, y1 in ((2.05, 0.02, 3.95, 1.9), (-1.95, 0.02, -1.05, 0.98)):
+        inside = (middle > (x0, y0)).all(axis=1) & (middle < (x1, y1)).all(axis=1)
+        assert not inside.any()

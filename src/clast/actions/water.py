@@ -9,13 +9,14 @@ beside it are the effective stress.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Protocol
 
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.actions.pressure import pressure_forces
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.water.water import (
     Water,
@@ -26,10 +27,31 @@ from clast.model.water.water import (
 )
 
 
+class Outlines(Protocol):
+    """Blocks that water may press: a model, or those of a frame."""
+
+    @property
+    def vertex_block(self) -> Ints:
+        """Block of each vertex, shape (nv,)."""
+        ...
+
+    @property
+    def vertex_after(self) -> Ints:
+        """Vertex after each one in its block, shape (nv,)."""
+        ...
+
+    @property
+    def absent(self) -> Bools:
+        """True for blocks that are not there, shape (n,)."""
+        ...
+
+
 @dataclass(frozen=True)
 class Pressed:
     """Pressures on parts of lines: of outer faces, or of both faces of joints."""
 
+    edge: Ints
+    """Edge of the block to the left of each part, shape (k,)."""
     block: Ints
     """Block that lies to the left of each part, shape (k,)."""
     other: Ints
@@ -47,7 +69,7 @@ class Pressed:
         return left, right
 
 
-def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pressed:
+def pressed_by(water: Water, model: Outlines, vertices: Floats, time: float) -> Pressed:
     """Return where a water presses at a time, s, with blocks at ``vertices`` (nv, 2), m.
 
     Excavated blocks are under no pressure, and the joints that they had are empty.
@@ -58,9 +80,11 @@ def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pre
     one, other = faces_of_joints(water.joints, vertices, after)
     joint, ends, lowered = filled(water.joints, one, other)
     joints = wetted(water.surface, ends, lowered)
-    pair = owner[water.joints.edge[joint[joints.line]]]
-    single = owner[water.faces.edge[faces.line]]
+    sides = water.joints.edge[joint[joints.line]]
+    edge = np.concatenate([water.faces.edge[faces.line], sides[:, 0]])
+    pair, single = owner[sides], owner[water.faces.edge[faces.line]]
     found = Pressed(
+        edge,
         np.concatenate([single, pair[:, 0]]),
         np.concatenate([np.full(len(single), -1), pair[:, 1]]),
         np.concatenate([faces.ends, joints.ends]),
@@ -70,7 +94,7 @@ def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pre
     if not absent.any():
         return found
     there = ~absent[found.block] & ((found.other < 0) | ~absent[found.other])
-    return Pressed(found.block[there], found.other[there], found.ends[there], found.pressure[there])
+    return Pressed(*(getattr(found, one.name)[there] for one in fields(Pressed)))
 
 
 @dataclass(frozen=True)

@@ -135,8 +135,7 @@ def _draw_frame(
     else:
         values = SCALARS[field].values(results, number)[drawn]
         unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
-    waters = waters_of(results, number)
-    draw_water(axes, results, waters, pressures_of(results, waters, number, here), seen)
+    draw_water(axes, results, waters_of(results, number), number, seen)
     if edges:
         shown = draw_blocks.within(results, here, *seen)
         draw_edges(axes, edges, seen, width, int(shown.sum()))

@@ -7,22 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
-from clast.model.model import Floats
+from clast.actions.water import pressed_by
+from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.stage_loads import standing
-from clast.model.water.water import (
-    Water,
-    ends_of_faces,
-    faces_of_joints,
-    filled,
-    surface_at,
-    wetted,
-)
+from clast.model.water.water import Water, surface_at
 from clast.pictures.canvas import Part
 from clast.pictures.fields import prefixed
 from clast.pictures.forces import length_of_longest
 from clast.pictures.strokes import following
 from clast.results import Recording
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +31,8 @@ BESIDE = 0.06
 """Place of the triangle, from the left, as a share of the picture."""
 POINTS = 8.0
 """Size of the triangle, points."""
+NEAR = 1e-3
+"""How far above a void a level still belongs to it, as a share of the size of the model."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +41,8 @@ class PressureDiagrams:
 
     ends: Floats
     """Ends of the lines, m, shape (k, 2, 2)."""
+    edge: Ints
+    """Edge that each lies along, or the first of two, shape (k,)."""
     pressure: Floats
     """Pressure at their ends, Pa, shape (k, 2)."""
     sides: Floats
@@ -52,6 +52,15 @@ class PressureDiagrams:
     def largest(self) -> float:
         """Largest pressure, Pa."""
         return float(self.pressure.max(initial=0.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Blocks:
+    """The blocks of a frame, as ``pressed_by`` knows them."""
+
+    vertex_block: Ints
+    vertex_after: Ints
+    absent: Bools
 
 
 def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
@@ -72,25 +81,51 @@ def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
 def pressures_of(
     results: Recording, waters: Sequence[Water], frame: int, here: Floats
 ) -> PressureDiagrams:
-    """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m."""
-    vertices, after = here - results.origin, following(results.block_start)
-    ends, pressure = [np.zeros((0, 2, 2))], [np.zeros((0, 2))]
-    sides = [np.zeros((0, 2))]
-    for water in waters:
-        weight = water.pressure_of_head(float(results.times[frame]))
-        faces = wetted(water.surface, ends_of_faces(water.faces, vertices, after))
-        one, other = faces_of_joints(water.joints, vertices, after)
-        _, middle, lowered = filled(water.joints, one, other)
-        joints = wetted(water.surface, middle, lowered)
-        for found, beside in ((faces, (0.0, 1.0)), (joints, (0.5, 0.5))):
-            ends.append(found.ends + results.origin)
-            pressure.append(weight * found.head)
-            sides.append(np.tile(beside, (len(found.line), 1)))
-    return PressureDiagrams(
-        ends=np.concatenate(ends),
-        pressure=np.concatenate(pressure),
-        sides=np.concatenate(sides),
+    """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m.
+
+    They are those that press in the run: none on blocks that are not there, and none on the faces
+    that these have laid bare.
+    """
+    count = np.diff(results.block_start)
+    blocks = _Blocks(
+        vertex_block=np.repeat(np.arange(len(count)), count),
+        vertex_after=following(results.block_start),
+        absent=absent_in_frame(results, frame),
     )
+    time, vertices = float(results.times[frame]), here - results.origin
+    every = [pressed_by(water, blocks, vertices, time) for water in waters]
+
+    def whole(name: str, *shape: int) -> Floats:
+        return np.concatenate([np.zeros((0, *shape)), *(getattr(one, name) for one in every)])
+
+    in_joint = whole("other")[:, None] >= 0.0
+    return PressureDiagrams(
+        ends=whole("ends", 2, 2) + results.origin,
+        edge=whole("edge").astype(np.int64),
+        pressure=whole("pressure", 2),
+        sides=np.where(in_joint, [0.5, 0.5], [0.0, 1.0]),
+    )
+
+
+def dry_of(results: Recording, water: Water, frame: int) -> Floats:
+    """Return the ranges of x, m, in which a surface lies in what is excavated, (k, 2), in order."""
+    absent = absent_in_frame(results, frame)
+    excavated = absent & ~results.awaited(frame)
+    if not excavated.any():
+        return np.zeros((0, 2))
+    here = results.vertices(frame)
+    low, high = here.min(axis=0), here.max(axis=0)
+    line = shapely.linestrings(_points(water, results, (low, high)))
+    owner = np.repeat(np.arange(len(absent)), np.diff(results.block_start))
+    polygons = shapely.polygons(shapely.linearrings(here, indices=owner))
+    near = NEAR * float(np.hypot(*(high - low)))
+    void = shapely.union_all(shapely.buffer(polygons[excavated], near, join_style="mitre"))
+    rock = polygons[~absent]
+    rock = shapely.union_all(rock[shapely.intersects(rock, line)])
+    parts = shapely.get_parts(shapely.difference(shapely.intersection(line, void), rock))
+    ends = np.reshape([shapely.bounds(part)[[0, 2]] for part in parts], (-1, 2))
+    ends = ends[ends[:, 1] - ends[:, 0] > near]
+    return np.asarray(ends[np.argsort(ends[:, 0])])
 
 
 def with_levels(results: Recording, waters: Sequence[Water], part: Part) -> Part:
@@ -127,14 +162,15 @@ def handles_of_water(waters: Sequence[Water], pressures: PressureDiagrams) -> li
 
 
 def draw_water(
-    axes: Axes, results: Recording, waters: Sequence[Water], pressures: PressureDiagrams, part: Part
+    axes: Axes, results: Recording, waters: Sequence[Water], frame: int, part: Part
 ) -> None:
-    """Draw the levels and the pressures: outside faces, and across joints."""
+    """Draw the levels, but for voids, and the pressures: outside faces, and across joints."""
     from matplotlib.collections import PolyCollection
     from matplotlib.transforms import ScaledTranslation
 
     if not waters:
         return
+    pressures = pressures_of(results, waters, frame, results.vertices(frame))
     if pressures.largest > 0.0:
         axes.add_collection(
             PolyCollection(
@@ -150,8 +186,15 @@ def draw_water(
     up = ScaledTranslation(0.0, 0.5 * POINTS / 72.0, figure.dpi_scale_trans) if figure else None
     for number, water in enumerate(waters):
         points = _points(water, results, part)
-        axes.plot(*points.T, color=BLUE, lw=0.9, zorder=5.5)
+        ends = np.clip(dry_of(results, water, frame), part[0][0], part[1][0])
+        wet = np.reshape([part[0][0], *ends.ravel(), part[1][0]], (-1, 2))
+        for low, high in wet[wet[:, 1] > wet[:, 0]]:
+            inner = points[(points[:, 0] > low) & (points[:, 0] < high), 0]
+            across = np.concatenate([[low], inner, [high]])
+            axes.plot(across, np.interp(across, *points.T), color=BLUE, lw=0.9, zorder=5.5)
         x = float(part[0][0] + (1.0 + 0.7 * number) * BESIDE * (part[1][0] - part[0][0]))
+        if not ((wet[:, 0] < x) & (x < wet[:, 1])).any():
+            x = float(wet[np.diff(wet).argmax()].mean())  # the sign stands on water
         y = float(np.interp(x, *points.T))
         if not part[0][1] <= y <= part[1][1]:
             continue

@@ -119,7 +119,7 @@ def draw_results(
     canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
     outlined = 0.0 if edges else 1.0
     shown = _draw_blocks(sheet, axes, results, number, field, whole, look, outlined)
-    draw_water(axes, results, waters, water, whole)
+    draw_water(axes, results, waters, number, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     draw_bolts.draw_bolts(axes, results.bolts(number))
     draw_layers(above, axes, results, number)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from clast.model.model import Model
@@ -16,6 +17,14 @@ MOST_ROCKS = 8
 """Rocks that a table lists, at most."""
 PARAMETERS = ("fixed_point_stiffness", "critdis", "max_displacement", "dynamic_ratio")
 """Parameters of the method itself."""
+
+
+def version_of(package: str) -> str:
+    """Return the version of an installed package, "unknown" where it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
 
 
 def about_method(method: Method, step: float, end: float) -> dict[str, Any]:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-import clast
 from clast import thumbnails
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event, StageRecord
@@ -34,6 +33,7 @@ from clast.results.frames import (
     frame_of,
     unknown_name,
 )
+from clast.results.provenance import version_of
 from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
@@ -149,7 +149,7 @@ class Recording:
     @property
     def version(self) -> str:
         """Version of the clast that made the run."""
-        return clast.__version__
+        return version_of("clast")
 
     @property
     def _frames(self) -> FrameStore:

@@ -9,7 +9,6 @@ import platform
 import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from clast.results.checkpoints.lineage import extended, read_lineage, write_line
 from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
-from clast.results.provenance import about_model
+from clast.results.provenance import about_model, version_of
 from clast.results.result_tables import GrowingTable
 from clast.results.run_report import Report
 from clast.results.schema import (
@@ -441,12 +440,8 @@ def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, A
 
 def _versions() -> dict[str, str]:
     found = {"Python": platform.python_version(), "HDF5": h5py.version.hdf5_version}
-    for package in ("clast", "numpy", "numba", "scipy", "h5py"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "unknown"
-    return found
+    packages = ("clast", "numpy", "numba", "scipy", "h5py")
+    return found | {package: version_of(package) for package in packages}
 
 
 def _growing(

@@ -151,8 +151,7 @@ class FrameDrawer:
             draw_blocks.paint(
                 free, quantity.values(results, frame)[drawn], self._scale, quantity.unit
             )
-        waters = waters_of(results, frame)
-        draw_water(axes, results, waters, pressures_of(results, waters, frame, here), self._seen)
+        draw_water(axes, results, waters_of(results, frame), frame, self._seen)
         if joints:
             edges = edges_by_joint(results, here, self._start, self._together, absent)
             shown = draw_blocks.within(results, here, *self._seen)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.model.stages.records import counted_from
-from clast.pictures.draw_water import pressures_of, waters_of
+from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import LEVELS, affine, packed, raw
 from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
@@ -268,16 +268,16 @@ def _wetted(about: _About, found: _Rows) -> _Rows:
     return found
 
 
-def _levels(about: _About) -> list[list[int]]:
-    """Return which of the waters of the run press in each frame."""
-    every = about.results.water
-    if not every:
-        return [[] for _ in about.numbers]
-    surfaces = [water.surface.tobytes() for water in every]
-    return [
-        sorted({surfaces.index(one.surface.tobytes()) for one in waters_of(about.results, int(k))})
-        for k in about.numbers
-    ]
+def _levels(about: _About) -> list[list[Any]]:
+    """Return which waters press in each frame, and their ranges of x, m, that lie in voids."""
+    results = about.results
+    surfaces = [water.surface.tobytes() for water in results.water]
+    found: list[list[Any]] = []
+    for number in map(int, about.numbers):
+        here = {surfaces.index(one.surface.tobytes()): one for one in waters_of(results, number)}
+        voids = {k: dry_of(results, here[k], number) - about.origin[0] for k in sorted(here)}
+        found.append([[k, dry.tolist()] for k, dry in voids.items()])
+    return found
 
 
 # Bolts and measured points -----------------------------------------------------------------------

@@ -140,24 +140,35 @@ function legendOfFaces({ run, frame }, name) {
   return largest > 0 ? [line(FACES[name], 4, `${label.toLowerCase()}, up to ${withUnit(largest, unit, 3)}`)] : [];
 }
 
+/** Return the height of a surface at x, m; it is level beyond its ends. */
+function heightOf(surface, x) {
+  const k = surface.findIndex(([at]) => at >= x);
+  if (k < 0) return surface.at(-1)[1];
+  if (k === 0) return surface[0][1];
+  const [[x0, y0], [x1, y1]] = [surface[k - 1], surface[k]];
+  return y0 + ((x - x0) / (x1 - x0)) * (y1 - y0);
+}
+
 /** Draw what water wets, as wide as its pressure is large, and the levels. */
 function drawWater(pen, seen) {
   const { run, view, frame, theme } = seen;
   drawFaces(pen, seen, "water");
-  run.levels[frame].forEach((number, place) => {
+  const [left, right] = [view.worldX(-10), view.worldX(view.width + 10)];
+  run.levels[frame].forEach(([number, dry], place) => {
     const surface = run.scene.waters[number];
-    const [first, last] = [surface[0], surface.at(-1)];
-    const path = [[-1e9, first[1]], ...surface, [1e9, last[1]]].flatMap(([x, y]) => [
-      Math.max(-10, Math.min(view.width + 10, view.screenX(x))),
-      view.screenY(y),
-    ]);
-    pen.lines([path], LEVEL, 1.2);
-    // the sign of a level, on the first part of it that is seen
-    const x = (0.06 + 0.04 * place) * view.width;
-    let k = 2;
-    while (k + 2 < path.length && path[k] < x) k += 2;
-    const share = (x - path[k - 2]) / Math.max(1e-9, path[k] - path[k - 2]);
-    const y = path[k - 1] + share * (path[k + 1] - path[k - 1]);
+    const ends = [left, ...dry.flat().map((x) => Math.max(left, Math.min(right, x))), right];
+    const wet = ends.flatMap((low, k) => (k % 2 === 0 && low < ends[k + 1] ? [[low, ends[k + 1]]] : []));
+    const screen = (x) => [view.screenX(x), view.screenY(heightOf(surface, x))];
+    const paths = wet.map(([low, high]) => {
+      const inner = surface.map(([x]) => x).filter((x) => x > low && x < high);
+      return [low, ...inner, high].flatMap(screen);
+    });
+    pen.lines(paths, LEVEL, 1.2);
+    if (!wet.length) return;
+    // the sign of a level, on the first part of it that is seen, or else on the widest
+    const first = view.worldX((0.06 + 0.04 * place) * view.width);
+    const [low, high] = wet.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));
+    const [x, y] = screen(wet.some((one) => one[0] < first && first < one[1]) ? first : 0.5 * (low + high));
     pen.areas([[x, y, x - 5, y - 9, x + 5, y - 9]], theme.paper);
     pen.lines([[x, y, x - 5, y - 9, x + 5, y - 9, x, y]], LEVEL, 1.2);
   });
