@@ -9,10 +9,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import clast
 from clast.errors import CaseError
 from clast.pictures.page.document import write_page
 from clast.pictures.page.packing import affine, packed
 from clast.pictures.page.scene import scene_of
+from clast.pictures.page.thinning import spread
 
 
 def unpacked(table, width):
@@ -108,21 +110,83 @@ def test_a_page_places_vertices_within_its_levels(wall):
     assert np.abs(found - true).max() < 3e-5 * np.abs(true - true[0]).max()
 
 
-def test_the_largest_contacts_are_kept_and_counted(wall):
-    results = wall(6, 6)
-    scene = scene_of(results, 1e6)
-    wanted = sum(
-        width * table["of"]
-        for width, table in (
-            (26.0, scene["contacts"]),
-            *((16.0, one) for one in scene["faces"].values()),
-        )
+def test_places_of_a_share_lie_evenly():
+    places = np.stack(np.meshgrid(np.arange(40.0), np.arange(25.0)), axis=-1).reshape(-1, 2)
+    angle = np.radians(23.0)
+    turned = 1e5 + places @ [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+    for order in (spread(places), spread(turned)):
+        assert len(np.unique(order)) == 1000
+        for share in (0.5, 0.25, 0.1):
+            kept = (order < share).reshape(5, 5, 8, 5).sum(axis=(1, 3))
+            assert kept.sum() == pytest.approx(1000 * share, abs=1)
+            assert np.abs(kept - 25 * share).max() <= 4
+    for count in (1, 2, 3):
+        assert ((spread(np.zeros((count, 2))) < 1.0).sum()) == count
+
+
+def wanted(scene):
+    """Return the bytes of all contacts and joints of a page."""
+    faces = sum(16 * one["of"] for one in scene["faces"].values())
+    return 26 * scene["contacts"]["of"] + faces
+
+
+def kept_of(table):
+    """Return vertex and force of the contacts of each frame."""
+    vertex = np.frombuffer(zlib.decompress(base64.b64decode(table["vertex"])), np.uint8)
+    vertex = vertex.reshape(4, -1).T.copy().view("<i4").ravel()
+    normal = unpacked(table["normal"], table["shown"])[0]
+    ends = np.cumsum(table["count"])[:-1]
+    return np.split(vertex, ends), np.split(normal, ends)
+
+
+@pytest.mark.parametrize("share", [0.6, 0.3])
+def test_contacts_are_left_out_evenly_and_alike_in_all_frames(wall, share):
+    """The same joints in each frame, from the top to the foot, with the largest force of each."""
+    results = wall(20, 12)
+    every = scene_of(results, 1e9)
+    budget = share * wanted(every)
+    few = scene_of(results, budget)
+    assert few["contacts"]["of"] == every["contacts"]["shown"] == 5 * 19 * 12
+    assert wanted(few) == wanted(every)
+    bytes_of = 26 * few["contacts"]["shown"] + sum(
+        16 * one["shown"] for one in few["faces"].values()
     )
-    every, few = (scene_of(results, budget)["contacts"] for budget in (1e6, 0.41 * wanted))
-    assert every["shown"] == every["of"] == 5 * 30
-    assert few["of"] == every["of"] and few["count"] == [0, *[10] * 5]
-    kept, all_of = (unpacked(one["normal"], one["shown"])[0] for one in (few, every))
-    assert kept[:10].min() >= np.sort(all_of[:30])[-10:].min()
+    assert 0.9 * budget < bytes_of <= budget * 1.02
+    every_vertex, every_force = kept_of(every["contacts"])
+    vertices, forces = kept_of(few["contacts"])
+    for frame in range(1, 6):
+        assert vertices[frame].tolist() == vertices[1].tolist()
+        most = every_force[frame].max()
+        assert forces[frame].max() == pytest.approx(most, rel=1e-4)
+        quarter = np.floor(4.0 * forces[frame] / most * (1 - 1e-3)).astype(int)
+        whole = np.floor(4.0 * every_force[frame] / most * (1 - 1e-3)).astype(int)
+        kept = np.bincount(quarter, minlength=4) / np.bincount(whole, minlength=4)
+        assert np.abs(kept - share).max() < 0.15
+    assert len(every_vertex[1]) == 19 * 12
+
+
+def test_water_that_finds_no_room_is_left_out_at_every_depth(tmp_path):
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e10, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=40.0)
+    for k in range(144):
+        x, y = k % 12, k // 12
+        corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
+        builder.block(vertices=corners, fixed=y == 0)
+    builder.water(12.0, name="gw", acts_on="joints")
+    path = tmp_path / "deep.vtkhdf"
+    run = clast.simulate(builder, end=2e-3, step=1e-3, every=1e-3, dynamic_ratio=0.0, output=path)
+    every = scene_of(run, 1e9)
+    few = scene_of(run, 0.4 * wanted(every))["faces"]["water"]
+
+    def depths(table):
+        return 12.0 - unpacked(table["y0"], table["shown"])[0] - every["origin"][1]
+
+    counts = [
+        np.histogram(depths(one), bins=[-0.1, 3.1, 6.1, 9.1, 12.1])[0]
+        for one in (every["faces"]["water"], few)
+    ]
+    assert np.abs(counts[1] / counts[0] - 0.4).max() < 0.1
 
 
 def test_frames_are_thinned_evenly_and_said(wall):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import LEVELS, affine, packed, raw
 from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
+from clast.pictures.page.thinning import ALWAYS, Rows, spread
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -58,7 +59,7 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
     start = results.vertices(0)
     motion = affine(start, _Frames(results, numbers), results.block_start)
     stages = results.frame_stages
-    about = _About(results, numbers, start.mean(axis=0))
+    about = _About(results, numbers, start)
     return {
         "times": results.times[numbers].tolist(),
         "stages": [stages[n] for n in numbers] if stages else [],
@@ -77,11 +78,17 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _About:
-    """Frames that are shown, and the point that places are relative to."""
+    """Frames that are shown, and the blocks as they were at the start."""
 
     results: Recording
     numbers: Ints
-    origin: Floats
+    start: Floats
+    """Vertices at the start, m, shape (nv, 2)."""
+
+    @property
+    def origin(self) -> Floats:
+        """Point that places are relative to, m, shape (2,)."""
+        return np.asarray(self.start.mean(axis=0))
 
 
 def _gone(results: Recording, numbers: Ints) -> list[list[int]]:
@@ -136,78 +143,24 @@ def _packed_fields(results: Recording, numbers: Ints) -> dict[str, Any]:
 # Contacts and joints -----------------------------------------------------------------------------
 
 
-@dataclass
-class _Rows:
-    """Rows of each frame, and how much each counts where not all are kept.
-
-    As soon as they are more than the budget, no frame keeps more than its part of it: all rows of
-    a large run do not find room in memory.
-    """
-
-    bytes: int
-    """Bytes of a row."""
-    budget: float
-    """Bytes that all tables of a page may take."""
-    frames: int
-    """How many frames there will be."""
-    total: int = 0
-    """Rows of all frames, with those that are not kept."""
-    rows: list[NDArray[Any]] = field(default_factory=list)
-    """Rows of each frame, (m, columns) each."""
-    weight: list[Floats] = field(default_factory=list)
-    """Size of each of them, (m,)."""
-
-    def add(self, rows: NDArray[Any], weight: Floats) -> None:
-        """Add the rows (m, columns) of the next frame."""
-        was_full = self.is_full
-        self.total += len(rows)
-        self.rows.append(rows)
-        self.weight.append(weight)
-        if self.is_full:
-            for frame in range(len(self.rows) - 1 if was_full else 0, len(self.rows)):
-                self._cut(frame, max(1, int(self.budget / (self.frames * self.bytes))))
-
-    @property
-    def is_full(self) -> bool:
-        """Whether not all rows can be kept."""
-        return self.total * self.bytes > self.budget
-
-    def _cut(self, frame: int, most: int) -> None:
-        """Keep at most so many rows of a frame, the largest, in their order."""
-        kept = np.sort(np.argsort(-self.weight[frame], kind="stable")[:most])
-        self.rows[frame], self.weight[frame] = self.rows[frame][kept], self.weight[frame][kept]
-
-    def largest(self, most: int) -> tuple[NDArray[Any], list[int]]:
-        """Return at most so many of each frame, the largest, in their order, and their counts."""
-        for frame in range(len(self.rows)):
-            self._cut(frame, most)
-        return np.concatenate(self.rows), list(map(len, self.rows))
-
-
 def _thinned(about: _About, budget: float) -> dict[str, Any]:
-    """Return contacts and joints; of each the same share of a full frame where room is short."""
-
-    def room(size: int) -> _Rows:
-        return _Rows(size, budget, len(about.numbers))
-
-    contacts = _contacts(about, room(CONTACT_BYTES))
+    """Return contacts and joints; the same share of each, evenly in space, where room is short."""
+    contacts = _contacts(about, Rows(CONTACT_BYTES, budget))
+    order = spread(about.start)
     faces = {}
     for name in FACES:
-        if (filled := _faces(about, name, room(FACE_BYTES))) is not None:
+        if (filled := _faces(about, name, order, Rows(FACE_BYTES, budget))) is not None:
             faces[name] = filled
-    if "worn" in faces and not any(weight.any() for weight in faces["worn"].weight):
+    if "worn" in faces and not any(rows[:, 4].any() for rows in faces["worn"].rows):
         del faces["worn"]
     if about.results.water:
-        faces["water"] = _wetted(about, room(FACE_BYTES))
+        faces["water"] = _wetted(about, order, Rows(FACE_BYTES, budget))
     every = [contacts, *faces.values()]
     wanted = sum(one.bytes * one.total for one in every)
-    frames = len(about.numbers)
 
-    def cut(one: _Rows) -> tuple[NDArray[Any], dict[str, Any]]:
-        share = 1.0 if wanted <= budget else budget / wanted
-        # what frames with few rows leave is not given to others: the cut is the same in all
-        most = max(map(len, one.rows)) if share == 1.0 else max(1, int(share * one.total / frames))
-        flat, count = one.largest(most)
+    def cut(one: Rows) -> tuple[NDArray[Any], dict[str, Any]]:
+        share = min(1.0, budget / max(wanted, 1))
+        flat, count = one.first(int(share * one.total))
         return flat, {"shown": len(flat), "of": one.total, "count": count}
 
     flat, counts = cut(contacts)
@@ -227,8 +180,17 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
     return {"contacts": {**counts, **found}, "faces": joints}
 
 
-def _contacts(about: _About, found: _Rows) -> _Rows:
-    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact, in ``found``."""
+def _contacts(about: _About, found: Rows) -> Rows:
+    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact, in ``found``.
+
+    Those of two blocks stay together, in the order of the smaller one: what passes between the
+    blocks is their sum.
+    """
+    start, first = about.start, about.results.block_start[:-1]
+    count = np.diff(about.results.block_start)[:, None]
+    order = spread(np.add.reduceat(start, first) / count)
+    high, low = np.maximum.reduceat(start, first), np.minimum.reduceat(start, first)
+    size = (high - low).prod(axis=1)
     for number in about.numbers:
         table = about.results.contacts(int(number))
         forces = table.normal_force, table.shear_force
@@ -240,23 +202,38 @@ def _contacts(about: _About, found: _Rows) -> _Rows:
         names = table.vertex, table.edge_block, table.mode, joint
         place = table.position - about.origin
         rows = np.column_stack([place, angle, *forces, *moved, *names])
-        found.add(rows, np.hypot(*forces))
+        pair = np.sort(np.stack([table.vertex_block, table.edge_block]), axis=0)
+        smaller = np.where(size[pair[0]] < size[pair[1]], *pair)
+        largest = np.hypot(*forces).argmax() if len(table) else 0
+        stays = (pair == pair[:, largest : largest + 1]).all(axis=0)
+        found.add(rows, np.where(stays, ALWAYS, order[smaller]))
     return found
 
 
-def _faces(about: _About, name: str, found: _Rows) -> _Rows | None:
-    """Return ends and value of every face of the joints; None for results without them."""
+def _faces(about: _About, name: str, order: Floats, found: Rows) -> Rows | None:
+    """Return ends and value of every face of the joints; None for results without them.
+
+    ``order`` (nv,) is that of their edges.
+    """
     for number in about.numbers:
         try:
             faces = JOINT_FIELDS[name].faces(about.results, int(number))
         except CaseError:  # an earlier clast wrote the file
             return None
         ends = (faces.ends - about.origin).reshape(-1, 4)
-        found.add(np.column_stack([ends, faces.value, faces.edge]), np.abs(faces.value))
+        rows = np.column_stack([ends, faces.value, faces.edge])
+        found.add(rows, _with_largest(order[faces.edge], np.abs(faces.value)))
     return found
 
 
-def _wetted(about: _About, found: _Rows) -> _Rows:
+def _with_largest(order: Floats, size: Floats) -> Floats:
+    """Return an order (m,) in which the row of the largest ``size`` (m,) is always kept."""
+    if len(size):
+        order[size.argmax()] = ALWAYS
+    return order
+
+
+def _wetted(about: _About, order: Floats, found: Rows) -> Rows:
     """Return faces and joints under water with their mean pressures; none are told by an edge."""
     for number in map(int, about.numbers):
         waters = waters_of(about.results, number)
@@ -264,7 +241,7 @@ def _wetted(about: _About, found: _Rows) -> _Rows:
         ends = (wet.ends - about.origin).reshape(-1, 4)
         pressure = wet.pressure.mean(axis=1)
         rows = np.column_stack([ends, pressure, np.full(len(ends), -1.0)])
-        found.add(rows, pressure)
+        found.add(rows, _with_largest(order[wet.edge], pressure))
     return found
 
 

@@ -13,7 +13,7 @@ import { drawLegend, fillLegend, heightOfLegend } from "./legend.js";
 import { CanvasPen, SvgPen } from "./pens.js";
 import { Live } from "./live.js";
 import { LivePanel } from "./live_panel.js";
-import { fillReport } from "./report.js";
+import { eventsShown, fillReport } from "./report.js";
 import { View, followPointers } from "./view.js";
 
 const LIGHT = {
@@ -158,7 +158,7 @@ export class Page {
     const { of } = run.scene.frames;
     const count = (number) => number.toLocaleString("en");
     const part = (what, { shown, of: all }) =>
-      shown < all ? `the largest ${count(shown)} of ${count(all)} ${what}` : `${count(all)} ${what}`;
+      shown < all ? `${count(shown)} of ${count(all)} ${what} (evenly in space)` : `${count(all)} ${what}`;
     const said = [`${count(run.blockCount)} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
     if (run.contacts.of) said.push(part("contacts", run.contacts));
     const faces = { slip: "slips of joints", opening: "openings of joints", worn: "worn joints", water: "wet faces" };
@@ -187,7 +187,7 @@ export class Page {
     run.stages.forEach((stage, k, all) => {
       if (k === 0 || stage !== all[k - 1]) mark("stage-tick", k, `Stage ${stage} begins`);
     });
-    for (const event of run.scene.events.slice(0, 200)) {
+    for (const event of eventsShown(run.scene)) {
       if (event.time >= first && event.time <= last) mark("event-tick", run.frameAt(event.time), event.text);
     }
   }

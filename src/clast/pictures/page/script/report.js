@@ -1,11 +1,21 @@
 // How the run went, in words.
 
+const MOST_EVENTS = 200;
+
+/** Return the events that are shown: of many, as many evenly over the run. */
+export function eventsShown({ events }) {
+  if (events.length <= MOST_EVENTS) return events;
+  const at = (k) => Math.round((k * (events.length - 1)) / (MOST_EVENTS - 1));
+  return Array.from({ length: MOST_EVENTS }, (_, k) => events[at(k)]);
+}
+
 /**
  * Write the report of a run into an element, in the place of what was there.
  * @param {HTMLElement} place @param {any} scene
  */
 export function fillReport(place, scene) {
   const { report, events } = scene;
+  const shown = eventsShown(scene);
   place.replaceChildren();
   const say = (kind, text) => {
     const element = document.createElement(kind);
@@ -28,7 +38,7 @@ export function fillReport(place, scene) {
     ["Stages", report.stages ?? []],
     ["Warnings", report.warnings ?? []],
     ["Notes", report.notes ?? []],
-    ["Events", events.slice(0, 200).map(({ text }) => text)],
+    [shown.length < events.length ? `Events, ${shown.length} of ${events.length}` : "Events", shown.map(({ text }) => text)],
   ];
   for (const [heading, texts] of lists) {
     if (!texts.length) continue;
