@@ -15,7 +15,7 @@ from clast.errors import CaseError
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.compared_frames import plot_two_frames
 from clast.pictures.figure_options import LAYERS, Look
-from clast.pictures.histories import plot_histories
+from clast.pictures.histories import _lines, plot_histories
 from clast.pictures.joints.joint_values import resultants_of
 from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
 from scenes.drawings import text_of
@@ -184,3 +184,41 @@ def test_numbers_below_a_colour_bar_do_not_touch(width, limits):
     seen = sorted((box.x0, box.x1) for box in boxes if box.width > 0.0)
     assert len(seen) >= 2
     assert all(left[1] + 3.0 < right[0] for left, right in itertools.pairwise(seen))
+
+
+@pytest.mark.parametrize(
+    ("name", "panels"),
+    [
+        ("crown", {"Displacement", "Reaction", "Moment of reactions", "N of", "Q of", "M of"}),
+        ("point:crown", {"Displacement"}),
+        ("lining:crown", {"N of", "Q of", "M of"}),
+        ("reaction:crown", {"Reaction", "Moment of reactions"}),
+    ],
+)
+def test_names_of_two_kinds_do_not_hide_each_other(sprayed, tmp_path, name, panels):
+    """A point, a reaction and a lining are called "crown": each is drawn, with its own values."""
+    results = clast.read(sprayed.output)
+    lines = _lines(results, name)
+    assert {line.quantity.removesuffix(" linings") for line in lines} == panels
+    for line in lines:
+        if line.label == "crown, y" and line.quantity == "Displacement":
+            assert np.array_equal(line.value, results.history("crown").displacement[:, 1])
+        if line.label == "crown, y" and line.quantity == "Reaction":
+            assert np.array_equal(line.value, results.reaction("crown").force[:, 1])
+        if line.quantity == "N of linings" and line.label == "crown, least":
+            assert np.array_equal(line.value, results.lining("crown").normal_force.min(axis=1))
+    plot_histories(results, tmp_path / "crown.svg", [name])
+
+
+def test_what_is_called_as_the_ledger_does_not_hide_it(tmp_path):
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
+    builder.block(vertices=[(0, 0), (1, 0), (0, 1)], name="steps")
+    for name in ("energy", "steps"):
+        builder.measured_point(name, (0.2, 0.2), block="steps")
+    run = clast.simulate(builder, end=0.01, step=1e-3)
+    assert {line.quantity for line in _lines(run, "energy")} == {"Displacement", "Energy"}
+    assert {line.quantity for line in _lines(run, "run:energy")} == {"Energy"}
+    assert {line.quantity for line in _lines(run, "steps")} > {"Displacement", "Step"}
+    with pytest.raises(CaseError, match="there is no history 'bolt:energy'"):
+        _lines(run, "bolt:energy")

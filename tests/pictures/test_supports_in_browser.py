@@ -195,3 +195,25 @@ def test_live_frames_join_where_blocks_go_and_come(opened, sprayed, cut):
     )
     assert found == whole and sum(map(len, whole)) == 2 * int(results.lined.sum()) + 1
     assert page.faults == []
+
+
+def test_names_of_two_kinds_do_not_hide_each_other_on_a_page(opened, sprayed):
+    """A block, a point, a reaction and a lining are called "crown"."""
+    results = clast.read(sprayed.output)
+    page = opened(results)
+    wanted = {
+        "Point crown, displacement": results.history("crown").displacement[-1, 0],
+        "Reaction crown, force": results.reaction("crown").force[-1, 0],
+        "Lining crown, M": results.lining("crown").moment[-1].max(),
+    }
+    for name, value in wanted.items():
+        page.select_option("[data-part=curve]", label=name)
+        settled(page)
+        shown = page.evaluate("clastPage.charts.curve.lines[0].values.at(-1)")
+        assert shown == pytest.approx(float(f"{value:.6g}"), rel=1e-9, abs=1e-15), name
+    number = results.block_name.index("crown")
+    page.evaluate(f"clastPage.choose({{ chosen: {number} }})")
+    settled(page)
+    assert "Block crown" in page.inner_text("[data-part=chosen]")
+    assert page.evaluate("clastPage.charts.curve.name") == "Block crown, Displacement"
+    assert page.faults == []

@@ -49,8 +49,9 @@ def plot_histories(
     """Draw histories over the same abscissa, a panel for each quantity; return the path.
 
     ``names`` are measured points, bolts, measured contacts, reactions, links, linings, "energy" or
-    "steps"; ``against`` is "time", or a displacement of a measured point: "crown:y".  Raises
-    CaseError for names that do not exist.
+    "steps": everything that is called so, or one kind of it, as "lining:crown".  ``against`` is
+    "time", or a displacement of a measured point: "crown:y".  Raises CaseError for names that do
+    not exist.
     """
     lines = [line for name in names for line in _lines(results, name)]
     panels: dict[tuple[str, str], list[_Line]] = {}
@@ -117,24 +118,35 @@ def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats],
 
 
 def _lines(results: Recording, name: str) -> list[_Line]:
-    """Return the lines that belong to a name; raises CaseError where nothing is called so."""
-    kinds = {
-        **dict.fromkeys(results.point_name, _of_point),
-        **dict.fromkeys(results.bolt_name, _of_bolt),
-        **dict.fromkeys(results.measured_contact_name, _of_contact),
-        **dict.fromkeys(results.reaction_name, _of_reaction),
-        **dict.fromkeys(results.link_name, _of_link),
-        **dict.fromkeys(results.lining_name, _of_lining),
-    }
-    kinds.setdefault("energy", _of_energy)
-    kinds.setdefault("steps", _of_steps)
-    if name not in kinds:
+    """Return the lines of everything called so, or of one kind of it: "lining:crown".
+
+    Raises CaseError where nothing is called so.
+    """
+    kinds: tuple[tuple[str, Sequence[str], Callable[[Recording, str], list[_Line]]], ...] = (
+        ("point", results.point_name, _of_point),
+        ("bolt", results.bolt_name, _of_bolt),
+        ("contact", results.measured_contact_name, _of_contact),
+        ("reaction", results.reaction_name, _of_reaction),
+        ("link", results.link_name, _of_link),
+        ("lining", results.lining_name, _of_lining),
+        ("run", ("energy",), _of_energy),
+        ("run", ("steps",), _of_steps),
+    )
+    lines = [
+        line
+        for kind, names, lines_of in kinds
+        for one in dict.fromkeys((name, name.removeprefix(f"{kind}:")))
+        if one in names
+        for line in lines_of(results, one)
+    ]
+    if not lines:
+        known = list(dict.fromkeys(one for _, names, _ in kinds for one in names))
         raise CaseError(
             f"there is no history '{name}'",
             where="history",
-            remedy=spelling.advice(name, list(kinds), kind="history"),
+            remedy=spelling.advice(name, known, kind="history"),
         )
-    return kinds[name](results, name)
+    return lines
 
 
 def _of_point(results: Recording, name: str) -> list[_Line]:

@@ -188,8 +188,13 @@ class RunResults:
         return moved(model, model.vertices, self.run.state.vertices)
 
     def _history(self, name: str) -> Any:
-        points = self.run.model.measured_points.name
-        return self.run.history(name) if name in points else self.run.block(name)
+        model = self.run.model
+        if name in model.measured_points.name:
+            return self.run.history(name)
+        if name in model.block_name:
+            return self.run.block(name)
+        kind, _, own = name.partition(":")
+        return self.run.block(own) if kind == "block" else self.run.history(own)
 
     def _along(self, joint: str, column: str) -> Any:
         """Return a column of the last contacts along a joint."""
@@ -259,9 +264,14 @@ CONDITIONS = ("fails", "bolt_yields")
 
 
 def known_names(model: Model) -> dict[str, Sequence[str]]:
-    """Return the possible arguments of measures in a model."""
+    """Return the possible arguments of measures in a model.
+
+    A point goes before a block of its name, unless it is "block:crown".
+    """
+    points, blocks = model.measured_points.name, model.block_name
+    of_both = [(kind, one) for one in sorted({*points} & {*blocks}) for kind in ("point", "block")]
     return {
-        "point or block": (*model.measured_points.name, *model.block_name),
+        "point or block": (*points, *blocks, *(f"{kind}:{one}" for kind, one in of_both)),
         "part": PARTS,
         "bolt": model.bolts.name,
         "link": model.links,
