@@ -16,7 +16,7 @@ from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import LEVELS, affine, packed, raw
 from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
-from clast.pictures.page.thinning import ALWAYS, Rows, spread
+from clast.pictures.page.thinning import ALWAYS, Rows, room_of_each, spread
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -144,7 +144,7 @@ def _packed_fields(results: Recording, numbers: Ints) -> dict[str, Any]:
 
 
 def _thinned(about: _About, budget: float) -> dict[str, Any]:
-    """Return contacts and joints; the same share of each, evenly in space, where room is short."""
+    """Return contacts and joints; where room is short, a share of them evenly in space."""
     contacts = _contacts(about, Rows(CONTACT_BYTES, budget))
     order = spread(about.start)
     faces = {}
@@ -155,12 +155,10 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
         del faces["worn"]
     if about.results.water:
         faces["water"] = _wetted(about, order, Rows(FACE_BYTES, budget))
-    every = [contacts, *faces.values()]
-    wanted = sum(one.bytes * one.total for one in every)
+    room = room_of_each([one.bytes * one.total for one in (contacts, *faces.values())], budget)
 
     def cut(one: Rows) -> tuple[NDArray[Any], dict[str, Any]]:
-        share = min(1.0, budget / max(wanted, 1))
-        flat, count = one.first(int(share * one.total))
+        flat, count = one.first(int(room / one.bytes))
         return flat, {"shown": len(flat), "of": one.total, "count": count}
 
     flat, counts = cut(contacts)

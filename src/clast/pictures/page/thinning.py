@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,6 +36,17 @@ def spread(places: Floats) -> Floats:
         digit = (rank >> bit & 1) ^ flip[((rank >> bit + 1) << bit) + found]
         found = 2 * found + digit
     return np.asarray((found + 0.5) / 2**bits)
+
+
+def room_of_each(sizes: Sequence[int], budget: float) -> float:
+    """Return how many bytes of a budget each table may take: small ones leave theirs to others."""
+    left = budget
+    for number, size in enumerate(sorted(sizes)):
+        room = left / (len(sizes) - number)
+        if size >= room:
+            return room
+        left -= size
+    return budget
 
 
 @dataclass
