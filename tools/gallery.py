@@ -28,7 +28,7 @@ from clast.pictures.plot import plot_results
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 FRAMES = 60
 """Frames of a page at most: the site is to stay small."""
-BUDGET = 1e6
+BUDGET = 5e6
 """Bytes of contacts and joints before they are compressed."""
 BLOCK = re.compile(r"^```(python|toml)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
