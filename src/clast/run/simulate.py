@@ -278,12 +278,13 @@ def simulate(
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
     march.recorder.start(march.now.state, _about(method, schedule))
     failure, outcome, ended_by = "", "the run reached its end", 0
+    cause: Exception | None = None
     with held_back() as let_go, threads_worth(model.block_count):
         try:
             march.to_the_end(let_go)
         except (StepRejected, ResultsLost, ActionFault) as gave_up:
             march.count_cuts(getattr(gave_up, "cuts", 0))
-            failure = str(gave_up)
+            failure, cause = str(gave_up), gave_up
             outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
@@ -299,7 +300,7 @@ def simulate(
             report = replace(report, seconds={**report.seconds, "compilation": compiling})
         run = replace(march.recorder.finish(report), ended_by=ended_by)
     if failure:
-        raise RunStopped(f"the run {outcome}", run)
+        raise RunStopped(f"the run {outcome}", run) from cause
     return run
 
 

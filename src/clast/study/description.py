@@ -445,6 +445,8 @@ KEYS: dict[str, type] = {
 """Keys of ``study.toml`` and the kinds of their values."""
 KEYS_OF_PARAMETER: dict[str, type] = {"name": str, "paths": list, "is": str}
 """Keys of a parameter."""
+KEYS_OF_FACTOR: dict[str, type] = {"by": str, "joints": list}
+"""Keys of how a factor is looked for that are no numbers, which are checked where they are used."""
 WORDS = {
     int: "a whole number",
     str: "a text",
@@ -462,6 +464,9 @@ def described(text: str, file: str) -> Description:
     _check_kinds(content, KEYS, file)
     for row in content.get("vary", ()):
         _check_kinds(row, KEYS_OF_PARAMETER, f"{file}, vary")
+    words = {key: content.get("factor", {}).get(key) for key in KEYS_OF_FACTOR}
+    given = {key: value for key, value in words.items() if value is not None}
+    _check_kinds(given, KEYS_OF_FACTOR, f"{file}, factor")
     for key in ("kind", "case"):
         if key not in content:
             raise CaseError(f"lacks the key '{key}'", where=file, remedy=REMADE)

@@ -8,10 +8,12 @@ the study finds all finished runs.
 
 from __future__ import annotations
 
-import errno
+import ast
 import logging
 import os
+import sys
 import time
+import tokenize
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -26,11 +28,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing import get_context
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
-from clast.errors import CaseError
+from clast.errors import CaseError, ResultsLost
 from clast.study.folder import NO_RESULT, StudyFolder
-from clast.study.work import make_runs
+from clast.study.work import Bench, make_runs
 from clast.study.worker_start import start_worker
 
 TRIES = 3
@@ -39,8 +41,8 @@ PORTION = 50
 """Runs that a worker makes at most before it is renewed."""
 ANSWERS, BEGINS = 10, 60
 """How long a scheduler is waited for, and its first worker, s."""
-UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
-"""Errors of the system that no other try mends."""
+MODULE = "<module>"
+"""How Python calls the code of a script outside of its functions."""
 TELL_EVERY = 0.5
 """Time between looks at how far a study is, s."""
 
@@ -75,6 +77,9 @@ Watch = Callable[[StudyProgress], None]
 class Workers(Protocol):
     """Those who make runs, by places."""
 
+    portion: ClassVar[int]
+    """Runs that they are given at a time, at most."""
+
     @property
     def places(self) -> int:
         """Portions that are made at a time."""
@@ -86,10 +91,38 @@ class Workers(Protocol):
         """Have a new worker at a place: the old one has died, or is to be renewed."""
 
 
+@dataclass(frozen=True)
+class ThisProcess:
+    """One run after the other in this process."""
+
+    bench: Bench
+    """What its runs have in common."""
+    portion: ClassVar[int] = 1
+    places: ClassVar[int] = 1
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> ThisProcess:
+        """Return this process as who makes the runs of a study."""
+        return cls(Bench.of(folder))
+
+    def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
+        """Make the runs that are not done, now; their errors are raised here."""
+        missing = [run for run in runs if self.bench.folder.result(run) is None]
+        for run in missing:
+            self.bench.make(run)
+        made: Future[int] = Future()
+        made.set_result(len(missing))
+        return made
+
+    def renew(self, place: int) -> None:
+        """Do nothing: it is the only one."""
+
+
 @dataclass
 class Processes:
     """Processes of this machine, one at each place."""
 
+    portion: ClassVar[int] = PORTION
     places: int
     """How many."""
     _pools: dict[int, ProcessPoolExecutor] = field(default_factory=dict)
@@ -134,6 +167,7 @@ class Processes:
 class Foreign:
     """An executor of somebody else: Dask, Parsl, mpi4py.futures; it renews workers itself."""
 
+    portion: ClassVar[int] = PORTION
     executor: Executor
     """The executor."""
     workers: Callable[[], int]
@@ -174,10 +208,13 @@ class Driver:
     idle: int = 0
     """Portions in a row of which no run was begun."""
 
-    def make(self, runs: Iterator[int], total: int) -> None:
-        """Make runs, of ``total`` at most; raises the executor's error where it has ended."""
-        self._total, self._began = total, time.monotonic()
-        self._before = self.folder.study.n - total
+    def make(self, runs: Iterator[int], left: int, total: int) -> None:
+        """Make runs, of which so many are ``left`` of a ``total``.
+
+        Raises the executor's error where it has ended, and ResultsLost where files of the study
+        cannot be written.
+        """
+        self._left, self._total, self._began = left, total, time.monotonic()
         self._handed = 0
         going: dict[Future[int], tuple[int, list[int]]] = {}
         again: list[list[int]] = []
@@ -203,8 +240,8 @@ class Driver:
 
     def _portion(self, runs: Iterator[int]) -> list[int]:
         """Return the next runs to hand out: fewer towards the end."""
-        left = self._total - self._handed
-        size = min(PORTION, max(1, left // (3 * self.workers.places)))
+        left = self._left - self._handed
+        size = min(self.workers.portion, max(1, left // (3 * self.workers.places)))
         portion = list(islice(runs, size))
         self._handed += len(portion)
         return portion
@@ -224,15 +261,8 @@ class Driver:
         if error is None and not left:
             self.idle = 0
             return []
-        if isinstance(error, KeyboardInterrupt):
+        if isinstance(error, KeyboardInterrupt | ResultsLost):
             raise error
-        if isinstance(error, OSError) and error.errno in UNWRITABLE:
-            raise CaseError(
-                f"cannot be written: {error.strerror}",
-                where=str(self.folder.path),
-                remedy="make room, or check its permissions; finished runs are kept; continue with "
-                f"clast study resume {self.folder.path}",
-            )
         if error is not None and not left:
             self.workers.renew(place)
             return []
@@ -284,8 +314,8 @@ class Driver:
         made = self._handed - at_work
         self.watch(
             StudyProgress(
-                done=self._before + made,
-                total=self.folder.study.n,
+                done=self._total - self._left + made,
+                total=self._total,
                 lost=len(self.tries),
                 seconds=time.monotonic() - self._began,
                 made=made,
@@ -293,44 +323,57 @@ class Driver:
         )
 
 
-def in_this_process(
-    folder: StudyFolder, runs: Iterator[int], total: int, left: int, watch: Watch | None = None
-) -> None:
-    """Make runs one after the other, without any other process: those of an array job.
-
-    Of its ``total`` runs so many are ``left``.
-    """
-    from clast.study.work import Bench
-
-    bench = Bench.of(folder)
-    began, made = time.monotonic(), 0
-    for run in runs:
-        if folder.result(run) is None:
-            bench.make(run)
-        made += 1
-        if watch is not None:
-            seconds, done = time.monotonic() - began, total - left + made
-            watch(StudyProgress(done=done, total=total, lost=0, seconds=seconds, made=made))
-
-
 @contextmanager
-def workers_of(executor: Any, count: int | None, scheduler: str) -> Iterator[Workers]:
-    """Give who makes runs: processes where neither an executor nor a scheduler is given.
+def workers_of(
+    folder: StudyFolder, executor: Any, count: int | None, scheduler: str
+) -> Iterator[Workers]:
+    """Give who makes the runs of a study: processes where no executor and no scheduler is given.
 
-    They end with the block, at once where it is left by an error.
+    They end with the block, at once where it is left by an error.  One alone is this process.
     """
     if scheduler:
         with _of_dask(scheduler) as (pool, workers):
             yield Foreign(pool, workers if count is None else lambda: count)
     elif executor is not None:
         yield Foreign(executor, lambda: count or _workers_in(executor))
+    elif (count or os.cpu_count() or 1) == 1:
+        yield ThisProcess.of(folder)
     else:
+        check_guard()
         own, now = Processes(count or os.cpu_count() or 1), True
         try:
             yield own
             now = False
         finally:
             own.close(now=now)
+
+
+def check_guard() -> None:
+    """Raise CaseError where new processes would run the script again that asks for them.
+
+    Each of them begins with the main script, under another name than ``__main__``.
+    """
+    main, frame = sys.modules["__main__"], sys._getframe()
+    while frame.f_back and not (frame.f_globals is vars(main) and frame.f_code.co_name == MODULE):
+        frame = frame.f_back
+    file = getattr(main, "__file__", None)
+    name = getattr(getattr(main, "__spec__", None), "name", "")
+    if frame.f_globals is not vars(main) or file is None or name.endswith("__main__"):
+        return
+    try:
+        with tokenize.open(file) as source:
+            tree = ast.parse(source.read())
+    except (OSError, SyntaxError, ValueError):
+        return
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and node.lineno <= frame.f_lineno <= (node.end_lineno or 0):
+            if any(getattr(one, "id", "") == "__name__" for one in ast.walk(node.test)):
+                return
+    raise CaseError(
+        "asks for workers, which are new processes, each of which would run this script again",
+        where=f"{file}, line {frame.f_lineno}",
+        remedy='put it under if __name__ == "__main__":, or give workers=1, which is this process',
+    )
 
 
 def _workers_in(executor: Any) -> int:

@@ -24,7 +24,7 @@ import numpy as np
 from scipy import optimize, stats
 
 from clast.case.case_file import Case
-from clast.errors import CaseError, ClastError
+from clast.errors import CaseError, ClastError, ResultsLost
 from clast.inputs.declaring import text as case_text
 from clast.study import trial_table
 from clast.study.description import FIT, Description, parameters_of
@@ -137,7 +137,10 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
             where="--array",
             remedy="give --workers N, or --scheduler",
         )
-    with folder.driven(), workers_of(made.executor, made.workers, made.scheduler) as workers:
+    with (
+        folder.driven(),
+        workers_of(folder, made.executor, made.workers, made.scheduler) as workers,
+    ):
         if made.retry:
             for result in folder.results():
                 if result["status"] != DONE:
@@ -153,8 +156,8 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
             found = smoothed(fitting, study.vary, how)
         else:
             found = least_squares(fitting, [one.name for one in study.vary])
-    found = found.in_folder(folder.path)
-    _write(folder, found)
+        found = found.in_folder(folder.path)
+        _write(folder, found)
     return found
 
 
@@ -187,6 +190,8 @@ def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
             ftol=1e-10,
             max_nfev=MOST_PLACES,
         )
+    except ResultsLost:
+        raise
     except ClastError as error:
         raise CaseError(
             f"a run of the back-analysis cannot continue: {' '.join(str(error).split())}",

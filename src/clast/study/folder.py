@@ -11,14 +11,20 @@ A run is made in a folder of its own beside its place, which takes its name when
 run is there as a whole or not at all, and a run that is made twice does no harm.  Runs lie by ten
 thousand in a folder, which is listed as one: a study of a million is read without holding
 more than that.
+
+A result counts where its file is one that was written here and was not changed since, with the
+parameters that its run has in the study; otherwise there is none, and the run is made again.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import shutil
 import socket
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -28,10 +34,12 @@ from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
-from clast.errors import CaseError
+from clast.errors import CaseError, ClastError, ResultsLost
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
+from clast.results.checkpoints.regular_files import content_of as content_of_file
+from clast.results.output import fresh
 from clast.study.description import COLLAPSE, FIT, Description, described
 from clast.study.trial_cases import content_of
 from clast.study.variables.distributions import Value
@@ -44,6 +52,16 @@ SHARD = 10_000
 """Runs in a folder."""
 DONE, NO_RESULT = "done", "no result"
 """Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
+PART = re.compile(rf"\.{re.escape(STUDY)}\.[0-9]+")
+"""What is left, with the case, of a study that was ended before its first run."""
+CHECKSUM = "checksum"
+"""Key of a result with the hash of all others."""
+LARGEST_RESULT = 100_000_000
+"""Results above this size are not read, bytes."""
+SAME = 1e-9
+"""Relative difference of parameters that are the same: machines may round otherwise."""
+STALE = 86_400.0
+"""Time after which nobody is at the files of a run that another machine has left, s."""
 NAMES_FILE = "file"
 """Key of all tables of a case that names a file beside it."""
 
@@ -64,15 +82,15 @@ class StudyFolder:
         Another study of which no run has been begun is replaced.  Raises CaseError where another
         one, or anything else, is there.
         """
-        content = content_of(case)
-        named = {name: _bytes_of(case, name) for name in _files_in(content)}
+        tables = content_of(case)
+        named = {name: _bytes_of(case, name) for name in _files_in(tables)}
         places = {name: f"files/{k}-{Path(name).name}" for k, name in enumerate(named, 1)}
-        text = case_text.to_toml(_with_files(content, places))
+        text = case_text.to_toml(_with_files(tables, places))
         parts = [text.encode("utf-8"), *named.values()]
         hashed = _hash_of(parts)
         study = replace(study, case=f"{BASE}/{hashed}/{CASE}").checked()
         make_folder(path)
-        there = path / STUDY
+        there, base = path / STUDY, path / BASE / hashed
         if there.exists():
             found = cls.opened(path)
             if found.study.text == study.text:
@@ -84,19 +102,19 @@ class StudyFolder:
                     remedy=f"choose another folder, or continue it: clast study resume {path}",
                 )
             with found.driven():  # it has no run: nothing is lost with it
-                shutil.rmtree(path / BASE, ignore_errors=True)
-        elif any(path.iterdir()):
+                _remove(path / BASE)
+        elif any(not (one.name == BASE or PART.fullmatch(one.name)) for one in path.iterdir()):
             raise CaseError(
                 "is not empty, and does not contain a study",
                 where=str(path),
                 remedy="choose another folder; it is made if it does not exist",
             )
-        base = path / BASE / hashed
-        (base / "files").mkdir(parents=True, exist_ok=True)
-        for name, place in places.items():
-            (base / place).write_bytes(named[name])
-        (base / CASE).write_text(text, encoding="utf-8")
-        write_whole(there, study.text.encode("utf-8"))
+        with writing(path):
+            (base / "files").mkdir(parents=True, exist_ok=True)
+            for place, content in zip(places.values(), parts[1:], strict=True):
+                write_whole(base / place, content)
+            write_whole(base / CASE, parts[0])
+            write_whole(there, study.text.encode("utf-8"))
         return cls(path, study)
 
     @classmethod
@@ -117,8 +135,8 @@ class StudyFolder:
         file = self.path / self.study.case
         text = case_text.read_text(file, MOVED)
         found = (file.parent / "files").glob("[0-9]*-*")
-        files = sorted(found, key=lambda one: int(one.name.partition("-")[0]))
-        parts = [text.encode("utf-8"), *(one.read_bytes() for one in files)]
+        files = sorted(found, key=lambda one: (len(one.name.partition("-")[0]), one.name))
+        parts = [text.encode("utf-8"), *(case_text.read_bytes(one, MOVED) for one in files)]
         if _hash_of(parts) != file.parent.name:
             raise CaseError(
                 "has changed since the study was begun, or a file beside it has",
@@ -138,24 +156,16 @@ class StudyFolder:
     def driven(self) -> Iterator[None]:
         """Keep other drivers out in the block.
 
-        Raises CaseError where one is at work, and where the folder cannot be written.
+        Raises CaseError where one is at work, and where a file of the study cannot be written.
         """
-        try:
-            opened = (self.path / STUDY).open("r+b")
-        except OSError as error:
-            raise CaseError(
-                f"cannot be written: {error.strerror}",
-                where=str(self.path),
-                remedy="change its permissions, or continue a copy of it",
-            ) from None
-        with opened as file:
+        with writing(self.path), (self.path / STUDY).open("r+b") as file:
             if not locks.claim(file):
                 raise CaseError(
                     "is in use by another clast study",
                     where=str(self.path),
                     remedy="wait for it, or stop it; finished runs are kept",
                 )
-            self._tidy()
+            self.tidy()
             yield
 
     # Runs ----------------------------------------------------------------------------------------
@@ -174,48 +184,56 @@ class StudyFolder:
         return self.path / ASKED
 
     def asked(self) -> list[tuple[float, ...]]:
-        """Return the parameters of the runs that a back-analysis has asked for, from run 1 on."""
-        if not self.asked_file.exists():
-            return []
-        text = case_text.read_text(self.asked_file)
-        return [tuple(map(float, json.loads(line))) for line in text.splitlines()]
+        """Return the parameters of the runs that a back-analysis has asked for, from run 1 on.
+
+        Those behind a damaged line are not among them: the search asks for them again.
+        """
+        asked: list[tuple[float, ...]] = []
+        with suppress(OSError, ValueError, TypeError, OverflowError, RecursionError, CaseError):
+            for line in content_of_file(self.asked_file, LARGEST_RESULT).splitlines():
+                asked.append(tuple(map(float, json.loads(line))))
+        return asked
 
     def result(self, run: int) -> dict[str, Any] | None:
         """Return the result of a run; None where it is not done, damaged, or of another study."""
         try:
-            found = json.loads((self.place(run) / RESULT).read_bytes())
-        except (OSError, ValueError):
+            found = json.loads(content_of_file(self.place(run) / RESULT, LARGEST_RESULT))
+            is_result = self._is_result(found, run)
+        except (OSError, ValueError, OverflowError, RecursionError, IndexError, CaseError):
             return None
-        return found if _is_whole(found, run, self.study) else None
+        return found if is_result else None
 
     @contextmanager
     def making(self, run: int) -> Iterator[Path]:
         """Give a folder that becomes that of a run when the block ends well.
 
         It has the files of whoever was killed at the run on this machine, where a checkpoint is
-        among them; such a folder is left where the block ends by an error.
+        among them; such a folder is left where the block ends by an error.  Raises ResultsLost
+        where a file of the run cannot be written.
         """
         place = self.place(run)
-        place.parent.mkdir(parents=True, exist_ok=True)
         part = place.with_name(f".{place.name}.{socket.gethostname()}.{os.getpid()}")
-        if not self._goes_on(part):
-            shutil.rmtree(part, ignore_errors=True)
-            self._take_over(run, part)
-        part.mkdir(exist_ok=True)
-        try:
-            yield part
-            if place.exists() and self.result(run) is None:
-                shutil.rmtree(place)
-            with suppress(OSError):  # somebody else has done it meanwhile: the same
-                os.rename(part, place)
-            shutil.rmtree(part, ignore_errors=True)
-        finally:
+        with writing(self.path):
+            place.parent.mkdir(parents=True, exist_ok=True)
             if not self._goes_on(part):
-                shutil.rmtree(part, ignore_errors=True)
+                _remove(part)
+                self._take_over(run, part)
+            part.mkdir(exist_ok=True)
+            try:
+                yield part
+                if self.result(run) is None:
+                    _remove(place)
+                    os.rename(part, place)
+                _remove(part)  # where somebody else has done it meanwhile: the same
+            finally:
+                if not self._goes_on(part):
+                    shutil.rmtree(part, ignore_errors=True)
 
     def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
         """Write the result of a run into its folder, last of all."""
-        text = json.dumps({"study": self.study.hash, **result}, ensure_ascii=False, indent=1)
+        whole = {"study": self.study.hash, **result}
+        whole[CHECKSUM] = _checksum(whole)
+        text = json.dumps(whole, ensure_ascii=False, indent=1)
         write_whole(part / RESULT, (text + "\n").encode("utf-8"))
 
     def results(self) -> Iterator[dict[str, Any]]:
@@ -251,8 +269,8 @@ class StudyFolder:
         return any(place.parent.glob(f".{place.name}.*"))
 
     def forget(self, run: int) -> None:
-        """Remove the result of a run."""
-        shutil.rmtree(self.place(run), ignore_errors=True)
+        """Remove the result of a run, or whatever else is in its place."""
+        _remove(self.place(run))
 
     def _shards(self) -> Iterator[range]:
         """Give the numbers of runs, as many at a time as lie in a folder."""
@@ -266,34 +284,72 @@ class StudyFolder:
             return set()
         try:
             with os.scandir(self.place(numbers[0]).parent) as entries:
-                return {int(entry.name) for entry in entries if entry.name.isdigit()}
+                return {int(entry.name) for entry in entries if entry.name.isdecimal()}
         except FileNotFoundError:
             return set()
+        except OSError as error:
+            raise CaseError(
+                f"cannot be read: {error.strerror}",
+                where=str(error.filename),
+                remedy="it is the place of the runs of a study: make it a folder that can be read, "
+                "or remove it",
+            ) from None
 
     def _take_over(self, run: int, part: Path) -> None:
         """Rename to ``part`` the folder of a run that was killed here and can go on."""
         if not self.writes_files:
             return
         for left in self.place(run).parent.glob(f".{self.place(run).name}.*"):
-            if _is_abandoned(left.name) and self._goes_on(left):
+            if _is_abandoned(left) and self._goes_on(left):
                 with suppress(OSError):  # somebody else has taken it
                     os.rename(left, part)
                     return
 
     def _goes_on(self, part: Path) -> bool:
-        """Return whether the run that was left in a folder can go on."""
-        return self.writes_files and checkpoint_path(part / RUN_FILE).exists()
+        """Return whether the run that was left in a folder can go on: none that has links in it."""
+        if not self.writes_files or part.is_symlink():
+            return False
+        there = checkpoint_path(part / RUN_FILE).exists()
+        return there and not any(file.is_symlink() for file in part.iterdir())
 
-    def _tidy(self) -> None:
-        """Remove the files of runs that were killed on this machine, and cannot go on."""
-        for shard in (self.path / RUNS).glob("*/"):
-            with os.scandir(shard) as entries:
-                parts = [entry.name for entry in entries if entry.name.startswith(".")]
-            for name in filter(_is_abandoned, parts):
-                number = name[1:].partition(".")[0]
-                is_done = number.isdecimal() and self.result(int(number)) is not None
-                if is_done or not self._goes_on(shard / name):
-                    shutil.rmtree(shard / name, ignore_errors=True)
+    def tidy(self) -> None:
+        """Remove what runs have left that were killed, and that nobody goes on with."""
+        for part in (self.path / RUNS).glob("*/.*"):
+            number = part.name[1:].partition(".")[0]
+            is_done = number.isdecimal() and self.result(int(number)) is not None
+            if _is_abandoned(part):
+                is_litter = is_done or not self._goes_on(part)
+            else:
+                is_litter = is_done and _is_stale(part)
+            if is_litter:
+                with suppress(OSError):
+                    _remove(part)
+
+    def _is_result(self, found: Any, run: int) -> bool:
+        """Return whether what a file has is the result of a run, with all of its values."""
+        study = self.study
+        if not isinstance(found, dict) or found.get("study") != study.hash:
+            return False
+        if found.get("run") != run or found.get(CHECKSUM, _checksum(found)) != _checksum(found):
+            return False
+        if study.kind == COLLAPSE:
+            return "trial" in found
+        given, measures = found.get("parameters"), found.get("measures")
+        planned = dict(zip((one.name for one in study.vary), self.values(run), strict=True))
+        if not isinstance(given, dict) or set(given) != set(planned):
+            return False
+        if not all(_is_same(value, planned[name]) for name, value in given.items()):
+            return False
+        texts = [found.get("reason", ""), *_listed(found, "blocks"), *_listed(found, "joints")]
+        if not all(isinstance(one, str) for one in texts):
+            return False
+        if found.get("status") != DONE:
+            return found.get("status") == NO_RESULT
+        if not isinstance(measures, dict) or set(measures) != set(study.measure):
+            return False
+        numbers = [float(one) for one in measures.values() if isinstance(one, int | float)]
+        is_whole = len(numbers) == len(measures)
+        return is_whole and (not study.fail or isinstance(found.get("fails"), bool))
 
 
 MOVED = "the folder of the study is not whole: it holds base/ with the case and its files"
@@ -336,18 +392,62 @@ def make_folder(path: Path) -> None:
         raise CaseError(
             f"cannot be made: {error.strerror}",
             where=str(path),
-            remedy="name a folder for the study; it is made if it does not exist",
+            remedy="something else is in its place, or its folder is full or cannot be written",
         ) from None
 
 
+@contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Raise ResultsLost, which names the file, where one of a study cannot be written in the block.
+
+    That is no fault of the run that is being made: it ends the study, and not the run alone.
+    """
+    try:
+        yield
+    except (ConnectionError, TimeoutError):  # of no file
+        raise
+    except (OSError, ClastError) as error:
+        cause = error.__cause__ if isinstance(error, ClastError) else error
+        if isinstance(error, ResultsLost) or not isinstance(cause, OSError | ResultsLost):
+            raise
+        if isinstance(cause, ResultsLost):
+            raise cause from None
+        where = getattr(error, "where", "") or str(cause.filename or folder)
+        raise ResultsLost(
+            f"cannot be written: {cause.strerror or cause}",
+            where=where,
+            remedy="make room, or check its permissions and whether it is a file or a folder as it "
+            f"should be; finished runs are kept: continue with clast study resume {folder}",
+        ) from error
+
+
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file that is there as a whole or not at all."""
+    """Write a file that is there as a whole or not at all; a link in its place is replaced."""
     part = path.with_name(f".{path.name}.{os.getpid()}")
-    with part.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(part, path)
+    try:
+        with fresh(part) as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+def is_in(path: Path, content: bytes) -> bool:
+    """Return whether a file that is no link has this content."""
+    with suppress(OSError, CaseError):
+        return not path.is_symlink() and content_of_file(path, len(content) + 1) == content
+    return False
+
+
+def _remove(path: Path) -> None:
+    """Remove a folder with all that is in it, a file or a link, if there is one."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _hash_of(parts: Iterable[bytes]) -> str:
@@ -355,30 +455,38 @@ def _hash_of(parts: Iterable[bytes]) -> str:
     return sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()[:16]
 
 
-def _is_whole(found: Any, run: int, study: Description) -> bool:
-    """Return whether what a file has is the result of a run of a study, with all of its values."""
-    if not isinstance(found, dict) or found.get("study") != study.hash:
-        return False
-    if study.kind == COLLAPSE:
-        return True
-    given, measures = found.get("parameters"), found.get("measures")
-    names = {one.name for one in study.vary}
-    if found.get("run") != run or not isinstance(given, dict) or set(given) != names:
-        return False
-    if found.get("status") != DONE:
-        return found.get("status") == NO_RESULT
-    if not isinstance(measures, dict) or set(measures) != set(study.measure):
-        return False
-    numbers = all(isinstance(value, int | float) for value in measures.values())
-    return numbers and (not study.fail or isinstance(found.get("fails"), bool))
+def _checksum(result: Mapping[str, Any]) -> str:
+    """Return the hash of a result but for its own."""
+    rest = {key: value for key, value in result.items() if key != CHECKSUM}
+    return sha256(json.dumps(rest, ensure_ascii=False, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _is_abandoned(name: str) -> bool:
+def _is_same(value: Any, planned: Value) -> bool:
+    """Return whether a parameter in a file is that of the study."""
+    if isinstance(value, float) and isinstance(planned, float):
+        return math.isclose(value, planned, rel_tol=SAME)
+    return type(value) is type(planned) and value == planned
+
+
+def _listed(found: Mapping[str, Any], key: str) -> list[Any]:
+    """Return a list of a result; one of a wrong kind where it is none."""
+    return found.get(key, []) if isinstance(found.get(key, []), list) else [None]
+
+
+def _is_abandoned(part: Path) -> bool:
     """Return whether a folder is of a process of this machine that has ended."""
-    _, _, rest = name[1:].partition(".")
+    _, _, rest = part.name[1:].partition(".")
     host, _, process = rest.rpartition(".")
     is_here = host == socket.gethostname() and process.isdecimal()
     return is_here and not _lives(int(process))
+
+
+def _is_stale(part: Path) -> bool:
+    """Return whether nothing was written into a folder for long."""
+    with suppress(OSError):
+        files = [part, *part.iterdir()] if part.is_dir() else [part]
+        return time.time() - max(file.lstat().st_mtime for file in files) > STALE
+    return False
 
 
 def _lives(process: int) -> bool:
@@ -387,6 +495,6 @@ def _lives(process: int) -> bool:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
-    except OSError:
+    except (OSError, OverflowError):
         return True
     return process > 0

@@ -29,8 +29,8 @@ from clast.study.description import (
     parameters_of,
     sampling_of,
 )
-from clast.study.executors import Driver, Watch, in_this_process, workers_of
-from clast.study.folder import StudyFolder
+from clast.study.executors import Driver, ThisProcess, Watch, workers_of
+from clast.study.folder import StudyFolder, writing
 from clast.study.kept_runs import keep_worst
 from clast.study.probabilities import columns_of
 from clast.study.trial_cases import given_case
@@ -177,8 +177,9 @@ def go_on(folder: StudyFolder, how: HowMade = USUAL) -> TrialTable:
     """Make the runs of a study that are not done; return its table, also written as CSV."""
     make(folder, how)
     if how.array is None:
-        trial_table.write_csv(folder, folder.path / trial_table.CSV)
-        keep_worst(folder, columns_of(folder))
+        with writing(folder.path):
+            trial_table.write_csv(folder, folder.path / trial_table.CSV)
+            keep_worst(folder, columns_of(folder))
     return trial_table.table_of(folder)
 
 
@@ -191,18 +192,20 @@ def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
         )
     if how.array is not None:
         first, count = how.array
-        total = len(range(first, study.n + 1, count))
 
         def mine() -> Iterator[int]:
             return folder.missing(lambda run: run % count == first % count, retry=how.retry)
 
-        left = sum(1 for _ in mine())
-        in_this_process(folder, _again(folder, mine()), total, left, how.watch)
+        with writing(folder.path):
+            folder.tidy()
+            left, total = sum(1 for _ in mine()), len(range(first, study.n + 1, count))
+            driver = Driver(folder, ThisProcess.of(folder), how.watch)
+            driver.make(_again(folder, mine()), left, total)
         return
-    with folder.driven(), workers_of(how.executor, how.workers, how.scheduler) as workers:
-        left = study.n - folder.count()
+    with folder.driven(), workers_of(folder, how.executor, how.workers, how.scheduler) as workers:
+        left = max(1, study.n - folder.count())
         runs = folder.missing(lambda run: True, retry=how.retry)
-        Driver(folder, workers, how.watch).make(_again(folder, runs), max(1, left))
+        Driver(folder, workers, how.watch).make(_again(folder, runs), left, study.n)
 
 
 def _again(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:

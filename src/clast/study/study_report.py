@@ -18,7 +18,7 @@ from clast.pictures.study import figures
 from clast.results import read_results
 from clast.study import probabilities, sweep_report
 from clast.study.description import MONTECARLO, SWEEP, Description
-from clast.study.folder import RUN_FILE, StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder, make_folder
 from clast.study.kept_runs import made_again
 from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
@@ -46,7 +46,7 @@ def write_report(folder: StudyFolder) -> Path:
     page = Page(f"{folder.base.title or 'Study'}: {KIND_TITLES[study.kind]}")
     _answer(page, columns)
     pictures = folder.path / FIGURES
-    pictures.mkdir(exist_ok=True)
+    make_folder(pictures)
     _failure(page, columns, units, pictures)
     PARTS[study.kind](page, folder, columns, units)
     if len(columns.fails):

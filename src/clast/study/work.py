@@ -16,7 +16,7 @@ from typing import Any
 
 from clast.case.case_file import Case
 from clast.case.resume import resume
-from clast.errors import CaseError, ClastError, shortened
+from clast.errors import CaseError, ClastError, ResultsLost, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
@@ -24,7 +24,17 @@ from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
 from clast.study.description import Description, FactorSettings
-from clast.study.folder import CASE, DONE, NO_RESULT, RUN_FILE, StudyFolder, with_files
+from clast.study.folder import (
+    CASE,
+    DONE,
+    NO_RESULT,
+    RUN_FILE,
+    StudyFolder,
+    is_in,
+    with_files,
+    write_whole,
+    writing,
+)
 from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
@@ -38,14 +48,15 @@ def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
 
     It stops between runs where the process ``driver`` that asked for them has ended.
     """
-    bench = Bench.at(Path(folder))
     made = 0
-    for run in runs:
-        if driver and os.getppid() != driver:
-            break
-        if bench.folder.result(run) is None:
-            bench.make(run)
-            made += 1
+    with writing(Path(folder)):
+        bench = Bench.at(Path(folder))
+        for run in runs:
+            if driver and os.getppid() != driver:
+                break
+            if bench.folder.result(run) is None:
+                bench.make(run)
+                made += 1
     return made
 
 
@@ -108,9 +119,9 @@ class Bench:
             base = f"../../../{Path(study.case).parent.as_posix()}"
             text = case_text.to_toml(with_files(content, base)).encode("utf-8")
             file = part / CASE
-            if file.exists() and file.read_bytes() != text:  # a checkpoint of other parameters
+            if not is_in(file, text):  # what is there is a checkpoint of other parameters
                 _forget(part)
-            file.write_bytes(text)
+                write_whole(file, text)
             output = part / RUN_FILE if folder.writes_files else None
             result.update(self._result(content, output))
             if not (study.keep == "all" or (study.keep == "failed" and _is_failure(result))):
@@ -119,9 +130,15 @@ class Bench:
         return result
 
     def _result(self, content: dict[str, Any], output: Path | None) -> dict[str, Any]:
-        """Return the result of a run; a failure is a result as well."""
+        """Return the result of a run; a failure is a result as well.
+
+        Raises ResultsLost where a file cannot be written, which is no fault of the run.
+        """
         try:
-            return self._measured(One(changed(self.folder.base, content), output))
+            with writing(self.folder.path):
+                return self._measured(One(changed(self.folder.base, content), output))
+        except ResultsLost:
+            raise
         except ClastError as error:
             return self._no_result(str(error), output)
         except Exception as error:  # the fault of one run is not that of the others
@@ -190,7 +207,9 @@ class One:
         if left is not None and left.exists():
             try:
                 return resume(left, **quiet)
-            except CaseError:  # of another version, or damaged
+            except CaseError as error:  # of another version, or damaged
+                if isinstance(error, ResultsLost):
+                    raise
                 _forget(left.parent)
         return self.case.run(output=self.output, **quiet)
 

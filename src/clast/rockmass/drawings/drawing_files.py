@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from clast.errors import CaseError
+from clast.results.output import fresh
 
 LARGEST_FILE = 500_000_000
 """Drawings above this size are not read, bytes."""
@@ -73,7 +74,7 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
 
     Raises CaseError where nothing can be written there; an older file is then left as it was.
     """
-    with replaced_path(path) as part, part.open("wb") as file:
+    with replaced_path(path) as part, fresh(part) as file:
         yield file
 
 

@@ -32,7 +32,7 @@ from clast.study.collapsing.trial import (
     tried,
 )
 from clast.study.description import COLLAPSE, Description, FactorSettings
-from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, with_files
+from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, with_files, write_whole
 from clast.study.trial_cases import content_of, given_case
 from clast.study.work import factor_of, search_of
 
@@ -234,9 +234,8 @@ class TrialMaker:
     def _written(self, number: int, factor: float) -> Trial | None:
         """Return a trial that is in the folder."""
         result = None if self.folder is None else self.folder.result(number)
-        if result is None or result["trial"]["factor"] != factor:
-            return None
-        return as_plain(result["trial"])
+        trial = None if result is None else as_plain(result["trial"])
+        return trial if trial is not None and trial.factor == factor else None
 
     def _made(self, number: int, factor: float) -> Trial:
         """Return a trial that is made now, and written down."""
@@ -251,7 +250,7 @@ class TrialMaker:
             content = trial_content(start.content, self.by, factor, parts)
             base = f"../../../{Path(self.folder.study.case).parent.as_posix()}"
             text = case_text.to_toml(with_files(content, base))
-            (part / CASE).write_text(text, encoding="utf-8")
+            write_whole(part / CASE, text.encode("utf-8"))
             plain = {"run": number, "status": DONE, "parameters": {}, "trial": trial.as_dict()}
             self.folder.write_result(part, plain)
         return trial

@@ -15,7 +15,7 @@ from clast.results import read_results
 from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.run.stages.failure_verdict import Scales
 from clast.study.collapsing.collapse import Collapse, ends, undecided
-from clast.study.folder import RUN_FILE, StudyFolder
+from clast.study.folder import RUN_FILE, StudyFolder, make_folder
 from clast.study.report_page import FIGURES, REPORT, Page, add_figures
 
 
@@ -25,7 +25,7 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
     page.say(f"{found.sentence[0].upper()}{found.sentence[1:]}.", "answer")
     for text in found.warnings:
         page.say(f"Warning: {text}.")
-    (folder.path / FIGURES).mkdir(exist_ok=True)
+    make_folder(folder.path / FIGURES)
     _bracket(page, folder, found)
     _trials(page, found)
     for k in undecided(found):

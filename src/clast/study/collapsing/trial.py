@@ -14,7 +14,6 @@ again, three times as long, and is *undecided* if that is no better.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.case.case_file import Case
-from clast.errors import CaseError, RunStopped
+from clast.errors import CaseError, ResultsLost, RunStopped
 from clast.inputs.time_and_output import TimeTable
 from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
@@ -229,6 +228,8 @@ def _simulated(
     try:
         run = simulate(model, method, schedule, recorder=recorder, **how)
     except RunStopped as stopped:
+        if isinstance(stopped.__cause__, ResultsLost):  # that says nothing of the blocks
+            raise
         return stopped.run  # type: ignore[return-value]
     if not run.report.finished:
         raise KeyboardInterrupt
@@ -296,7 +297,17 @@ def moved(model: Model, before: Floats, after: Floats) -> Floats:
     return np.where(model.fixed, 0.0, np.hypot(*way.T))
 
 
-def as_plain(trial: Mapping[str, Any]) -> Trial:
-    """Return the trial that ``Trial.as_dict`` gave."""
-    lists = {name: tuple(trial.get(name, ())) for name in ("blocks", "warnings")}
-    return Trial(**{**trial, **lists})
+def as_plain(trial: Any) -> Trial | None:
+    """Return the trial that ``Trial.as_dict`` gave; None where a value is of another kind."""
+    try:
+        lists = {name: tuple(trial.get(name, ())) for name in ("blocks", "warnings")}
+        found = Trial(**{**trial, **lists})
+    except (AttributeError, TypeError):
+        return None
+    like = vars(Trial(factor=0.0, verdict="", displacement=0.0, mover=""))
+    kinds = all(
+        type(value) is type(like[name]) or (type(value) is int and type(like[name]) is float)
+        for name, value in vars(found).items()
+    )
+    texts = all(isinstance(one, str) for one in (*found.blocks, *found.warnings))
+    return found if kinds and texts and found.verdict in (STANDS, FAILED, UNDECIDED) else None

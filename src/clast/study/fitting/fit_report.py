@@ -12,7 +12,7 @@ from clast.pictures.study import fit_figures
 from clast.pictures.study.figures import behind_number
 from clast.study.fitting.back_analysis import Fit
 from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
-from clast.study.folder import StudyFolder
+from clast.study.folder import StudyFolder, make_folder
 from clast.study.probabilities import CONFIDENCE
 from clast.study.report_page import FIGURES, REPORT, Page, add_figures
 from clast.study.study_report import parameter_units
@@ -26,7 +26,7 @@ def write_fit(folder: StudyFolder, found: Fit) -> Path:
     page = Page(f"{folder.base.title or 'Study'}: back-analysis")
     _parameters(page, folder, found)
     pictures = folder.path / FIGURES
-    pictures.mkdir(exist_ok=True)
+    make_folder(pictures)
     page.head("Computed and measured")
     add_figures(page, lambda: _figures(folder, found, pictures))
     _differences(page, folder, found)

@@ -53,7 +53,7 @@ class FitRuns:
             write_whole(self.folder.asked_file, "".join(lines).encode("ascii"))
             for run in missing:
                 self.folder.forget(run)
-            Driver(self.folder, self.workers).make(iter(missing), len(missing))
+            Driver(self.folder, self.workers).make(iter(missing), len(missing), len(missing))
         return [self._values(run) for run in numbers]
 
     def _number(self, values: Asked) -> int:
