@@ -41,11 +41,12 @@ def test_what_never_fails_is_said() -> None:
     found = searched(math.inf, FactorSearch(start=1.0, growth=2.0)).all()
     assert found.low == 512.0
     assert math.isinf(found.high) and not found.is_closed
+    assert found.sentence("F") == "F at least 512: no failure was found up to there"
 
 
 def test_what_never_stands_is_said() -> None:
     found = searched(0.0, FactorSearch(start=1.0, growth=2.0)).all()
-    assert found.low == 0.0 and found.high < 0.001
+    assert found.low == 0.0 and found.high < 0.001 and not found.is_closed
 
 
 @pytest.mark.parametrize("doubt", [(1.5, 1.6), (1.584, 1.7), (1.2, 1.58)])

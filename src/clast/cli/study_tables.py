@@ -142,6 +142,7 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
     from clast.study.kept_runs import keep_worst
     from clast.study.study_report import write_report
 
+    there.tidy()
     rows = trial_table.write_csv(there, there.path / trial_table.CSV)
     if parquet:
         trial_table.write_parquet(there, there.path / trial_table.PARQUET)
@@ -182,6 +183,7 @@ def _as_dict(columns: StudyResults) -> dict[str, Any]:
     return {
         "runs": columns.study.n,
         "no_result": columns.lost,
+        "reasons": {**columns.reasons, **columns.remarks},
         "failed": int(columns.fails.sum()) if len(columns.fails) else None,
         "probability_of_failure": None if chance is None else vars(chance),
         "measures": {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,8 @@ class StudyResults:
     """Joint -> in how many runs blocks fail by sliding along it."""
     reasons: Mapping[str, int]
     """Why there is no result -> how often."""
+    remarks: Mapping[str, int] = field(default_factory=dict)
+    """Why a run with a result has no value of a measure -> how often."""
 
     @property
     def lost(self) -> int:
@@ -81,14 +83,14 @@ class StudyResults:
 
     @property
     def gaps(self) -> list[str]:
-        """A sentence for each measure that some runs have no finite value of."""
+        """A sentence for each measure that some runs have no finite value of, and why."""
         counts = {name: int((~np.isfinite(values)).sum()) for name, values in self.measures.items()}
         return [
             f"{count} of {len(self.run)} runs have no finite value of {name}, and are left out of "
             "its numbers"
             for name, count in counts.items()
             if count
-        ]
+        ] + [f"{count} of {len(self.run)} runs: {text}" for text, count in self.remarks.items()]
 
 
 def columns_of(folder: StudyFolder) -> StudyResults:
@@ -101,10 +103,14 @@ def columns_of(folder: StudyFolder) -> StudyResults:
     blocks: Counter[str] = Counter()
     joints: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
+    remarks: Counter[str] = Counter()
     for result in folder.results():
+        reason = shortened(result.get("reason", ""), LONGEST_REASON)
         if result["status"] != DONE:
-            reasons[shortened(result.get("reason", ""), LONGEST_REASON)] += 1
+            reasons[reason] += 1
             continue
+        if reason:
+            remarks[reason] += 1
         run.append(result["run"])
         for name, value in result["parameters"].items():
             parameters[name].append(value)
@@ -128,6 +134,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
         blocks=dict(blocks.most_common()),
         joints=dict(joints.most_common()),
         reasons=dict(reasons.most_common()),
+        remarks=dict(remarks.most_common()),
     )
 
 
@@ -369,8 +376,8 @@ def worst(columns: StudyResults, count: int = 1) -> list[int]:
         return []
     values = next(iter(columns.measures.values()), columns.fails)
     name = next(iter(columns.study.measure.values()), "")
-    score = np.where(np.isfinite(values), values, -math.inf)
-    score = -score if name.strip().startswith("factor_of_safety") else score
+    score = -values if name.strip().startswith("factor_of_safety") else values
+    score = np.where(np.isfinite(score), score, -math.inf)
     fails = columns.fails if len(columns.fails) else np.zeros(len(score))
     order = np.lexsort((columns.run, -score, -fails))
     return [int(columns.run[k]) for k in order[:count]]

@@ -31,11 +31,13 @@ def columns(study: Description) -> list[str]:
 
 
 def row(study: Description, result: Mapping[str, Any]) -> list[Any]:
-    """Return the row of a result; None where it has no value."""
+    """Return the row of a result; None where it has no value, also where a measure is nan."""
     given, found = result["parameters"], result.get("measures", {})
     own = [given.get(one.name) for one in study.vary]
     fails = [result.get("fails")] if study.fail else []
-    measures = [found.get(name) for name in study.measure]
+    measures = [
+        None if found.get(name) != found.get(name) else found.get(name) for name in study.measure
+    ]
     return [result["run"], result["status"], *own, *measures, *fails, result.get("reason", "")]
 
 

@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.study.collapsing.reduction import Reduction, reduction
-from clast.study.collapsing.search import FactorSearch, Trials
+from clast.study.collapsing.search import FactorBracket, FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
 from clast.study.description import Description, FactorSettings
 from clast.study.folder import (
@@ -136,7 +136,8 @@ class Bench:
         """
         try:
             with writing(self.folder.path):
-                return self._measured(One(changed(self.folder.base, content), output))
+                how = self.folder.study.factor or FactorSettings()
+                return self._measured(One(changed(self.folder.base, content), output, how))
         except ResultsLost:
             raise
         except ClastError as error:
@@ -157,22 +158,42 @@ class Bench:
         return {"status": NO_RESULT, "reason": shortened("; ".join(lines), LONGEST_REASON)}
 
     def _measured(self, one: One) -> dict[str, Any]:
-        """Return the measures of a run."""
+        """Return the measures of a run.
+
+        Where a factor of safety has an open end, measures that depend on where it ends have no
+        value (nan), and the run fails or not where it does at both ends; raises CaseError if not.
+        """
+        found, fails = self._evaluated(one, "low")
+        result: dict[str, Any] = {"status": DONE}
+        if one.is_open:
+            others, also = self._evaluated(one, "high")
+            found = {
+                name: value if value == others[name] else math.nan for name, value in found.items()
+            }
+            result["reason"] = one.factor.sentence(factor_of(one.how).TITLE)
+            if fails is not also:
+                raise CaseError(result["reason"])
+        result["measures"] = found
+        if fails is not None:
+            result["fails"] = fails
+        if fails and one.is_made:
+            result["blocks"] = list(one.measured.blocks)
+            result["joints"] = list(one.measured.joints)
+        return result
+
+    def _evaluated(self, one: One, end: str) -> tuple[dict[str, Any], bool | None]:
+        """Return the measures of a run, and whether it fails, with an end of its factor."""
         study = self.folder.study
         functions: dict[str, Callable[..., Any]] = {
             name: partial(_called, one, name) for name in ARGUMENTS
         }
-        functions[FOS] = lambda: factor_of_safety_of(one.case, study.factor or FactorSettings())
+        functions[FOS] = lambda: getattr(one.factor, end)
         found: dict[str, Any] = {}
         for name, expression in study.measures.items():
             found[name] = expression.value(found, functions)
-        result: dict[str, Any] = {"status": DONE, "measures": found}
-        if study.condition is not None:
-            result["fails"] = bool(study.condition.value(found, functions))
-            if result["fails"] and one.is_made:
-                result["blocks"] = list(one.measured.blocks)
-                result["joints"] = list(one.measured.joints)
-        return result
+        if study.condition is None:
+            return found, None
+        return found, bool(study.condition.value(found, functions))
 
 
 @dataclass
@@ -183,12 +204,40 @@ class One:
     """Its case."""
     output: Path | None
     """Its result file."""
+    how: FactorSettings
+    """How its factor of safety is looked for."""
     made: list[RunResults] = field(default_factory=list)
 
     @property
     def is_made(self) -> bool:
         """Whether it was made."""
         return bool(self.made)
+
+    @cached_property
+    def factor(self) -> FactorBracket:
+        """The bracket of its factor of safety.
+
+        Raises CaseError where every trial is undecided: nothing is known of it.
+        """
+        by = factor_of(self.how)
+        by.check(content_of(self.case))
+        start = standing(self.case, by)
+        trials = Trials(
+            search_of(self.how, by), lambda _number, factor: tried(start, by, factor)[0]
+        )
+        found = trials.all()
+        if found.low == 0.0 and math.isinf(found.high):
+            raise CaseError(
+                f"all {len(trials.done)} trials of the factor are undecided",
+                where=FOS,
+                remedy="run clast study fos on the case of this run for the curves",
+            )
+        return found
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its factor of safety was asked for, and has an open end."""
+        return "factor" in vars(self) and not self.factor.is_closed
 
     @property
     def measured(self) -> RunResults:
@@ -226,25 +275,6 @@ def search_of(how: FactorSettings, by: Reduction) -> FactorSearch:
         growth=by.GROWTH if how.growth is None else how.growth,
         tolerance=how.tolerance,
     )
-
-
-def factor_of_safety_of(case: Case, how: FactorSettings) -> float:
-    """Return the factor with which the blocks of a case were last seen to stand.
-
-    Raises CaseError where every trial is undecided: nothing is known of it.
-    """
-    by = factor_of(how)
-    by.check(content_of(case))
-    start = standing(case, by)
-    trials = Trials(search_of(how, by), lambda _number, factor: tried(start, by, factor)[0])
-    found = trials.all()
-    if found.low == 0.0 and math.isinf(found.high):
-        raise CaseError(
-            f"all {len(trials.done)} trials of the factor are undecided",
-            where=FOS,
-            remedy="run clast study fos on the case of this run for the curves",
-        )
-    return found.value
 
 
 def _forget(part: Path) -> None:

@@ -313,7 +313,7 @@ def test_every_file_that_cannot_be_written_is_named(tmp_path, monkeypatch, name,
     real = os.open
 
     def opened(path, flags, *given, **named):
-        if flags & os.O_CREAT and name in Path(os.fsdecode(path)).name:
+        if flags & (os.O_CREAT | os.O_WRONLY) and name in Path(os.fsdecode(path)).name:
             raise OSError(code, os.strerror(code), os.fspath(path))
         return real(path, flags, *given, **named)
 

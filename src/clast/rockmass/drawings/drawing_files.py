@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import BinaryIO
 
 from clast.errors import CaseError
-from clast.results.output import fresh
 
 LARGEST_FILE = 500_000_000
 """Drawings above this size are not read, bytes."""
@@ -74,8 +73,11 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
 
     Raises CaseError where nothing can be written there; an older file is then left as it was.
     """
-    with replaced_path(path) as part, fresh(part) as file:
-        yield file
+    with replaced_path(path) as part:
+        # where somebody has put a link meanwhile, that is not followed
+        flags = os.O_WRONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+        with open(os.open(part, flags), "wb") as file:
+            yield file
 
 
 @contextmanager

@@ -65,9 +65,14 @@ class Collapse:
     """Where the study is kept; None: in memory."""
 
     @property
+    def bracket(self) -> FactorBracket:
+        """The two ends, and what is undecided between them."""
+        return FactorBracket(low=self.low, high=self.high, undecided=self.undecided)
+
+    @property
     def value(self) -> float:
-        """The answer: the lower end of the bracket."""
-        return self.low
+        """The answer: the lower end of the bracket; nan where an end is open."""
+        return self.low if self.bracket.is_closed else math.nan
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -77,28 +82,18 @@ class Collapse:
     @property
     def is_settled(self) -> bool:
         """Whether the bracket is closed and as narrow as was asked for."""
-        width = self.high - self.low
-        return self.low > 0.0 and width <= self.tolerance * self.high * (1.0 + 1e-9)
+        return self.bracket.width() <= self.tolerance * (1.0 + 1e-9)
 
     @property
     def sentence(self) -> str:
         """The answer in words, with its reservations."""
-        title = self.by.TITLE
-        if math.isinf(self.high):
-            return f"{title} at least {self.low:.6g}: no failure was found up to there"
-        if self.low == 0.0:
-            return f"{title} below {self.high:.6g}: the blocks stand with nothing that was tried"
-        text = f"{title} {self.low:.4g}: stands with {self.low:.6g}, fails with {self.high:.6g}"
-        if self.undecided:
-            listed = ", ".join(f"{one:.6g}" for one in self.undecided)
-            text += f"; undecided with {listed}, also three times as long"
-        return text
+        return self.bracket.sentence(self.by.TITLE)
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
         return {
             "what": self.by.TITLE,
-            "value": self.value,
+            "value": self.value if self.bracket.is_closed else None,
             "low": self.low,
             "high": self.high if math.isfinite(self.high) else None,
             "undecided": list(self.undecided),

@@ -64,7 +64,7 @@ class FactorBracket:
 
     @property
     def value(self) -> float:
-        """The answer: the lower end."""
+        """The lower end: the answer where the bracket is closed."""
         return self.low
 
     @property
@@ -75,6 +75,20 @@ class FactorBracket:
     def width(self) -> float:
         """Return the width as a share of the upper end."""
         return (self.high - self.low) / self.high if self.is_closed else math.inf
+
+    def sentence(self, title: str) -> str:
+        """Return the answer in words, with its reservations; ``title`` says of which factor."""
+        if math.isinf(self.high):
+            if self.low == 0.0:
+                return f"{title} unknown: every trial is undecided"
+            return f"{title} at least {self.low:.6g}: no failure was found up to there"
+        if self.low == 0.0:
+            return f"{title} below {self.high:.6g}: the blocks stand with nothing that was tried"
+        text = f"{title} {self.low:.4g}: stands with {self.low:.6g}, fails with {self.high:.6g}"
+        if self.undecided:
+            listed = ", ".join(f"{one:.6g}" for one in self.undecided)
+            text += f"; undecided with {listed}, also three times as long"
+        return text
 
 
 def bracket_of(trials: Sequence[Trial]) -> FactorBracket:
