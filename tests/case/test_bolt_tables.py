@@ -104,6 +104,41 @@ def test_a_grouted_bolt_has_a_spring_where_it_crosses_joints():
     np.testing.assert_allclose(bolts.stiffness, 2e11 * 5e-4 / 2.0 / 1.2)
 
 
+def test_numbers_are_of_one_bolt_where_bolts_stand_at_a_distance():
+    """Three metres apart, a metre of thickness has a third of each."""
+    builder = row()
+    axial = {"young": 2e11, "area": 6e-4, "rupture_strain": 0.05}
+    builder.add_bolt_kind("bar", **axial, out_of_plane_spacing=3.0, pretension=6e4, yield_force=3e5)
+    builder.add_bolt_kind("strip", stiffness=4e7, pretension=2e4, yield_force=1e5)
+    for kind in ("bar", "strip"):
+        builder.bolt((0.5, 0.5), (1.5, 0.5), kind=kind)
+    bolts = builder.build().bolts
+    np.testing.assert_allclose(bolts.stiffness, [4e7, 4e7])
+    np.testing.assert_allclose(bolts.pretension, [2e4, 2e4])
+    np.testing.assert_allclose(bolts.yield_force, [1e5, 1e5])
+    np.testing.assert_allclose(bolts.rupture, [0.05, np.inf])
+
+
+@pytest.mark.parametrize(("rupture", "is_refused"), [(2.4e-3, True), (2.6e-3, False)])
+def test_a_bolt_at_a_distance_breaks_after_it_yields(rupture: float, is_refused: bool):
+    """Yielding at 300 kN a bolt is stretched by F L/(E A) = 2.5 mm, whatever the distance."""
+    builder = row()
+    axial = {"young": 2e11, "area": 6e-4, "out_of_plane_spacing": 3.0}
+    builder.add_bolt_kind("bar", **axial, yield_force=3e5, rupture_elongation=rupture)
+    builder.bolt((0.5, 0.5), (1.5, 0.5), kind="bar")
+    if is_refused:
+        with pytest.raises(ModelError, match=r"but it yields at 0\.0025 m"):
+            builder.build()
+    else:
+        assert builder.build().bolts.rupture == rupture
+
+
+def test_forces_in_a_refusal_are_of_one_bolt():
+    axial = {"young": 2e11, "area": 6e-4, "out_of_plane_spacing": 3.0}
+    with pytest.raises(ModelError, match="a pretension of 20000 N is above yield_force, 10000 N\n"):
+        row().add_bolt_kind("bar", **axial, yield_force=1e4, pretension=2e4)
+
+
 def test_a_bolt_between_fixed_blocks_is_warned_of():
     builder = row()
     builder.block(vertices=[(0, 1), (3, 1), (3, 2), (0, 2)], name="roof", fixed=True)

@@ -58,6 +58,16 @@ def test_parameters_have_units_where_all_their_keys_have_the_same():
     assert with_units(["c", "mixed"], units) == ["c, Pa", "mixed"]
 
 
+def test_forces_of_bolts_at_a_distance_are_of_one_bolt():
+    of_one = {"young": 2e11, "area": 1e-3, "out_of_plane_spacing": 3.0, "pretension": 1e5}
+    case = {**CASE, "bolt_kind": {"bar": of_one, "cable": {"stiffness": 1e7, "pretension": 1e5}}}
+    vary = parameters_of(
+        {f"{name}: bolt_kind.{name}.pretension": "uniform(1, 2)" for name in ("bar", "cable")}
+    )
+    units = units_of(ParameterPlaces.of(case, vary))
+    assert units == {"bar": "N", "cable": "N per metre of thickness"}
+
+
 @pytest.mark.parametrize(
     ("unit", "caption"),
     [("Pa", "c\n9000 to 12000 Pa"), ("°", "c\n9000 to 12000°"), ("", "c\n9000 to 12000")],

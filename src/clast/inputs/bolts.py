@@ -1,6 +1,7 @@
 """[bolt_kind.NAME], [[bolt]], [[bolt_pattern]]: stiffness, strength and position of bolts.
 
-Forces are N per metre of thickness, tension positive.
+Forces are tension positive, and N per metre of thickness; those of a kind with an
+``out_of_plane_spacing`` are N, of one bolt, as all of its numbers are.
 """
 
 from __future__ import annotations
@@ -24,26 +25,30 @@ AXIAL = ("young", "area", "out_of_plane_spacing")
 
 
 class BoltKind(Table):
-    """Stiffness and strength of bolts; stiffness, or young, area and out_of_plane_spacing."""
+    """Stiffness and strength of bolts: stiffness, or young, area and out_of_plane_spacing.
+
+    With stiffness its numbers are per metre of thickness, with out_of_plane_spacing of one bolt.
+    """
 
     NAMED: ClassVar[bool] = True
 
     stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
     """Force per elongation, N/m per m."""
     young: Annotated[Positive, within(ranges.MODULUS)] | None = None
-    """Young's modulus of the bolt, Pa; with area and out_of_plane_spacing in place of stiffness."""
+    """Young's modulus of one bolt, Pa; with area and out_of_plane_spacing in place of stiffness."""
     area: Positive | None = None
     """Cross-section of one bolt, m2."""
     out_of_plane_spacing: Length | None = None
-    """Distance between bolts along the thickness, m."""
+    """Distance between bolts along the thickness, m; with it all other numbers are of one bolt."""
     yield_force: Annotated[Positive, within(ranges.FORCE)] | None = None
-    """Force at which it yields, N per metre of thickness; it is elastic if absent."""
+    """Force at which it yields, N per metre of thickness; N of one bolt with out_of_plane_spacing.
+    It is elastic if absent."""
     rupture_elongation: Length | None = None
     """Elongation, plastic part included, at which it breaks, m; never if absent."""
     rupture_strain: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """The same as a share of its length, -."""
     pretension: BoltForce = 0.0
-    """Force at installation, N per metre of thickness."""
+    """Force at installation, N per metre of thickness; N of one bolt with out_of_plane_spacing."""
     compression: StrictBool = False
     """True for bars, which carry compression; cables carry none."""
 
@@ -67,9 +72,10 @@ class BoltKind(Table):
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
         if self.yield_force is not None and self.pretension > self.yield_force:
+            unit = "N/m" if self.out_of_plane_spacing is None else "N"
             what = (
-                f"a pretension of {self.pretension:g} N/m is above yield_force, "
-                f"{self.yield_force:g} N/m"
+                f"a pretension of {self.pretension:g} {unit} is above yield_force, "
+                f"{self.yield_force:g} {unit}"
             )
             remedy = "lower it: a bolt cannot be tensioned beyond its yield force"
             raise refusal(Fault(place=("pretension",), what=what, remedy=remedy))
@@ -79,12 +85,15 @@ class BoltKind(Table):
             raise refusal(Fault(what=what, remedy=remedy))
         return self
 
+    def per_metre(self, force: float) -> float:
+        """Return a force of the table per metre of thickness, N/m."""
+        return force / (self.out_of_plane_spacing or 1.0)
+
     def stiffness_of(self, length: Floats) -> Floats:
         """Return the stiffness of springs of lengths (m,), m, in N/m per m: E A/(L a), (m,)."""
         if self.stiffness is not None:
             return np.full(len(length), self.stiffness)
-        axial = (self.young or 0.0) * (self.area or 0.0) / (self.out_of_plane_spacing or 1.0)
-        return np.asarray(axial / length)
+        return np.asarray(self.per_metre((self.young or 0.0) * (self.area or 0.0)) / length)
 
     def rupture_of(self, length: Floats) -> Floats:
         """Return the elongation at which springs of lengths (m,) break, m, inf: never, (m,)."""

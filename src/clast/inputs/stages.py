@@ -85,6 +85,8 @@ class StageTable(Table):
     """Strengths of joints from its start on: {bedding = {friction_angle = 25}}."""
     bonds: Literal["break", "hold"] = "break"
     """Bonds break as forces reach their strength, or hold until a static stage is in balance."""
+    jacks: Literal["lock", "hold"] = "lock"
+    """The jacks of bolts that are there come off at its start, or stay on and hold their force."""
     loads: list[StrictStr] = Field([])
     """Names of loads, pressures and amplitudes that act from its start on, and not before."""
     ground_motion: StrictBool = False

@@ -101,14 +101,16 @@ def _with_springs(
                 where=f"{label}, pretension_is",
                 remedy="give pretension to its kind, or leave pretension_is out",
             )
-    strength = [np.inf if kind.yield_force is None else kind.yield_force for kind in kinds]
+    strength = [
+        np.inf if kind.yield_force is None else kind.per_metre(kind.yield_force) for kind in kinds
+    ]
     jacked = [bolt.pretension_is == "jacked" for _, bolt in named]
     return replace(
         bolts,
         stiffness=stiffness,
         rupture=rupture,
         yield_force=np.array(strength)[owner],
-        pretension=np.array([kind.pretension for kind in kinds])[owner],
+        pretension=np.array([kind.per_metre(kind.pretension) for kind in kinds])[owner],
         compression=np.array([kind.compression for kind in kinds], np.bool_)[owner],
         jacked=np.array(jacked, np.bool_)[owner],
     )
@@ -116,8 +118,9 @@ def _with_springs(
 
 def _refuse_early_rupture(kind: BoltKind, stiffness: float, rupture: float, where: str) -> None:
     """Refuse a spring that breaks before it yields, or before it has its pretension."""
-    for force, what in ((kind.yield_force, "it yields"), (kind.pretension, "it is tensioned")):
-        if force is not None and rupture < force / stiffness:
+    for given, what in ((kind.yield_force, "it yields"), (kind.pretension, "it is tensioned")):
+        force = 0.0 if given is None else kind.per_metre(given)
+        if rupture < force / stiffness:
             raise ModelError(
                 f"it breaks at an elongation of {rupture:.6g} m, but {what} at "
                 f"{force / stiffness:.6g} m ({force:g} N/m by {stiffness:g} N/m per m)",

@@ -10,6 +10,8 @@ EQUILIBRIUM, TIME = "equilibrium", "time"
 """The conditions that may end a stage."""
 BREAK, HOLD = "break", "hold"
 """The behaviour of bonds of joints in a stage."""
+LOCK = "lock"
+"""The behaviour of jacks at the start of a stage; or they hold."""
 STRENGTHS = (
     "friction_angle",
     "cohesion",
@@ -62,6 +64,8 @@ class Stage:
     bonds: str = BREAK
     """"break" as forces reach their strength, or "hold" until the static stage is in balance; only
     then are they judged."""
+    jacks: str = LOCK
+    """"lock": the jacks of bolts come off at its start; "hold": they stay on."""
     loads: tuple[str, ...] = ()
     """Loads, pressures and tables that act from its start on, and none of them before."""
     ground_motion: bool = False

@@ -18,7 +18,7 @@ from clast.model.model import Ints, Model
 from clast.model.openings import blocks_called
 from clast.model.stages.motion import InStages
 from clast.model.stages.records import Event
-from clast.model.stages.stage import EQUILIBRIUM, Stage
+from clast.model.stages.stage import EQUILIBRIUM, LOCK, Stage
 from clast.model.stages.stage_loads import with_loads
 from clast.model.stages.strengths import with_strengths
 from clast.model.state import State
@@ -97,7 +97,8 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
         viscous_edges=model.viscous_edges.at_stage(stage.name, starts[-1]),
         begun=tuple((one.name, at) for one, at in zip(stages, starts, strict=False)),
     )
-    bolts = model.bolts if len(starts) == 1 else model.bolts.locked_by_now()
+    locks = len(starts) > 1 and stage.jacks == LOCK
+    bolts = model.bolts.locked_by_now() if locks else model.bolts
     return Setting(
         model=replace(model, bolts=bolts.at_stage(stage.name, stage.install)),
         method=_method(base.method, stage),

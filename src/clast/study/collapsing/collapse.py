@@ -38,6 +38,8 @@ from clast.study.work import factor_of, search_of
 
 TRIALS = "trials.csv"
 """Table of the trials."""
+NAMED = 5
+"""Bolts that a warning names."""
 AROUND = 5.0
 """How far more trials reach on both sides of the bracket, in units of the tolerance."""
 
@@ -76,8 +78,18 @@ class Collapse:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is doubtful in the state from which the trials begin."""
-        return tuple(dict.fromkeys(text for one in self.trials for text in one.warnings))
+        """What is doubtful in the state from which the trials begin, and in the answer."""
+        found = [text for one in self.trials for text in one.warnings]
+        for one in self.trials:
+            if one.bolts and (one.factor, one.verdict) == (self.low, STANDS):
+                more = f" and {len(one.bolts) - NAMED} more" if len(one.bolts) > NAMED else ""
+                found.append(
+                    f"bolts carry more than their pretension with {self.by.SYMBOL} = "
+                    f"{one.factor:.6g}, and have no yield_force: {', '.join(one.bolts[:NAMED])}"
+                    f"{more}. The answer counts on these forces: give the kind a yield_force, or "
+                    'hold the pretension: pretension_is = "jacked"'
+                )
+        return tuple(dict.fromkeys(found))
 
     @property
     def is_settled(self) -> bool:

@@ -279,6 +279,7 @@ def staged(
     step = content["time"]["step"]
     time = max(float(content["time"]["end"]), STATIC_STEPS * step)
     usual = {"dynamic_ratio": 0.0, "until": "equilibrium", "step": step, "time": time}
+    usual["jacks"] = "hold"  # they hold the force that the case says, whatever moves
     settle = {**usual, "name": _free(SETTLE, taken), "reset_displacement": True}
     if trial is None:
         return {**content, "stage": [*own, settle]}

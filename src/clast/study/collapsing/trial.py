@@ -26,6 +26,7 @@ from clast.inputs.time_and_output import TimeTable
 from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
+from clast.results.frame_samples import own_of_bolts
 from clast.run.simulate import simulate
 from clast.run.stages.equilibrium import STANDARD_GRAVITY
 from clast.run.stages.failure_verdict import Scales
@@ -48,6 +49,10 @@ STRIDE = 0.05
 """Movement in a step of a trial, in units of that from which blocks fail, at most."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that fail."""
+LISTS = ("blocks", "warnings", "bolts")
+"""Parts of a trial that are lists."""
+MORE = 1e-3
+"""Force of a bolt above its pretension, as a share of it, from which it carries more."""
 LEAST_BASE = 1.0 / 64.0
 """Least factor at which blocks are let settle where they do not stand at 1."""
 
@@ -75,10 +80,12 @@ class Trial:
     stands."""
     warnings: tuple[str, ...] = ()
     """What is doubtful in the state from which it begins."""
+    bolts: tuple[str, ...] = ()
+    """Bolts without a yield force that carry more than their pretension, each with its force."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
-        return {**vars(self), "blocks": list(self.blocks), "warnings": list(self.warnings)}
+        return {**vars(self), **{name: list(getattr(self, name)) for name in LISTS}}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -251,6 +258,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         steps=sum(record.steps for record in records),
         longer=parts > 1,
         warnings=start.warnings,
+        bolts=_unlimited(run),
     )
     if not run.report.finished:
         return replace(trial, reason=run.report.outcome)
@@ -265,6 +273,18 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         blocks = tuple(names[block] for block in together)
         return replace(trial, verdict=FAILED, blocks=blocks)
     return trial
+
+
+def _unlimited(run: Run) -> tuple[str, ...]:
+    """Return the bolts without a yield force that carry more at the end than their pretension."""
+    bolts = run.model.bolts
+    if not len(bolts):
+        return ()
+    force = np.abs(own_of_bolts(run.model, run.state).force)
+    more = np.isinf(bolts.yield_force) & (force > bolts.pretension * (1.0 + MORE))
+    owner = bolts.of_spring[more]
+    worst = {int(k): float(force[more][owner == k].max()) for k in owner}
+    return tuple(f"'{bolts.name[k]}' {most:.4g} N/m" for k, most in worst.items())
 
 
 def is_driven(start: Settled, run: Run) -> bool:
@@ -300,7 +320,7 @@ def moved(model: Model, before: Floats, after: Floats) -> Floats:
 def as_plain(trial: Any) -> Trial | None:
     """Return the trial that ``Trial.as_dict`` gave; None where a value is of another kind."""
     try:
-        lists = {name: tuple(trial.get(name, ())) for name in ("blocks", "warnings")}
+        lists = {name: tuple(trial.get(name, ())) for name in LISTS}
         found = Trial(**{**trial, **lists})
     except (AttributeError, TypeError):
         return None
@@ -309,5 +329,5 @@ def as_plain(trial: Any) -> Trial | None:
         type(value) is type(like[name]) or (type(value) is int and type(like[name]) is float)
         for name, value in vars(found).items()
     )
-    texts = all(isinstance(one, str) for one in (*found.blocks, *found.warnings))
+    texts = all(isinstance(one, str) for name in LISTS for one in getattr(found, name))
     return found if kinds and texts and found.verdict in (STANDS, FAILED, UNDECIDED) else None

@@ -12,6 +12,8 @@ from clast.study.variables.parameters import Keys, ParameterPlaces
 Schema = Mapping[str, Any]
 PLAIN = {"-": "", "degrees": "°"}
 """Unit of the case file -> how figures and tables of numbers write it."""
+FORCE, SPACING = "N per metre of thickness", "out_of_plane_spacing"
+"""Unit of forces of bolts, and the key with which they are of one bolt."""
 
 
 def units_of(places: ParameterPlaces) -> dict[str, str]:
@@ -22,7 +24,7 @@ def units_of(places: ParameterPlaces) -> dict[str, str]:
     schema = json_schema()
     found: dict[str, str] = {}
     for one, own in zip(places.parameters, places.places, strict=True):
-        units = {unit_of_key(schema, keys) for keys in own}
+        units = {_unit_in(places.content, keys, unit_of_key(schema, keys)) for keys in own}
         found[one.name] = units.pop() if len(units) == 1 and not one.multiplies else ""
     return found
 
@@ -39,6 +41,12 @@ def unit_of_key(schema: Schema, keys: Keys) -> str:
     units = (UNIT.search(" ".join(one.get("description", "").split())) for one in named)
     unit = next((one[1] for one in units if one), "")
     return PLAIN.get(unit, unit)
+
+
+def _unit_in(content: Mapping[str, Any], keys: Keys, unit: str) -> str:
+    """Return the unit of a key in a case: forces of bolts at a distance are of one of them."""
+    is_of_one = keys[0] == "bolt_kind" and SPACING in content["bolt_kind"][keys[1]]
+    return "N" if is_of_one and unit == FORCE else unit
 
 
 def _inside(node: Schema, key: str | int) -> Iterator[Schema]:

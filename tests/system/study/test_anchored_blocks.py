@@ -1,0 +1,146 @@
+"""Factors of safety of anchored blocks against limit equilibrium.
+
+A block of weight W on a plane of dip a, with friction phi, and an anchor of force T at an angle b
+to the plane:  F = (W cos a + T sin b) tan phi/(W sin a - T cos b).
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clast
+from clast.inputs.stages import StageTable
+
+WEIGHT, LENGTH, APART = 600e3, 8.0, 3.0
+HEIGHT = WEIGHT / (2600.0 * 9.81 * LENGTH)
+ONE_BOLT = {"young": 2e11, "area": 1.5e-3, "out_of_plane_spacing": APART}
+"""2e11 x 1.5e-3/(10 x 3) = 10 MN/m per m."""
+REST, LATER = (
+    clast.Stage(name="rest", dynamic_ratio=0.0),
+    clast.Stage(name="later", dynamic_ratio=0.0),
+)
+
+
+def exact(dip: float, friction: float, angle: float, force: float) -> float:
+    """Return F; ``force`` is T, N/m."""
+    a, b = math.radians(dip), math.radians(angle)
+    resists = (WEIGHT * math.cos(a) + force * math.sin(b)) * math.tan(math.radians(friction))
+    return resists / (WEIGHT * math.sin(a) - force * math.cos(b))
+
+
+def anchored(
+    path: Path, kind: dict, *, dip=35.0, friction=40.0, angle=20.0, side=1.0, stages=(), **bolt
+) -> Path:
+    """Write the case; ``side`` -1 is its mirror image."""
+    a, b = math.radians(dip), math.radians(angle)
+    along = np.array([math.cos(a), math.sin(a)])
+    up = np.array([-along[1], along[0]])
+    toe, head = 2.0 * along, (2.0 + LENGTH) * along
+    end = head + 14.0 * along
+    corners = {
+        "slope": [0.0 * toe, np.array([end[0], 0.0]), end],
+        "block": [toe, head, head + HEIGHT * up, toe + HEIGHT * up],
+    }
+    mirror = np.array([side, 1.0])
+    builder = clast.ModelBuilder(title="Anchored block", gravity=(0.0, -9.81))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=2600.0)
+    builder.add_joint(friction_angle=friction)
+    for name, listed in corners.items():
+        ring = [tuple(one * mirror) for one in (listed if side > 0.0 else listed[::-1])]
+        builder.block(name=name, vertices=ring, fixed=name == "slope")
+    builder.add_bolt_kind("anchor", **kind)
+    middle = toe + 0.5 * LENGTH * along + 0.5 * HEIGHT * up
+    toe_of_it = middle + 10.0 * (math.cos(b) * along - math.sin(b) * up)
+    builder.bolt(middle * mirror, toe_of_it * mirror, name="A", kind="anchor", **bolt)
+    path.write_text(builder.to_toml(step=5e-3, end=2.0, stages=list(stages)))
+    return path
+
+
+JACKED = {"pretension_is": "jacked"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "per_metre"),
+    [
+        ({**ONE_BOLT, "pretension": 3e5}, 1e5),
+        ({"stiffness": 1e7, "pretension": 1e5}, 1e5),
+        ({**ONE_BOLT, "pretension": 4.5e5, "yield_force": 9e5}, 1.5e5),
+    ],
+)
+@pytest.mark.parametrize(
+    "view", [{}, {"side": -1.0}, {"dip": 50.0, "friction": 55.0, "angle": 40.0}]
+)
+def test_a_jacked_anchor_pulls_by_its_pretension(tmp_path, kind, per_metre, view):
+    given = {"dip": 35.0, "friction": 40.0, "angle": 20.0, **view}
+    given.pop("side", None)
+    case = anchored(tmp_path / "c.toml", kind, **JACKED, **view)
+    found = clast.factor_of_safety(case, tolerance=0.005)
+    assert found.value == pytest.approx(exact(**given, force=per_metre), rel=0.006)
+    assert not found.warnings
+
+
+@pytest.mark.parametrize("where", [{"stages": [REST], "stage": "rest"}, {"stages": [REST]}])
+def test_a_jack_on_at_the_end_of_the_case_stays_on(tmp_path, where):
+    kind = {**ONE_BOLT, "pretension": 3e5}
+    found = clast.factor_of_safety(
+        anchored(tmp_path / "c.toml", kind, **JACKED, **where), tolerance=0.005
+    )
+    assert found.value == pytest.approx(exact(35.0, 40.0, 20.0, 1e5), rel=0.006)
+    assert not found.warnings
+
+
+@pytest.mark.parametrize("bolt", [{}, {**JACKED, "stages": [REST, LATER], "stage": "rest"}])
+def test_an_anchor_that_carries_more_without_a_limit_is_warned_of(tmp_path, bolt):
+    """Locked off, it is a spring: the block hangs on it, and the factor counts on its force."""
+    case = anchored(tmp_path / "c.toml", {**ONE_BOLT, "pretension": 3e5}, **bolt)
+    found = clast.factor_of_safety(case, tolerance=0.01)
+    (text,) = found.warnings
+    assert math.isnan(found.value) and "at least" in found.sentence
+    assert "yield_force" in text and "pretension_is" in text
+    force = float(text.split("'A' ")[1].split(" N/m")[0])
+    # without friction it has to hold the block alone
+    assert force == pytest.approx(
+        WEIGHT * math.sin(math.radians(35.0)) / math.cos(math.radians(20.0)), rel=0.02
+    )
+
+
+def test_an_anchor_that_yields_gives_no_more_than_that(tmp_path):
+    """Neither warned of, nor too strong: its yield force is of one bolt."""
+    kind = {**ONE_BOLT, "pretension": 3e5, "yield_force": 3.6e5}
+    found = clast.factor_of_safety(anchored(tmp_path / "c.toml", kind), tolerance=0.005)
+    assert found.value == pytest.approx(exact(35.0, 40.0, 20.0, 1.2e5), rel=0.008)
+    assert not found.warnings
+
+
+def test_a_push_finds_the_same_anchor(tmp_path):
+    """W (sin a + k cos a) - T cos b = (W (cos a - k sin a) + T sin b) tan phi, k to the left."""
+    kind = {**ONE_BOLT, "pretension": 3e5}
+    case = anchored(tmp_path / "c.toml", kind, **JACKED)
+    found = clast.collapse_load(case, "pga left", tolerance=0.005)
+    a, b, tan = math.radians(35.0), math.radians(20.0), math.tan(math.radians(40.0))
+    spare = (
+        (WEIGHT * math.cos(a) + 1e5 * math.sin(b)) * tan - WEIGHT * math.sin(a) + 1e5 * math.cos(b)
+    )
+    assert found.value == pytest.approx(
+        spare / (WEIGHT * (math.cos(a) + math.sin(a) * tan)), rel=0.006
+    )
+
+
+def test_jacks_lock_at_the_next_stage_or_hold(tmp_path):
+    for jacks in ("lock", "hold"):
+        later = StageTable(
+            name="later",
+            dynamic_ratio=0.0,
+            jacks=jacks,
+            joint={"default": {"friction_angle": 10.0}},
+        ).stage()
+        case = anchored(
+            tmp_path / "c.toml", {**ONE_BOLT, "pretension": 6e5}, **JACKED, stages=[REST, later]
+        )
+        force = clast.load(case).run().bolt_history("A").force
+        assert force[0] == pytest.approx(2e5)
+        assert bool(force[-1] == pytest.approx(2e5)) is (jacks == "hold")
