@@ -171,6 +171,50 @@ def test_pages_are_counted_and_not_too_many(served):
 # A run ------------------------------------------------------------------------------------------
 
 
+def test_many_that_ask_at_once_are_eight(served):
+    server, _ = served
+    answers, start = [], threading.Barrier(3 * MOST_PAGES)
+
+    def look() -> None:
+        one = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+        start.wait()
+        one.request("GET", "/events?from=0", headers={"Authorization": f"Bearer {server.token}"})
+        answers.append((one.getresponse(), one))
+
+    threads = [threading.Thread(target=look) for _ in range(3 * MOST_PAGES)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    found = sorted(answer.status for answer, _ in answers)
+    assert found == [200] * MOST_PAGES + [503] * 2 * MOST_PAGES
+    assert server.pages == MOST_PAGES
+
+
+@pytest.mark.parametrize(
+    "sent", [b"GET / HTTP/1.1\r\nX: ", b"POST /do HTTP/1.1\r\nContent-Length: 900\r\n\r\n"]
+)
+def test_a_request_has_one_limit_of_time_in_however_many_pieces(served, monkeypatch, sent):
+    """A letter every now and then does not keep a place for ever."""
+    monkeypatch.setattr("clast.pictures.live.server.PATIENCE", 0.5)
+    server, _ = served
+    began = time.monotonic()
+    with socket.create_connection(("127.0.0.1", server.port)) as one:
+        one.sendall(sent)
+        one.settimeout(0.05)
+        while time.monotonic() - began < 5.0:
+            try:
+                one.sendall(b"a")
+                if not one.recv(100):
+                    break
+            except TimeoutError:
+                continue
+            except OSError:
+                break
+    assert 0.3 < time.monotonic() - began < 3.0
+    assert ask(server, "/")[0] == 200
+
+
 def falling(tmp_path, name="run.vtkhdf", **more):
     """Return what makes the run of a block that falls for 200 steps."""
     builder = clast.ModelBuilder(title="A block that falls", gravity=(0.0, -9.8))

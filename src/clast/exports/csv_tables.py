@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,7 @@ from clast.exports.targets import check_free
 from clast.results import Recording
 from clast.results.result_tables import PARTS, Columns
 from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
-from clast.rockmass.drawings.drawing_files import replaced
+from clast.rockmass.drawings.drawing_files import write_rows
 
 Rows = Iterator[Sequence[Any]]
 """The heading of a table and its rows."""
@@ -59,10 +57,7 @@ def write_csv(
     paths = {name: folder / f"{name}.csv" for name in tables or TABLES if name not in lacking}
     _check_folder(folder, paths.values())
     for name, path in paths.items():
-        with replaced(path) as file:
-            text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
-            csv.writer(text, lineterminator="\n").writerows(TABLES[name](results, chosen))
-            text.detach()
+        write_rows(path, TABLES[name](results, chosen))
     return list(paths.values())
 
 

@@ -208,15 +208,22 @@ class Keys:
         )
 
 
-def new_figure(size: tuple[float, float], dots: float) -> Figure:
-    """Return an empty white figure of a size in inches, with dots per inch."""
+def check_installed() -> None:
+    """Raise CaseError where matplotlib is not installed."""
     try:
-        from matplotlib.figure import Figure
+        import matplotlib.figure  # noqa: F401
     except ImportError as error:
         raise CaseError(
             "pictures need matplotlib, which is not installed",
             remedy="install it: pip install 'clast[plot]'",
         ) from error
+
+
+def new_figure(size: tuple[float, float], dots: float) -> Figure:
+    """Return an empty white figure of a size in inches, with dots per inch."""
+    check_installed()
+    from matplotlib.figure import Figure
+
     return Figure(figsize=size, dpi=dots, facecolor="white")
 
 

@@ -87,6 +87,7 @@ def draw_results(
     reactions: bool = False,
 ) -> Figure:
     """Return the picture that ``plot_results`` writes."""
+    canvas.check_installed()
     check_field(field, JOINT_FIELDS)
     number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)

@@ -6,14 +6,13 @@ Rows go through one at a time, so that a table may be of any length.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.drawing_files import replaced
+from clast.rockmass.drawings.drawing_files import replaced, write_rows
 from clast.study.description import Description
 from clast.study.folder import StudyFolder
 
@@ -43,16 +42,9 @@ def row(study: Description, result: Mapping[str, Any]) -> list[Any]:
 
 def write_csv(folder: StudyFolder, path: Path) -> int:
     """Write the table as CSV; return the number of rows."""
-    study, count = folder.study, 0
-    with replaced(path) as file:
-        text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(columns(study))
-        for result in folder.results():
-            writer.writerow(map(_written, row(study, result)))
-            count += 1
-        text.detach()
-    return count
+    study = folder.study
+    rows = (map(_written, row(study, result)) for result in folder.results())
+    return write_rows(path, chain([columns(study)], rows)) - 1
 
 
 def _written(value: Any) -> str:

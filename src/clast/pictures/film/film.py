@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clast.errors import CaseError
+from clast.pictures.canvas import check_installed
 from clast.pictures.film.encoders import ENCODERS
 from clast.pictures.film.film_frames import FilmLook, FrameDrawer, Pixels
 from clast.pictures.film.timing import frames_of, timing
@@ -65,6 +66,7 @@ def write_film(
     of it is left otherwise.  Raises CaseError for a stage, a field or a part that is not there, and
     where the film cannot be written.
     """
+    check_installed()
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in ENCODERS:

@@ -9,6 +9,7 @@ server by itself, before anything is said of the run.
 from __future__ import annotations
 
 import hmac
+import io
 import json
 import secrets
 import time
@@ -16,6 +17,7 @@ from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from ipaddress import ip_address
+from socket import socket
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -25,7 +27,7 @@ from clast.pictures.live.leader import ORDERS
 from clast.pictures.page.document import live_text
 
 PATIENCE = 10.0
-"""How long a browser may take to read or to ask, s."""
+"""How long a browser may take to read an answer, or for the whole of a request, s."""
 BEAT, BEAT_AFTER = 5.0, 1.0
 """A sign of life goes to every page at least so often, s; more often when the run is over."""
 MOST_PAGES = 8
@@ -66,11 +68,14 @@ class LiveServer(ThreadingHTTPServer):
             return False
         return name in ("localhost", self.host) or (_is_any(self.host) and _is_number(name))
 
-    def looks_on(self, change: int) -> None:
-        """Count pages that look on."""
+    def looks_on(self, change: int) -> bool:
+        """Count pages that look on; False for one more than there may be."""
         with self.feed.changed:
+            if self.pages + change > MOST_PAGES:
+                return False
             self.pages += change
             self.left = time.monotonic()
+            return True
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing of browsers that went away."""
@@ -88,12 +93,48 @@ def _is_number(host: str) -> bool:
     return True
 
 
+class _Asked(io.RawIOBase):
+    """What a browser sends: a request has one limit of time, however many pieces it comes in."""
+
+    def __init__(self, connection: socket) -> None:
+        self._connection = connection
+        self.until = 0.0
+        """When the request has to be there."""
+
+    def readable(self) -> bool:
+        """Return True: it is for reading."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what is there; raises TimeoutError where the time is over."""
+        left = self.until - time.monotonic()
+        if left <= 0.0:
+            raise TimeoutError
+        self._connection.settimeout(left)
+        try:
+            return self._connection.recv_into(buffer)
+        finally:
+            self._connection.settimeout(PATIENCE)
+
+
 class Handler(BaseHTTPRequestHandler):
     """Answers one browser."""
 
     server: LiveServer
     protocol_version = "HTTP/1.1"
     timeout = PATIENCE
+
+    def setup(self) -> None:
+        """Read requests with a limit of time."""
+        super().setup()
+        self.rfile.close()
+        self._asked = _Asked(self.connection)
+        self.rfile = io.BufferedReader(self._asked)
+
+    def handle_one_request(self) -> None:
+        """Answer a request that is whole in time."""
+        self._asked.until = time.monotonic() + PATIENCE
+        super().handle_one_request()
 
     def do_GET(self) -> None:
         """Answer with the page, its content, or news as they come."""
@@ -166,18 +207,17 @@ class Handler(BaseHTTPRequestHandler):
     def _events(self, query: str) -> None:
         """Send news as they come, until the run is over or the browser has gone."""
         server, given = self.server, parse_qs(query).get("from", ["0"])[0]
-        if server.pages >= MOST_PAGES:
+        if not given.isdecimal() or int(given) > server.feed.frames:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")
+            return
+        if not server.looks_on(1):
             self._refuse(
                 HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} viewers are connected already"
             )
             return
-        if not given.isdecimal() or int(given) > server.feed.frames:
-            self._refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")
-            return
         self.close_connection = True
-        self._head(HTTPStatus.OK, "text/event-stream", None)
-        server.looks_on(1)
         try:
+            self._head(HTTPStatus.OK, "text/event-stream", None)
             _Stream(server.feed, self._event).run(int(given))
         except OSError:
             pass  # the browser has gone, or reads too slowly: it asks again from where it was

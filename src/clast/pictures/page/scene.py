@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from clast.pictures.canvas import check_installed
 from clast.pictures.draw_bolts import LOOKS
 from clast.pictures.fields import SCALARS
 from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
@@ -114,6 +115,7 @@ def _colours() -> dict[str, Any]:
 
     "beyond" are those of values below and above each.
     """
+    check_installed()
     from matplotlib.colors import to_hex
 
     ends = {"rising": (0.0, 1.0), "falling": (-1.0, 0.0), "both": (-1.0, 1.0)}

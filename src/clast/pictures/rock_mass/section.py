@@ -83,6 +83,7 @@ def plot_cut(
 
 def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     """Return the picture of ``plot_cut``."""
+    canvas.check_installed()
     if by not in BY:
         raise CaseError(
             f"there is no picture of a cut by '{by}'",

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
+import re
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from clast.errors import CaseError
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
+"""Beginnings of texts that spreadsheets take for formulas."""
+NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[-+]?[0-9]+)?|[-+](inf|nan)", re.IGNORECASE)
+"""A number as a text, which is no formula."""
 LARGEST_FILE = 500_000_000
 """Drawings above this size are not read, bytes."""
 
@@ -78,6 +85,30 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
         flags = os.O_WRONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
         with open(os.open(part, flags), "wb") as file:
             yield file
+
+
+def write_rows(path: Path, rows: Iterable[Iterable[Any]]) -> int:
+    """Write a table as CSV, whole or not at all; return the number of rows.
+
+    A text that a spreadsheet would take for a formula has an apostrophe before it, by which that
+    knows it for a text.  Raises CaseError as ``replaced`` does.
+    """
+    count = 0
+    with replaced(path) as file:
+        text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+        writer = csv.writer(text, lineterminator="\n")
+        for row in rows:
+            writer.writerow(map(as_text, row))
+            count += 1
+        text.detach()
+    return count
+
+
+def as_text(value: Any) -> Any:
+    """Return a cell of a table; of a text one that no spreadsheet computes."""
+    if not isinstance(value, str) or not value.startswith(FORMULA) or NUMBER.fullmatch(value):
+        return value
+    return f"'{value}"
 
 
 @contextmanager

@@ -6,8 +6,6 @@ clast.collapse_load("arch.toml", "pga").value
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +15,7 @@ from typing import Any
 from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
-from clast.rockmass.drawings.drawing_files import replaced
+from clast.rockmass.drawings.drawing_files import write_rows
 from clast.study.collapsing.reduction import Reduction
 from clast.study.collapsing.search import FactorBracket, Trials, bracket_of
 from clast.study.collapsing.trial import (
@@ -281,15 +279,12 @@ def undecided(found: Collapse) -> list[int]:
 
 def write_trials(found: Collapse, path: Path) -> None:
     """Write the table of the trials as CSV."""
-    with replaced(path) as file:
-        text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["trial", "factor", "verdict", "displacement", "block", "steps", "reason"])
-        for k, one in enumerate(found.trials, 1):
-            writer.writerow(
-                [k, one.factor, one.verdict, one.displacement, one.mover, one.steps, one.reason]
-            )
-        text.detach()
+    heads = ["trial", "factor", "verdict", "displacement", "block", "steps", "reason"]
+    rows = (
+        [k, one.factor, one.verdict, one.displacement, one.mover, one.steps, one.reason]
+        for k, one in enumerate(found.trials, 1)
+    )
+    write_rows(path, [heads, *rows])
 
 
 def _drop_files(folder: StudyFolder, found: Collapse) -> None:
