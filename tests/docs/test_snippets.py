@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -27,6 +28,9 @@ BLOCK = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 TITLE = re.compile(r'title="([^"]*)"')
+README = DOCS.parent / "README.md"
+STUDY = re.compile(r"clast\.(Study|fit|factor_of_safety|collapse_load)\(")
+"""Code that makes studies, which may start processes: it is started as a script as well."""
 INSTALLATION = "Installation"
 """Title of the shell block that is not run here: the tests themselves need it done."""
 SHOWN = {"text"}
@@ -102,6 +106,25 @@ def test_every_snippet_of_a_page_runs(page, tmp_path, monkeypatch):
                 command(line, monkeypatch)
         else:
             assert snippet.language in {*SHOWN, "sh"}, f"{page.name}:{snippet.line}"
+    text = "".join(one.text for one in snippets(page) if one.language == "python")
+    if STUDY.search(text):
+        started(text, tmp_path)
+
+
+def started(text: str, folder: Path) -> None:
+    """Start Python code as a script; check that it ends well, and runs once and not again."""
+    (folder / "script.py").write_text('print("the script begins")\n' + text, "utf-8")
+    ended = subprocess.run(
+        [sys.executable, "script.py"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.count("the script begins") == 1
+
+
+def test_the_script_of_the_readme_can_be_started(tmp_path):
+    texts = [one.text for one in snippets(README) if one.language == "python"]
+    assert texts
+    started("".join(texts), tmp_path)
 
 
 def test_pages_have_snippets():
