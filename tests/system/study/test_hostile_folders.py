@@ -275,9 +275,10 @@ def test_a_full_disk_ends_a_study_and_is_no_result(tmp_path, how, most):
 import resource, signal, sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parent)!r})
-from test_hostile_folders import study, HowMade, CaseError
+from importlib import import_module
+from clast.errors import CaseError
 if __name__ == "__main__":
-    made = study(keep="all")
+    made = import_module({Path(__file__).stem!r}).study(keep="all")
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, resource.RLIM_INFINITY))
     try:
