@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import clast
+from clast.block.polygon import moments
 from clast.errors import CaseError
 from clast.pictures.page.document import write_page
 from clast.pictures.page.packing import affine, packed
@@ -26,14 +27,16 @@ def unpacked(table, width):
     levels = change
     for _ in range(table["order"]):
         levels = np.cumsum(levels, axis=0) % 65536
-    return table["low"] + levels * (table["high"] - table["low"]) / table["levels"]
+    step = (table["high"] - table["low"]) / table["levels"]
+    found = table["low"] + levels * step
+    return np.where(np.abs(found) < 1e-6 * step, 0.0, found)
 
 
 def placed(motion, start, block_start):
     """Return vertices (frames, nv, 2) from the six numbers of each block."""
     count = np.diff(block_start)
     owner = np.repeat(np.arange(len(count)), count)
-    middle = np.add.reduceat(start, block_start[:-1]) / count[:, None]
+    middle = moments(start, block_start)[1]
     x, y = (start - middle[owner]).T
     cosine, sine = np.cos(motion["angle"])[:, owner], np.sin(motion["angle"])[:, owner]
     xx, yy, xy = (motion[name][:, owner] for name in ("xx", "yy", "xy"))
@@ -73,6 +76,19 @@ def test_numbers_may_be_rounded_to_a_multiple_and_zero_stays_zero(least):
     found = unpacked(packed(values, least), 7)
     assert np.abs(found - values).max() <= 0.5001 * least
     assert np.abs(found[:, 2]).max() < 1e-12
+
+
+@pytest.mark.parametrize(("low", "high"), [(-1.0, 3.7), (-1e-3, 5e6), (-2.0, 1e-9), (0.0, 1.0)])
+def test_zero_is_a_level_and_rest_is_zero(low, high):
+    values = np.random.default_rng(6).uniform(low, high, (30, 7))
+    values[0, :2] = low, high
+    values[20:] *= 1e-9
+    table = packed(values)
+    found = unpacked(table, 7)
+    step = (table["high"] - table["low"]) / table["levels"]
+    assert table["levels"] <= 65535 and step <= 1.0001 * (high - low) / 65534
+    assert np.abs(found - values).max() <= 0.5001 * step
+    assert np.abs(values[20:]).max() < 0.5 * step and not found[20:].any()
 
 
 def test_constants_empty_tables_and_what_is_not_finite():

@@ -26,10 +26,29 @@ MANY, FEWER_LEVELS = 500_000, 4_095
 """Blocks times frames above which fields are rounded more, and the levels of their range then."""
 STRAINS, ROUNDING = ("xx", "yy", "xy"), 1e-12
 """Quantities of the motion that are strains, and strains that come of rounding."""
+NOISE = 1e-9
+"""Numbers below this share of the largest of their kind come of rounding: they are 0."""
+FIELDS = (
+    ("velocity_x", "velocity_y"),
+    ("sigma_xx", "sigma_yy", "sigma_xy"),
+    ("displacement_x", "displacement_y"),
+    ("rotation",),
+)
+"""Fields of the result file that the page works out its others from, by kind."""
+OF_MOTION = {"displacement_x": "x", "displacement_y": "y", "rotation": "angle"}
+"""Those that follow from the motion, unless displacements have been reset."""
 FACES = ("slip", "opening", "worn")
 """Fields of joints on the page: it has the others of each contact that is clicked."""
-CONTACT_NUMBERS = ("x", "y", "angle", "normal", "shear", "slip", "opening")
-"""Quantities of a contact: place, direction of its normal, forces, slip, opening."""
+CONTACT_NUMBERS = {
+    "x": [0, 1],
+    "y": [0, 1],
+    "angle": [2],
+    "normal": [3, 4],
+    "shear": [3, 4],
+    "slip": [5, 6],
+    "opening": [5, 6],
+}
+"""Quantities of a contact: place, direction of its normal, forces, slip, opening; those like it."""
 CONTACT_NAMES = ("vertex", "by", "mode", "joint")
 """What tells it: vertex, block that the vertex enters, mode and joint."""
 
@@ -58,14 +77,15 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
     """
     start = results.vertices(0)
     motion = affine(start, _Frames(results, numbers), results.block_start)
+    shown = _packed_motion(motion, start, results.block_start)
     stages = results.frame_stages
     about = _About(results, numbers, start)
     return {
         "times": results.times[numbers].tolist(),
         "stages": [stages[n] for n in numbers] if stages else [],
         "gone": _gone(results, numbers),
-        "motion": _packed_motion(motion, start, results.block_start),
-        "fields": _packed_fields(results, numbers),
+        "motion": shown,
+        "fields": _packed_fields(results, numbers, motion, shown),
         **_thinned(about, budget),
         "levels": _levels(about),
         "bolts": _bolts(about),
@@ -106,38 +126,48 @@ def _gone(results: Recording, numbers: Ints) -> list[list[int]]:
     return found
 
 
-def _fields(results: Recording, numbers: Ints) -> Iterator[tuple[str, Floats]]:
-    """Give the fields that the page cannot work out by itself, (frames, n).
-
-    Displacements are among them where a stage has reset them: they do not count from the start.
-    So they are where linings come later: those take another shape as they come.
-    """
-    names = ["velocity_x", "velocity_y", "sigma_xx", "sigma_yy", "sigma_xy"]
-    reset = any(event.kind == "displacements reset" for event in results.events)
-    if reset or results.awaited(0).any():
-        names += ["displacement_x", "displacement_y", "rotation"]
-    for name in names:
-        yield name, np.stack([results.field(name, int(number)) for number in numbers])
-
-
 def _packed_motion(motion: dict[str, Floats], start: Floats, block_start: Ints) -> dict[str, Any]:
     """Return the motion for the page; strains are no finer than displacements at a block's edge."""
+    rounding = ROUNDING * float(np.ptp(start, axis=0).max())
+    moved = max(float(np.abs(motion[name]).max()) for name in ("x", "y"))
+    least = dict.fromkeys(("x", "y"), max(rounding, NOISE * moved)) | {"angle": ROUNDING}
     quantum = max(float(np.ptp(motion[name])) for name in ("x", "y")) / LEVELS
     low = np.minimum.reduceat(start, block_start[:-1])
     high = np.maximum.reduceat(start, block_start[:-1])
     deformed = np.any([np.abs(motion[name]).max(axis=0) > ROUNDING for name in STRAINS], axis=0)
     sizes = np.hypot(*(high - low)[deformed].T)
-    least = quantum / float(sizes.max()) if deformed.any() else 0.0
-    return {
-        name: packed(values, least if name in STRAINS else 0.0) for name, values in motion.items()
-    }
+    fine = quantum / float(sizes.max()) if deformed.any() else 0.0
+    return {name: packed(values, least.get(name, fine)) for name, values in motion.items()}
 
 
-def _packed_fields(results: Recording, numbers: Ints) -> dict[str, Any]:
-    """Return the fields for the page, of many blocks and frames in fewer levels."""
+def _packed_fields(
+    results: Recording, numbers: Ints, motion: dict[str, Floats], shown: dict[str, Any]
+) -> dict[str, Any]:
+    """Return the fields for the page, of many blocks and frames in fewer levels.
+
+    Those that follow from the ``motion`` are left out unless they differ from it by a tenth of what
+    it is rounded to as it is ``shown``: displacements may count from a later stage, and rotations
+    of blocks that deform are sums over steps.
+    """
     many = len(numbers) * len(results.block_name) > MANY
     levels = FEWER_LEVELS if many else LEVELS
-    return {name: packed(values, levels=levels) for name, values in _fields(results, numbers)}
+    rounding = ROUNDING * max(1.0, float(np.ptp(results.vertices(0), axis=0).max()))
+    found = {}
+    for names in FIELDS:
+        values = {
+            name: np.stack([results.field(name, int(number)) for number in numbers])
+            for name in names
+        }
+        least = NOISE * max(float(np.abs(np.nan_to_num(one)).max()) for one in values.values())
+        for name, one in values.items():
+            same = OF_MOTION.get(name)
+            if same is not None:
+                table = shown[same]
+                quantum = (table["high"] - table["low"]) / table["levels"]
+                if np.abs(np.nan_to_num(one - motion[same])).max() <= max(0.1 * quantum, rounding):
+                    continue
+            found[name] = packed(one, least, levels)
+    return found
 
 
 # Contacts and joints -----------------------------------------------------------------------------
@@ -163,7 +193,8 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
 
     flat, counts = cut(contacts)
     found: dict[str, Any] = {
-        name: packed(flat[None, :, k]) for k, name in enumerate(CONTACT_NUMBERS)
+        name: packed(flat[None, :, k], NOISE * float(np.abs(flat[:, like]).max(initial=0.0)))
+        for k, (name, like) in enumerate(CONTACT_NUMBERS.items())
     }
     for k, name in enumerate(CONTACT_NAMES, len(CONTACT_NUMBERS)):
         found[name] = raw(flat[:, k], "<i4")

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.block.polygon import moments
 from clast.model.model import Floats, Ints
 
 LEVELS = 65_535
@@ -29,13 +30,16 @@ def packed(values: Floats, least: float = 0.0, levels: int = LEVELS) -> dict[str
     """Return numbers (frames, n) for the page: the ends of their range and a text.
 
     Each is rounded to so many ``levels`` of the range, or to a multiple of ``least`` where that is
-    coarser.  NaN and infinity become 0.
+    coarser; where there are numbers on both sides of zero, zero is a level.  NaN and infinity
+    become 0.
     """
     values = np.nan_to_num(np.asarray(values, np.float64), posinf=0.0, neginf=0.0)
     low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
     if not values.size:
         low = high = 0.0
     span = high - low
+    if low < 0.0 < high:
+        least = max(least, span / (levels - 1))
     if least * levels > span:
         # zero stays zero
         first, last = math.floor(low / least), math.ceil(high / least)
@@ -82,24 +86,20 @@ def raw(numbers: NDArray[Any], kind: str) -> str:
 def affine(start: Floats, frames: Sequence[Floats], block_start: Ints) -> dict[str, Floats]:
     """Return how blocks have moved from their ``start`` (nv, 2) in f frames (nv, 2), by name.
 
-    ``x`` and ``y``: displacement of the mean of a block's vertices, m; ``angle``: its rotation,
+    ``x`` and ``y``: displacement of a block's centroid, m; ``angle``: its rotation,
     counter-clockwise, rad, without jumps of a full turn; ``xx``, ``yy``, ``xy``: the stretch less
     one, in the axes of the start, from the polar decomposition F = R U.  Each has the shape (f, n).
     """
     first, count = block_start[:-1], np.diff(block_start)
     owner = np.repeat(np.arange(len(count)), count)
-
-    def mean(points: Floats) -> Floats:
-        return np.asarray(np.add.reduceat(points, first, axis=-2) / count[:, None])
-
-    middle = mean(start)
+    middle = moments(start, block_start)[1]
     arm = start - middle[owner]
     moment = _sums(arm, arm, first)
     inverse = np.linalg.inv(moment)
     shape = (len(frames), len(count))
     found = {key: np.zeros(shape) for key in ("x", "y", "angle", "xx", "yy", "xy")}
     for f, here in enumerate(frames):
-        now = mean(here)
+        now = moments(here, block_start)[1]
         found["x"][f], found["y"][f] = (now - middle).T
         gradient = _sums(here - now[owner], arm, first) @ inverse
         turn = np.arctan2(

@@ -1,6 +1,6 @@
 // Curves over time by uPlot, with a cursor at the time of the frame that is shown.
 
-import { withUnit } from "./colours.js";
+import { rounded, withUnit } from "./colours.js";
 
 const INKS = ["#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a", "#4f5b66", "#00796b"];
 
@@ -48,7 +48,7 @@ export class Charts {
             dash: k >= INKS.length ? [6, 3] : [],
             width: 1.5,
             points: { show: false },
-            value: (_, value) => (value == null ? "" : withUnit(value, curve.unit)),
+            value: (_, value) => (value == null ? "" : withUnit(value, curve.unit, 4, line.error)),
           })),
         ],
         // uPlot empties its legend when it draws first
@@ -101,9 +101,10 @@ export class Charts {
   csv() {
     const quoted = (text) => `"${String(text).replace(/"/g, '""')}"`;
     const unit = this.curve.unit ? ` (${this.curve.unit})` : "";
-    const head = ["time (s)", ...this.curve.lines.map((line) => (line.name || this.curve.name) + unit)];
+    const known = ({ error }) => (error ? ` ± ${error.toPrecision(1)}` : "");
+    const head = ["time (s)", ...this.curve.lines.map((line) => (line.name || this.curve.name) + unit + known(line))];
     const rows = this.curve.time.map((time, k) =>
-      [time, ...this.curve.lines.map((line) => line.values[k] ?? "")].join(","),
+      [time, ...this.curve.lines.map(({ values, error }) => (values[k] == null ? "" : rounded(values[k], error)))].join(","),
     );
     return `${[head.map(quoted).join(","), ...rows].join("\n")}\n`;
   }

@@ -1,6 +1,6 @@
 // What is chosen by a click, a block or a joint: its numbers, its curves, where it is.
 
-import { plain, withUnit } from "./colours.js";
+import { withUnit } from "./colours.js";
 import { blocksOf, curvesOfJoint, nameOf, placeOf, valuesOf } from "./joints.js";
 
 const OF_BLOCK = [
@@ -26,12 +26,12 @@ export function numbersOfChosen(run, state) {
 
 function ofBlock(run, { chosen: block, frame }) {
   const rows = [["Rock", run.scene.rocks[run.scene.rock[block]] ?? "–"]];
-  rows.push(["Area", `${plain(run.area[block])} m²`]);
+  rows.push(["Area", `${withUnit(run.area[block], "", 4, run.areaError[block])} m²`]);
   if (run.fixed[block]) rows.push(["Support", "fixed"]);
   if (run.isGone(frame, block)) rows.push(["State", run.isAwaited(frame, block) ? "comes later" : "excavated"]);
   for (const name of OF_BLOCK) {
     const [label, unit] = run.scene.labels[name];
-    rows.push([label, withUnit(run.value(name, frame, block), unit)]);
+    rows.push([label, withUnit(run.value(name, frame, block), unit, 4, run.error(name))]);
   }
   return [`Block ${run.scene.blocks[block]}`, rows];
 }
@@ -41,8 +41,8 @@ function ofJoint(run, { joint, frame }) {
   const name = nameOf(run, joint);
   const values = valuesOf(run, joint, frame);
   const rows = name ? [["Joint", name]] : [];
-  for (const [label, value, unit] of values) {
-    rows.push([label, typeof value === "string" ? value : withUnit(value, unit)]);
+  for (const [label, value, unit, error] of values) {
+    rows.push([label, typeof value === "string" ? value : withUnit(value, unit, 4, error)]);
   }
   if (!values.length) rows.push(["State", "carries nothing in this frame, or is left out"]);
   return [`Joint of ${one} and ${other}`, rows];
@@ -56,7 +56,7 @@ export function curvesOfChosen(run, state) {
   const [label, unit] = run.scene.labels[field];
   const values = run.times.map((_, frame) => (run.isGone(frame, block) ? null : run.value(field, frame, block)));
   return [
-    { name: `Block ${run.scene.blocks[block]}, ${label}`, unit, time: run.times, lines: [{ name: label, values }] },
+    { name: `Block ${run.scene.blocks[block]}, ${label}`, unit, time: run.times, lines: [{ name: label, values, error: run.error(field) }] },
   ];
 }
 

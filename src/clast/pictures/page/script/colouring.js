@@ -33,8 +33,8 @@ export function coloursOf(run, state) {
   const values = run.values(field, frame);
   const counted = (_, block) => !run.fixed[block] && !run.isGone(frame, block);
   const own = values.filter(counted);
-  const [low, high] = limits ?? endsOf(own, run.area.filter(counted), state.share);
-  const scale = new Scale(run.scene.colours, low, high).holds(own, limits ? SLACK.limits : SLACK.ends);
+  const [low, high] = limits ?? endsOf(own, run.area.filter(counted), state.share, run.error(field));
+  const scale = new Scale(run.scene.colours, low, high).holds(own, limits ? SLACK.limits : SLACK.ends, run.error(field));
   return [Array.from(values, (value, block) => (run.fixed[block] ? FIXED : scale.colour(value))), scale];
 }
 

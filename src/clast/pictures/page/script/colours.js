@@ -22,9 +22,10 @@ const ONE_SIDED = 0.02;
  * @param {Float32Array} weights area or length of each (n,)
  * @param {number | null} share of the values that the scale holds, 0 to 1; null for all but a few
  *   that would spoil it, as in still pictures
+ * @param {number} error how far values may be from the true ones: a scale is no finer than ten times that
  */
-export function endsOf(values, weights, share) {
-  const size = share === null ? largestButFew(values, weights) : quantile(values, share);
+export function endsOf(values, weights, share, error = 0) {
+  const size = Math.max(10 * error, share === null ? largestButFew(values, weights) : quantile(values, share));
   if (!(size > 0)) return [0, 1];
   let low = Infinity;
   let high = -Infinity;
@@ -71,10 +72,11 @@ export class Scale {
     [this.first, this.last] = kind === "both" ? [-half, half] : [low, high];
   }
 
-  /** Take note of the values of a frame: how far they go beyond the scale, by more than a ``slack``. */
-  holds(values, slack) {
+  /** Take note of the values of a frame, known to an error: how far they go beyond the scale, by more than a ``slack``. */
+  holds(values, slack, error = 0) {
     const [least, most] = values.reduce(([a, b], one) => [Math.min(a, one), Math.max(b, one)], [Infinity, -Infinity]);
     const room = slack * (this.high - this.low);
+    this.error = error;
     this.beyond = [];
     if (least < this.low - room) this.beyond.push({ colour: this.under, value: least, word: "below" });
     if (most > this.high + room) this.beyond.push({ colour: this.over, value: most, word: "above" });
@@ -100,14 +102,42 @@ export const SLACK = { limits: 1e-9, ends: 0.02 };
 
 const PREFIXES = { "-3": "n", "-2": "µ", "-1": "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T" };
 
-/** Return a number with a unit and a prefix: 1.25 MPa. */
-export function withUnit(value, unit, digits = 4) {
+const FEWEST = 3;
+/** Digits of a number at least; where fewer are known its error stands behind it. */
+
+/**
+ * Return a number with a unit and a prefix, 1.25 MPa, in the digits that are known: 0.12 ± 0.02 MPa.
+ * @param {number} error how far the number may be from the true one
+ */
+export function withUnit(value, unit, digits = 4, error = 0) {
   if (!Number.isFinite(value)) return "–";
-  if (unit === "°") return `${plain(value, digits)}°`;
-  if (value === 0 || ["%", ""].includes(unit)) return `${plain(value, digits)} ${unit}`.trim();
-  let thousands = Math.floor(Math.log10(Math.abs(value) * (1 + 1e-12)) / 3);
-  thousands = Math.max(-3, Math.min(unit.startsWith("m") || unit === "s" ? 0 : 4, thousands));
-  return `${plain(value * 10 ** (-3 * thousands), digits)} ${PREFIXES[thousands]}${unit}`;
+  // of the last digit that is shown the error is a tenth at most
+  const known = error > 0 ? Math.floor(Math.log10(Math.abs(value))) - Math.ceil(Math.log10(10 * error)) + 1 : digits;
+  if (known >= Math.min(FEWEST, digits)) return inUnits([value], unit, Math.min(digits, known));
+  const last = lastDigit(error);
+  const near = rounded(value, error);
+  const bound = last * Math.ceil((error + Math.abs(value - near)) / last - 1e-9);
+  return inUnits([near, bound], unit, 12);
+}
+
+function lastDigit(error) {
+  return 10 ** Math.floor(Math.log10(error));
+}
+
+/** Return a number to the digit of its error. */
+export function rounded(value, error) {
+  return error > 0 ? Number((Math.round(value / lastDigit(error)) * lastDigit(error)).toPrecision(12)) : value;
+}
+
+function inUnits(numbers, unit, digits) {
+  const size = Math.max(...numbers.map(Math.abs));
+  let thousands = 0;
+  if (size > 0 && !["°", "%", ""].includes(unit)) {
+    thousands = Math.floor(Math.log10(size * (1 + 1e-12)) / 3);
+    thousands = Math.max(-3, Math.min(unit.startsWith("m") || unit === "s" ? 0 : 4, thousands));
+  }
+  const text = numbers.map((one) => plain(one * 10 ** (-3 * thousands), digits)).join(" ± ");
+  return unit === "°" ? `${text}°` : `${text} ${PREFIXES[thousands]}${unit}`.trim();
 }
 
 /** Return a number with a few digits and a true minus sign. */

@@ -31,10 +31,11 @@ export function facesOfContacts(run, name, frame) {
   return found;
 }
 
-/** Return the resultant of each face of a frame: its size, N/m, its place, m, its contacts' blocks. */
+/** Return the resultant of each face of a frame: its size and error, N/m, its place, m, its contacts' blocks. */
 export function resultantsOf(run, frame) {
-  return gathered(run, frame).map(({ fx, fy, weight, x, y, one, other }) => ({
+  return gathered(run, frame).map(({ fx, fy, weight, x, y, one, other, count }) => ({
     size: Math.hypot(fx, fy),
+    error: count * run.contacts.error,
     x: x / Math.max(weight, 1e-300),
     y: y / Math.max(weight, 1e-300),
     one,
@@ -76,7 +77,7 @@ function gathered(run, frame) {
 function faceFrom(contacts, k) {
   const along = [-Math.sin(contacts.angle[k]), Math.cos(contacts.angle[k])];
   const [one, other] = [contacts.on[k], contacts.by[k]];
-  const sums = { shear: 0, normal: 0, pressed: 0, sliding: 0, fx: 0, fy: 0, weight: 0, x: 0, y: 0 };
+  const sums = { count: 0, shear: 0, normal: 0, pressed: 0, sliding: 0, fx: 0, fy: 0, weight: 0, x: 0, y: 0 };
   return { along, one, other, low: Infinity, high: -Infinity, ...sums };
 }
 
@@ -85,6 +86,7 @@ function add(face, contacts, k) {
   if (place < face.low) [face.low, face.first] = [place, k];
   if (place > face.high) [face.high, face.last] = [place, k];
   const pressed = Math.max(0, contacts.normal[k]);
+  face.count += 1;
   face.shear += contacts.shear[k];
   face.normal += contacts.normal[k];
   face.pressed += pressed;

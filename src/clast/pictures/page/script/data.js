@@ -4,6 +4,9 @@ import { facesOfContacts, isOfContacts } from "./contact_faces.js";
 import { decodeMoving, joined } from "./moving.js";
 import { rawArray } from "./packing.js";
 
+const SINGLE = 2 ** -24;
+/** Rounding of 32-bit floats, as a share of the number. */
+
 /** What the page knows of a run. */
 export class RunData {
   /** @param {any} scene what scene.py made */
@@ -21,8 +24,7 @@ export class RunData {
     this.start = await rawArray(scene.vertices, Float32Array);
     this.blockStart = await rawArray(scene.block_start, Int32Array);
     this.edgeJoint = await rawArray(scene.edge_joint, Int32Array);
-    this.middle = this.middles();
-    this.area = this.areas();
+    this.measure();
     this.take(await decodeMoving(scene, this.blockStart));
   }
 
@@ -41,35 +43,32 @@ export class RunData {
     }
   }
 
-  /** Return the mean of the start vertices of each block, m, x and y by turns. */
-  middles() {
-    const found = new Float32Array(2 * this.blockCount);
+  /** Work out centroids, m, x and y by turns, and areas, m2, of the blocks at the start, and how far areas may be off. */
+  measure() {
+    this.middle = new Float32Array(2 * this.blockCount);
+    this.area = new Float32Array(this.blockCount);
+    this.areaError = new Float32Array(this.blockCount);
     for (let block = 0; block < this.blockCount; block++) {
       const first = this.blockStart[block];
       const past = this.blockStart[block + 1];
-      for (let v = first; v < past; v++) {
-        found[2 * block] += this.start[2 * v] / (past - first);
-        found[2 * block + 1] += this.start[2 * v + 1] / (past - first);
-      }
-    }
-    return found;
-  }
-
-  /** Return the area of each block at the start, m2. */
-  areas() {
-    const found = new Float32Array(this.blockCount);
-    for (let block = 0; block < this.blockCount; block++) {
-      const first = this.blockStart[block];
-      const past = this.blockStart[block + 1];
-      let twice = 0;
+      const [x0, y0] = [this.start[2 * first], this.start[2 * first + 1]];
+      const reach = SINGLE * Math.max(Math.abs(x0), Math.abs(y0));
+      let [twice, sumX, sumY, around] = [0, 0, 0, 0];
       for (let v = first, before = past - 1; v < past; before = v++) {
-        twice +=
-          this.start[2 * before] * this.start[2 * v + 1] -
-          this.start[2 * v] * this.start[2 * before + 1];
+        // from the first vertex, so that nothing is lost far from the origin
+        const [ax, ay] = [this.start[2 * before] - x0, this.start[2 * before + 1] - y0];
+        const [bx, by] = [this.start[2 * v] - x0, this.start[2 * v + 1] - y0];
+        const cross = ax * by - ay * bx;
+        twice += cross;
+        sumX += cross * (ax + bx);
+        sumY += cross * (ay + by);
+        around += Math.hypot(bx - ax, by - ay);
       }
-      found[block] = 0.5 * twice;
+      this.area[block] = 0.5 * twice;
+      this.areaError[block] = reach * around;
+      this.middle[2 * block] = x0 + sumX / (3 * twice);
+      this.middle[2 * block + 1] = y0 + sumY / (3 * twice);
     }
-    return found;
   }
 
   /**
@@ -139,18 +138,12 @@ export class RunData {
    */
   value(field, frame, block) {
     const at = frame * this.blockCount + block;
-    const { motion, fields } = this;
-    // where a stage has reset displacements they are fields of their own
-    const { displacement_x: x = motion.x, displacement_y: y = motion.y, rotation = motion.angle } = fields;
+    const { fields } = this;
     switch (field) {
       case "displacement":
-        return Math.hypot(x[at], y[at]);
-      case "displacement_x":
-        return x[at];
-      case "displacement_y":
-        return y[at];
+        return Math.hypot(fields.displacement_x[at], fields.displacement_y[at]);
       case "rotation":
-        return (rotation[at] * 180) / Math.PI;
+        return (fields.rotation[at] * 180) / Math.PI;
       case "velocity":
         return Math.hypot(fields.velocity_x[at], fields.velocity_y[at]);
       case "sigma_1":
@@ -163,6 +156,30 @@ export class RunData {
       }
       default:
         return fields[field][at];
+    }
+  }
+
+  /** Return how far a number of a block may be from that of the run, for it was rounded. */
+  error(field) {
+    const half = (name) => 0.5 * this.fields[name].step;
+    const stress = () => ["sigma_xx", "sigma_yy", "sigma_xy"].map(half);
+    switch (field) {
+      case "displacement":
+      case "velocity":
+        return Math.hypot(half(`${field}_x`), half(`${field}_y`));
+      case "rotation":
+        return (half("rotation") * 180) / Math.PI;
+      case "sigma_1":
+      case "sigma_3": {
+        const [xx, yy, xy] = stress();
+        return Math.max(xx, yy) + xy;
+      }
+      case "max_shear": {
+        const [xx, yy, xy] = stress();
+        return Math.hypot(0.5 * (xx + yy), xy);
+      }
+      default:
+        return half(field);
     }
   }
 

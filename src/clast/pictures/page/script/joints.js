@@ -113,6 +113,8 @@ export function nameOf(run, joint) {
 }
 
 const MODES = ["open", "slides", "locked"];
+const UNKNOWN = 45;
+/** Error of an angle of friction from which on nothing is known of it, degrees. */
 
 /** Return what is said of a joint in a frame: pairs of name and value, with the unit of values. */
 export function valuesOf(run, joint, frame) {
@@ -120,21 +122,24 @@ export function valuesOf(run, joint, frame) {
   if (!("vertex" in joint)) return k < 0 ? [] : [["Opening", run.faces.opening.value[k], "m"]];
   if (k < 0) return [];
   const { normal, shear, slip, opening, mode } = run.contacts;
-  const ratio = Math.abs(shear[k]) / normal[k];
+  const half = (values) => 0.5 * values.step;
+  const angle = (180 / Math.PI) * Math.atan2(Math.abs(shear[k]), normal[k]);
+  const share = run.contacts.error / Math.hypot(normal[k], shear[k]);
+  const off = share < 1 ? (180 / Math.PI) * Math.asin(share) : 90;
   return [
     ["State", MODES[mode[k]] ?? "", ""],
-    ["Normal force", normal[k], "N/m"],
-    ["Shear force", shear[k], "N/m"],
-    ["Mobilised friction", normal[k] > 0 ? (180 / Math.PI) * Math.atan(ratio) : NaN, "°"],
-    ["Slip", slip[k], "m"],
-    ["Opening", opening[k], "m"],
+    ["Normal force", normal[k], "N/m", half(normal)],
+    ["Shear force", shear[k], "N/m", half(shear)],
+    ["Mobilised friction", normal[k] > half(normal) && off < UNKNOWN ? angle : NaN, "°", off],
+    ["Slip", slip[k], "m", half(slip)],
+    ["Opening", opening[k], "m", half(opening)],
   ];
 }
 
 /** Return the curves of a joint over the frames, with gaps where it carries nothing. */
 export function curvesOfJoint(run, joint) {
   const rows = run.times.map((_, frame) => rowOf(run, joint, frame));
-  const line = (name, values) => ({ name, values: rows.map((k) => (k < 0 ? null : values[k])) });
+  const line = (name, values) => ({ name, values: rows.map((k) => (k < 0 ? null : values[k])), error: 0.5 * (values.step ?? 0) });
   const curve = (name, unit, ...lines) => ({ name, unit, time: run.times, lines });
   if (!("vertex" in joint)) return [curve("Joint, opening", "m", line("opening", run.faces.opening.value))];
   const { normal, shear, slip, opening } = run.contacts;

@@ -130,7 +130,9 @@ function drawJoints(pen, { run, view, frame }) {
 }
 
 function legendOfJoints({ run }) {
-  return Object.values(run.scene.joint_looks).map(([name, colour, dash]) => line(colour, 2, name, dash.length > 0));
+  const looks = Object.values(run.scene.joint_looks).map(([name, colour, dash]) => line(colour, 2, name, dash.length > 0));
+  // construction joints of several openings look alike
+  return looks.filter((one, k) => looks.findIndex(({ text, colour }) => text === one.text && colour === one.colour) === k);
 }
 
 function legendOfFaces({ run, frame }, name) {
@@ -216,13 +218,14 @@ function eachContact(run, frame, call) {
 function legendOfForces({ run, frame }) {
   let largest = 0;
   eachContact(run, frame, (_, size) => (largest = Math.max(largest, size)));
-  const text = `contact force, up to ${withUnit(largest, "N/m", 3)}`;
+  const text = `contact force, up to ${withUnit(largest, "N/m", 3, run.contacts.error)}`;
   return largest > 0 ? [line(FORCE, 1.2, text)] : [];
 }
 
 function legendOfChains({ run, frame }) {
-  const largest = resultantsOf(run, frame).reduce((most, { size }) => Math.max(most, size), 0);
-  const text = `force between blocks as width, up to ${withUnit(largest, "N/m", 3)}`;
+  const nothing = { size: 0, error: 0 };
+  const { size: largest, error } = resultantsOf(run, frame).reduce((most, one) => (one.size > most.size ? one : most), nothing);
+  const text = `force between blocks as width, up to ${withUnit(largest, "N/m", 3, error)}`;
   return largest > 0 ? [line(FORCE, widthOfChain(largest / largestResultant(run)), text)] : [];
 }
 
@@ -289,7 +292,8 @@ function stepOfCrosses(run) {
 
 function legendOfCrosses({ run, frame }) {
   const [pressed, pulled] = largestStresses(run, frame, stepOfCrosses(run));
-  const text = (what, most) => `principal stress, ${what}, up to ${withUnit(most, "Pa", 3)}`;
+  const error = run.error("sigma_1");
+  const text = (what, most) => `principal stress, ${what}, up to ${withUnit(most, "Pa", 3, error)}`;
   const found = [];
   if (pressed > 0) found.push(line(PRESSED, 2, text("compression", pressed)));
   if (pulled > 0) found.push(line(PULLED, 2, text("tension", pulled)));

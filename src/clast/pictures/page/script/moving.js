@@ -10,6 +10,8 @@ const OF_SUPPORTS = {
   linings: ["normal_force", "shear_force", "moment"],
 };
 const ENDS = ["x0", "y0", "x1", "y1"];
+/** Fields that are those of the motion where they are not given. */
+const OF_MOTION = { displacement_x: "x", displacement_y: "y", rotation: "angle" };
 
 /**
  * Decode some frames: see frame_data.py.
@@ -23,6 +25,7 @@ export async function decodeMoving(part, blockStart) {
     found[kind] = {};
     for (const [name, table] of Object.entries(part[kind])) found[kind][name] = await unpacked(table, wide);
   }
+  for (const [field, name] of Object.entries(OF_MOTION)) found.fields[field] ??= found.motion[name];
   found.contacts = counted(part.contacts);
   const rows = Math.max(1, part.contacts.shown);
   for (const name of OF_CONTACTS) found.contacts[name] = await unpacked(part.contacts[name], rows);
@@ -72,7 +75,7 @@ function counted({ shown, of, count }) {
   return { shown, of, count };
 }
 
-/** Work out where each frame begins, and the largest force. */
+/** Work out where each frame begins, the largest force, and how far forces may be off. */
 function withTotals(found) {
   for (const table of [found.contacts, ...Object.values(found.faces)]) {
     table.first = new Int32Array(table.count.length + 1);
@@ -81,6 +84,7 @@ function withTotals(found) {
     });
   }
   const { contacts } = found;
+  contacts.error = 0.5 * Math.hypot(contacts.normal.step, contacts.shear.step);
   contacts.largest = 0;
   for (let k = 0; k < contacts.fx.length; k++) {
     contacts.largest = Math.max(contacts.largest, Math.hypot(contacts.fx[k], contacts.fy[k]));
@@ -158,6 +162,7 @@ function eachJoined(before, more) {
     found[name] = new values.constructor(values.length + more[name].length);
     found[name].set(values);
     found[name].set(more[name], values.length);
+    found[name].step = Math.max(values.step ?? 0, more[name].step ?? 0);
   }
   return found;
 }

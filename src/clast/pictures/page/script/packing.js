@@ -27,7 +27,7 @@ export async function rawArray(text, Kind) {
 }
 
 /**
- * Return the numbers (frames x width) of a packed table: see packing.py.
+ * Return the numbers (frames x width) of a packed table, with the ``step`` that they are rounded to: see packing.py.
  * @param {{low: number, high: number, levels: number, order: number, data: string}} table
  * @param {number} width numbers a frame
  * @returns {Promise<Float32Array>}
@@ -46,8 +46,11 @@ export async function unpacked(table, width) {
     const block = k % width;
     if (slope) slope[block] += change;
     level[block] += slope ? slope[block] : change;
-    found[k] = table.low + step * level[block];
+    const value = table.low + step * level[block];
+    // zero is a level
+    found[k] = Math.abs(value) < 1e-6 * step ? 0 : value;
   }
+  found.step = step;
   return found;
 }
 
