@@ -32,7 +32,7 @@ help:
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make performance  time whole scenes, walls and heaps, and write docs/performance.md (hours)"
 	@echo "make docs       build the documentation site into build/site"
-	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000, with its search"
+	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000"
 	@echo "make reference  write the references of case file, with its schema, and result file"
 	@echo "make test       run the core tests: each formula, kernel and refusal (minutes)"
 	@echo "make test-system, test-long   run whole runs; killed runs, threads, cold caches"
@@ -140,9 +140,8 @@ performance: env
 
 docs: env-docs
 	@$(BIN)/zensical build --clean --strict
-	@echo "Wrote build/site; open build/site/index.html, or make docs-serve to search in it"
+	@echo "Wrote build/site; open build/site/index.html, or make docs-serve"
 
-# browsers keep the search of a page that was opened from the disk from its index
 docs-serve: docs
 	@echo "Open http://127.0.0.1:$(PORT); Ctrl-C ends it"
 	@$(BIN)/python -m http.server $(PORT) --bind 127.0.0.1 --directory build/site
