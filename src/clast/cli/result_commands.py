@@ -84,7 +84,7 @@ def _lining(found: dict[str, float | None]) -> str:
         for letter, key, unit in (
             ("N", "normal_force", "N/m"),
             ("Q", "shear_force", "N/m"),
-            ("M", "moment", "N"),
+            ("M", "moment", "N m/m"),
         )
     ]
     used = found["utilisation"]

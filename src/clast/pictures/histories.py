@@ -204,7 +204,7 @@ def _of_reaction(results: Recording, name: str) -> list[_Line]:
             _Line("Reaction", "N/m", f"{name}, {part}", reaction.time, reaction.force[:, k])
             for part, k in COMPONENTS.items()
         ),
-        _Line("Moment of reactions", "N", name, reaction.time, reaction.moment),
+        _Line("Moment of reactions", "N m/m", name, reaction.time, reaction.moment),
     ]
 
 
@@ -224,7 +224,7 @@ def _of_lining(results: Recording, name: str) -> list[_Line]:
     for quantity, unit, values in (
         ("N of linings", "N/m", lining.normal_force),
         ("Q of linings", "N/m", lining.shear_force),
-        ("M of linings", "N", lining.moment),
+        ("M of linings", "N m/m", lining.moment),
     ):
         held = np.where(carries, values, 0.0)
         for said, value in (("most", held.max(axis=1)), ("least", held.min(axis=1))):

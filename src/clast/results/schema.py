@@ -311,7 +311,7 @@ REACTION_TABLE = TableSchema(
     drawn=("force_x", "force_y"),
     columns=(
         Column(name="force", parts=PLANE, unit="N/m", meaning="force of the support on the blocks"),
-        Column(name="moment", unit="N", meaning="its moment about the point of the reaction"),
+        Column(name="moment", unit="N m/m", meaning="its moment about the point of the reaction"),
         Column(
             name="position",
             parts=PLANE,
@@ -338,7 +338,7 @@ LINK_TABLE = TableSchema(
             unit="N/m",
             meaning="force on the first block, along and across the link",
         ),
-        Column(name="moment", unit="N", meaning="moment on the first block, counter-clockwise"),
+        Column(name="moment", unit="N m/m", meaning="moment on the first block, counter-clockwise"),
         Column(name="state", kind="i8", meaning="state", words=LINK_STATES),
     ),
 )
@@ -359,7 +359,9 @@ LINING_TABLE = TableSchema(
             unit="N/m",
             meaning="shear force Q, to the left on what lies before the joint",
         ),
-        Column(name="moment", unit="N", meaning="moment M, positive where it stretches the left"),
+        Column(
+            name="moment", unit="N m/m", meaning="moment M, positive where it stretches the left"
+        ),
         Column(
             name="utilisation",
             meaning="share of the strength of the section, 1 on its curve; NaN without strengths",

@@ -52,12 +52,12 @@ def _of_supports(results: Recording) -> Iterator[dict[str, Any]]:
         reaction = results.reaction(name)
         lines = {"x": reaction.force[:, 0], "y": reaction.force[:, 1]}
         yield _curve(f"Reaction {name}, force", "N/m", reaction.time, lines)
-        yield _curve(f"Reaction {name}, moment", "N", reaction.time, {"": reaction.moment})
+        yield _curve(f"Reaction {name}, moment", "N m/m", reaction.time, {"": reaction.moment})
     for name in results.link_name:
         link = results.link(name)
         lines = {"along": link.force[:, 0], "across": link.force[:, 1]}
         yield _curve(f"Link {name}, force", "N/m", link["time"], lines)
-        yield _curve(f"Link {name}, moment", "N", link["time"], {"": link["moment"]})
+        yield _curve(f"Link {name}, moment", "N m/m", link["time"], {"": link["moment"]})
     for name in results.lining_name:
         lining = results.lining(name)
         for one in DIAGRAMS.values():

@@ -43,7 +43,7 @@ class LiningQuantity:
 DIAGRAMS = {
     "normal-forces": LiningQuantity("N", "normal_force", "N/m", "#1b4f9c"),
     "shear-forces": LiningQuantity("Q", "shear_force", "N/m", "#2b7a3f"),
-    "moments": LiningQuantity("M", "moment", "N", "#b3261e"),
+    "moments": LiningQuantity("M", "moment", "N m/m", "#b3261e"),
 }
 """Name of a layer -> its diagram."""
 

@@ -103,7 +103,7 @@ def _draw(
 ) -> None:
     """Draw the curve, the limit of cracks, and N and M of all instants and of one ``row``."""
     of_force, newton = prefixed(float(np.abs(curve.normal).max()), "N/m")
-    of_moment, metre = prefixed(curve.largest, "N")
+    of_moment, metre = prefixed(curve.largest, "N m/m")
     sides = np.concatenate([curve.moment, -curve.moment[::-1]])
     around = np.concatenate([curve.normal, curve.normal[::-1]])
     axes.plot(of_moment * sides, of_force * around, color=CURVE, lw=1.3, label="strength")
