@@ -28,6 +28,8 @@ const CALM = 250;
 /** Milliseconds that a frame stays at least where somebody has asked for less motion. */
 const OFTEN = 200;
 /** Milliseconds after which the address follows. */
+const TICK = { width: 10, height: 12, lanes: 4, texts: 12 };
+/** Room of a mark on the time line, pixels; marks below one another, and texts of one that stands for several. */
 const NEAR = 9;
 /** How far from a joint a click still means it, pixels; never more than a part of a block. */
 
@@ -171,25 +173,44 @@ export class Page {
   /** Mark stages and events on the time line. */
   fillTicks() {
     const { run } = this;
-    this.$("ticks").replaceChildren();
     const [first, last] = [run.times[0], run.times[run.frameCount - 1]];
-    const place = (frame) => (100 * frame) / Math.max(1, run.frameCount - 1);
-    const mark = (kind, frame, text) => {
-      const tick = document.createElement("button");
-      tick.type = "button";
-      tick.className = kind;
-      tick.style.left = `${place(frame)}%`;
-      tick.title = text;
-      tick.setAttribute("aria-label", text);
-      tick.addEventListener("click", () => this.goTo(frame));
-      this.$("ticks").append(tick);
-    };
-    run.stages.forEach((stage, k, all) => {
-      if (k === 0 || stage !== all[k - 1]) mark("stage-tick", k, `Stage ${stage} begins`);
+    const marks = [];
+    run.stages.forEach((stage, frame, all) => {
+      if (frame === 0 || stage !== all[frame - 1]) marks.push({ kind: "stage-tick", frame, text: `Stage ${stage} begins` });
     });
-    for (const event of eventsShown(run.scene)) {
-      if (event.time >= first && event.time <= last) mark("event-tick", run.frameAt(event.time), event.text);
+    for (const { time, text } of run.scene.events) {
+      if (time >= first && time <= last) marks.push({ kind: "event-tick", frame: run.frameAt(time), text });
     }
+    const wide = this.$("ticks").clientWidth;
+    const ticks = [];
+    /** The last tick of each lane: those that would cover it lie in the next, and have one tick in the last. */
+    const lanes = [];
+    for (const mark of marks.sort((a, b) => a.frame - b.frame)) {
+      const share = mark.frame / Math.max(1, run.frameCount - 1);
+      let lane = lanes.findIndex((tick) => wide * (share - tick.share) >= TICK.width);
+      if (lane < 0) lane = lanes.length;
+      if (lane === TICK.lanes) lanes[lane - 1].marks.push(mark);
+      else ticks.push((lanes[lane] = { lane, share, marks: [mark] }));
+    }
+    this.$("ticks").style.height = `${TICK.height * lanes.length}px`;
+    this.$("ticks").replaceChildren(...ticks.map((tick) => this.buttonOf(tick)));
+  }
+
+  /** Return the button of a tick; where it has several marks, each click goes to the next of them. */
+  buttonOf({ lane, share, marks }) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = marks[0].kind;
+    button.classList.toggle("many", marks.length > 1);
+    button.style.left = `${100 * share}%`;
+    button.style.top = `${TICK.height * lane}px`;
+    const texts = marks.slice(0, TICK.texts).map(({ text }) => text);
+    if (marks.length > TICK.texts) texts.push(`${marks.length - TICK.texts} more`);
+    button.title = texts.join("\n");
+    button.setAttribute("aria-label", texts.join("; "));
+    let next = 0;
+    button.addEventListener("click", () => this.goTo(marks[next++ % marks.length].frame));
+    return button;
   }
 
   fillCurves() {
@@ -227,7 +248,8 @@ export class Page {
     on("curve", "change", () => this.showCurve());
     on("follow", "change", () => this.set({ follow: this.$("follow").checked }));
     followPointers(this.above, this.view, () => this.changed(), (x, y) => this.click(x, y));
-    this.root.addEventListener("keydown", (event) => this.key(event));
+    // a page of its own hears keys before anything in it has been clicked
+    (this.embedded ? this.root : document).addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.$("stage"));
     if (!this.embedded) addEventListener("hashchange", () => this.readAddress());
     const { signal } = this.ending;
@@ -238,10 +260,13 @@ export class Page {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return;
+    const { tagName, type } = event.target;
+    // what is in focus has its own keys: space switches, arrows move
+    const own = { BUTTON: /^ $/, SELECT: /./, INPUT: { checkbox: /^ $/, range: /^(Arrow|Home|End)/ }[type] ?? /./ };
+    if (own[tagName]?.test(event.key)) return;
     const step = event.shiftKey ? 10 : 1;
     const moves = {
-      " ": () => event.target.tagName !== "BUTTON" && this.play(!this.playing),
+      " ": () => this.play(!this.playing),
       ",": () => this.goTo(this.state.frame - step),
       ".": () => this.goTo(this.state.frame + step),
       Home: () => this.goTo(0),
@@ -256,7 +281,7 @@ export class Page {
       ArrowDown: () => this.view.pan(0, -40),
       Escape: () => this.choose({}),
     };
-    if (!(event.key in moves) || (event.key === " " && event.target.tagName === "BUTTON")) return;
+    if (!(event.key in moves)) return;
     event.preventDefault();
     moves[event.key]();
     this.changed();
@@ -349,8 +374,8 @@ export class Page {
     const { clientWidth: width, clientHeight: height } = this.$("stage");
     // on paper the picture is that of the screen, whatever room it has there
     if (!width || !height || this.onPaper) return;
-    this.view.width = width;
-    this.view.height = height;
+    if (width !== this.view.width) this.fillTicks();
+    this.view.resize(width, height);
     const dots = Math.min(2, devicePixelRatio || 1);
     for (const canvas of [this.canvas, this.above]) {
       canvas.width = Math.round(width * dots);
@@ -527,7 +552,7 @@ export class Page {
 
   // --- address, pictures -----------------------------------------------------------------------
 
-  /** Take over what the address says: #t=1.5&field=velocity&view=x,y,scale&layers=bolts&block=3. */
+  /** Take over what the address says: #t=1.5&field=velocity&view=x,y,width,height&layers=bolts&block=3. */
   readAddress() {
     if (this.embedded || location.hash === this.written) return;
     const said = new URLSearchParams(location.hash.slice(1));
@@ -536,8 +561,8 @@ export class Page {
     if (said.has("t") && Number.isFinite(time)) state.frame = run.frameAt(time);
     const field = said.get("field");
     if (field in fieldsOf(run)) state.field = field;
-    const seen = (said.get("view") ?? "").split(",").map(Number);
-    if (seen.length === 3 && seen.every(Number.isFinite) && seen[2] > 0) [view.x, view.y, view.scale] = seen;
+    const [x, y, wide, tall] = (said.get("view") ?? "").split(",").map(Number);
+    if (Number.isFinite(x + y + wide + tall) && wide > 0 && tall > 0) view.show(x, y, wide, tall);
     if (said.has("layers")) {
       const known = layersOf(run);
       state.layers = new Set(said.get("layers").split(",").filter((name) => known.includes(name)));
@@ -560,7 +585,7 @@ export class Page {
       ...(this.token ? [`token=${this.token}`] : []),
       `t=${Number(run.times[state.frame].toPrecision(9))}`,
       `field=${state.field}`,
-      `view=${[view.x, view.y, view.scale].map((one) => Number(one.toPrecision(6))).join(",")}`,
+      ...(view.box ? [] : [`view=${[view.x, view.y, view.wide, view.tall].map((one) => Number(one.toPrecision(6))).join(",")}`]),
       `layers=${[...state.layers].join(",")}`,
     ];
     if (state.limits) said.push(`limits=${state.limits.map((one) => Number(one.toPrecision(6))).join(",")}`);

@@ -5,6 +5,8 @@ import { labelOf } from "./colouring.js";
 import { LAYERS, layersOf } from "./layers.js";
 
 const STEPS = 24;
+const CLEAR = 0.15;
+/** How far values beside a scale are from its ends at least, as a share of it. */
 const LETTER = 6.6;
 /** Width of a letter of a picture's legend, pixels. */
 const LINE = 20;
@@ -17,7 +19,7 @@ export function entriesOf(seen) {
   const { run, state, scale } = seen;
   const entries = [];
   for (const { colour, value, word } of scale?.beyond ?? []) {
-    entries.push({ fill: colour, text: `${word}, to ${withUnit(value, labelOf(run, state.field)[1], 3)}` });
+    entries.push({ fill: colour, text: `${word}, to ${withUnit(value, labelOf(run, state.field)[1], 3, scale.error)}` });
   }
   if (state.field === "rock") {
     run.scene.rocks.forEach((rock, k) => entries.push({ fill: kindColour(k), text: rock }));
@@ -33,6 +35,18 @@ export function entriesOf(seen) {
 function coloursOfScale(scale) {
   const at = (k) => scale.low + ((k + 0.5) / STEPS) * (scale.high - scale.low);
   return Array.from({ length: STEPS }, (_, k) => scale.colour(at(k)));
+}
+
+/** Return round values within a scale, away from its ends, with zero where it is among them. */
+function marksOf({ low, high }) {
+  const span = high - low;
+  const power = 10 ** Math.floor(Math.log10(span / 2));
+  const step = power * [5, 2, 1].find((digit) => digit * power <= span / 2);
+  const found = [];
+  for (let k = Math.ceil(low / step); k * step <= high; k++) {
+    if (Math.min(k * step - low, high - k * step) > CLEAR * span) found.push(k * step);
+  }
+  return found;
 }
 
 /** Write the legend into an element, in the place of what was there. */
@@ -52,8 +66,17 @@ export function fillLegend(place, seen) {
     const bar = document.createElement("span");
     bar.className = "bar";
     bar.style.background = `linear-gradient(to right, ${coloursOfScale(scale).join(",")})`;
+    for (const value of marksOf(scale)) {
+      const mark = document.createElement("i");
+      mark.textContent = withUnit(value, unit, 3);
+      mark.style.left = `${(100 * (value - scale.low)) / (scale.high - scale.low)}%`;
+      bar.append(mark);
+    }
     const [low, high] = [scale.low, scale.high].map((value) => withUnit(value, unit, 3));
-    whole.append(label, " ", low, bar, high);
+    const row = document.createElement("span");
+    row.className = "ends";
+    row.append(low, bar, high);
+    whole.append(label, " ", row);
   }
   for (const entry of entriesOf(seen)) {
     const mark = document.createElement("span");

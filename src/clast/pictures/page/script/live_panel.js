@@ -4,6 +4,8 @@ import { withUnit } from "./colours.js";
 import { layersOf } from "./layers.js";
 import { fillReport } from "./report.js";
 
+const KILLED = "the run was killed: it ended without a report";
+
 /** The buttons of a run that goes on, and what is said of it. */
 export class LivePanel {
   /** @param {any} page @param {import("./live.js").Live} live */
@@ -60,7 +62,8 @@ export class LivePanel {
     page.$("pause").textContent = status.paused ? "Go on" : "Pause";
     for (const name of ["pause", "step", "end", "checkpoint"]) page.$(name).disabled = Boolean(status.over);
     const parts = [];
-    if (status.over) parts.push("the run is over");
+    if (status.killed) this.mourn();
+    if (status.over) parts.push(status.killed ? KILLED : "the run is over");
     else if (status.paused) parts.push("paused");
     if (status.stage) parts.push(`stage ${status.stage}`);
     if (status.time !== undefined) {
@@ -69,6 +72,14 @@ export class LivePanel {
     }
     if (status.said) parts.push(status.said);
     this.say(parts.join(", "));
+  }
+
+  /** Say in the report, too, that there will be none. */
+  mourn() {
+    const { page } = this;
+    if (page.run.scene.report.outcome === KILLED) return;
+    page.run.scene.report.outcome = KILLED;
+    fillReport(page.$("report"), page.run.scene);
   }
 
   say(text) {

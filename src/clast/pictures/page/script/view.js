@@ -11,6 +11,28 @@ export class View {
     this.scale = 1;
     this.width = 1;
     this.height = 1;
+    /** Part of the world that is seen in any window, m. */
+    this.wide = 1;
+    this.tall = 1;
+    /** The box that ``fit`` has been asked for, until the view is moved. */
+    this.box = null;
+  }
+
+  /** Show a part of the world about a point, m: all of it, whatever the shape of the window. */
+  show(x, y, wide, tall) {
+    Object.assign(this, { x, y, wide, tall, box: null });
+    this.resize(this.width, this.height);
+  }
+
+  /** Go on showing what is seen in a window of another size, pixels. */
+  resize(width, height) {
+    Object.assign(this, { width, height, scale: Math.min(width / this.wide, height / this.tall) });
+    if (this.box) this.fit(...this.box);
+  }
+
+  /** Take note of what is seen, after the view has been moved. */
+  moved() {
+    Object.assign(this, { wide: this.width / this.scale, tall: this.height / this.scale, box: null });
   }
 
   /** Show a box of the world, m, with a margin, and above the scale bar. */
@@ -20,6 +42,8 @@ export class View {
     this.scale = 0.94 * Math.min(this.width / wide, Math.max(this.height - BAR, 1) / tall);
     this.x = 0.5 * (left + right);
     this.y = 0.5 * (low + high) - (0.5 * BAR) / this.scale;
+    this.moved();
+    this.box = [left, low, right, high];
   }
 
   screenX(x) {
@@ -44,12 +68,14 @@ export class View {
     this.scale = Math.max(1e-9, Math.min(1e12, this.scale * factor));
     this.x += atX - this.worldX(x);
     this.y += atY - this.worldY(y);
+    this.moved();
   }
 
   /** Move by pixels of the screen. */
   pan(dx, dy) {
     this.x -= dx / this.scale;
     this.y += dy / this.scale;
+    this.moved();
   }
 }
 
