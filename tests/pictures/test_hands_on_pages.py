@@ -5,6 +5,7 @@ from itertools import pairwise
 import pytest
 
 from scenes.browsers import settled, until
+from scenes.live_runs import live_command
 
 FRAME = "clastPage.state.frame"
 
@@ -214,3 +215,19 @@ def test_construction_joints_of_several_openings_are_named_once(opened, wall):
 def test_how_units_are_written(opened, wall, value, unit, text):
     page = opened(wall(2, 2))
     assert page.evaluate("([v, u]) => modules.colours.withUnit(v, u, 3)", [value, unit]) == text
+
+
+def test_a_live_page_says_that_its_run_was_killed(opened, browser, tmp_path):
+    with live_command(tmp_path) as (run, address):
+        page = opened(None, address=address.replace("/#", f"/?renderer={browser[1]}#"))
+        until(page, "clastPage.run.frameCount >= 3")
+        assert "killed" not in page.inner_text("[data-part=status]")
+        run.kill()  # as kill -9 does
+        until(page, "clastPage.root.dataset.live === 'over'", 20.0)
+        assert "the run was killed" in page.inner_text("[data-part=status]")
+        assert "the run was killed" in page.inner_text("[data-part=report]")
+        assert page.is_disabled("[data-part=pause]")
+        # what it has got so far is there
+        page.keyboard.press("Home")
+        assert page.evaluate(FRAME) == 0
+        assert page.faults == []

@@ -24,6 +24,7 @@ from clast.pictures.live.leader import LivePage
 from clast.pictures.live.server import MOST_PAGES, LiveServer
 from clast.run.run_state import Halt
 from clast.run.schedule import Progress
+from scenes.live_runs import live_command
 
 
 @pytest.fixture
@@ -401,6 +402,13 @@ def test_an_earlier_file_of_the_name_is_not_shown(wall, tmp_path):
     assert json.loads(feed.scene())["next"] == 6
 
 
+def test_a_run_that_ends_is_not_said_to_be_killed(wall):
+    feed = Feed(wall(2, 2).path)
+    feed.say({"paused": False})
+    feed.end()
+    assert feed.status["over"] and not feed.status["killed"]
+
+
 def test_a_leader_costs_a_step_next_to_nothing(tmp_path):
     page = LivePage(tmp_path / "run.vtkhdf")
     where = Progress(time=0.0, end=1.0, step=1e-3, steps=0, contacts=0, penetration=0.0)
@@ -478,6 +486,17 @@ def test_the_commands_give_the_address_of_the_page(tmp_path):
         assert done.returncode == 0, done.stderr
         assert "live: http://127.0.0.1:" in done.stderr and "#token=" in done.stderr
     assert clast.read(tmp_path / "block.vtkhdf").times[-1] == pytest.approx(0.02)
+
+
+@pytest.mark.slow
+def test_a_page_that_waits_for_a_first_frame_hears_that_its_run_was_killed(tmp_path):
+    with live_command(tmp_path) as (run, address):
+        client = Client(SimpleNamespace(address=address))
+        run.kill()
+        status, end = 200, time.monotonic() + 30.0
+        while status == 200 and time.monotonic() < end:
+            status, text = ask(client, "/scene")
+        assert status == 503 and "killed before its first frame" in text
 
 
 def test_an_address_that_cannot_be_had(tmp_path):

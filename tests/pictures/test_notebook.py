@@ -10,7 +10,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.pictures.notebook.view import PageFrame, page_view
-from clast.pictures.page.document import widget_script
+from clast.pictures.page.document import BUDGET, widget_script
 from clast.pictures.page.scene import scene_of
 from scenes.browsers import CHROMIUM, RENDERERS, until
 
@@ -41,6 +41,51 @@ def test_with_anywidget_it_is_a_widget(wall):
     widget = page_view(scene)
     assert json.loads(widget.scene)["title"] == NASTY
     assert "export default" in widget_script()
+
+
+def test_the_output_of_a_widget_has_the_page_beside_it(parted):
+    pytest.importorskip("anywidget")
+    data, _ = parted.page()._repr_mimebundle_()
+    assert data["application/vnd.jupyter.widget-view+json"]["model_id"]
+    assert data["text/html"] == PageFrame(scene_of(parted, BUDGET))._repr_html_()
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_a_page_survives_saving_and_nbconvert(parted, tmp_path, renderer):
+    pytest.importorskip("anywidget")
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
+    nbconvert = pytest.importorskip("nbconvert", reason="nbconvert is not installed")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("chromium is not installed")
+    data, about = parted.page()._repr_mimebundle_()
+    output = nbformat.v4.new_output("execute_result", data, metadata=about, execution_count=1)
+    cell = nbformat.v4.new_code_cell("run.page()", outputs=[output], execution_count=1)
+    saved = tmp_path / "run.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=[cell]), saved)
+    text, _ = nbconvert.HTMLExporter().from_filename(str(saved))
+    (tmp_path / "run.html").write_text(text, encoding="utf-8")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *RENDERERS[renderer]]
+        )
+        page = browser.new_page(viewport={"width": 1200, "height": 900})
+        # what the notebook's own frame asks other hosts for does not matter
+        page.route("http*://**", lambda route: route.abort())
+        faults = []
+        page.on("pageerror", lambda fault: faults.append(str(fault)))
+        page.goto((tmp_path / "run.html").as_uri())
+        page.wait_for_selector("iframe")
+        frame = page.frames[-1]
+        frame.wait_for_selector("main[data-ready=yes]", timeout=60_000)
+        drawn = frame.evaluate("Array.from(clastPage.run.vertices(clastPage.state.frame))")
+        origin = frame.evaluate("clastPage.run.scene.origin")
+        assert np.abs(np.reshape(drawn, (-1, 2)) + origin - parted.vertices(-1)).max() < 1e-5
+        frame.click("[data-part=back]")
+        until(frame, f"clastPage.state.frame === {len(parted.times) - 2}")
+        # the notebook's own scripts may miss the libraries that they load from elsewhere
+        assert not [fault for fault in faults if "require" not in fault and "MathJax" not in fault]
+        browser.close()
 
 
 @pytest.mark.parametrize("title", ["A wall", NASTY])

@@ -75,10 +75,11 @@ class Feed:
             self._open()
 
     def end(self) -> None:
-        """Take all that a run has left, and say that it is over."""
+        """Take all that a run has left, and say that it is over; without a report it was killed."""
         if self.status:
             self._open()
-        self.say({"over": True, "paused": False})
+        killed = self._results is None or self._results.report is None
+        self.say({"over": True, "paused": False, "killed": killed})
 
     def _open(self) -> None:
         begun = time.monotonic()
@@ -108,7 +109,7 @@ class Feed:
     def scene(self) -> str:
         """Return all that there is, as JSON: "null" before the first frame."""
         with self._reading:
-            if self._results is None:
+            if self._results is None and not self.is_over:
                 return "null"
             results = self._read()
             scene = scene_of(results, self.budget)
@@ -146,5 +147,7 @@ class Feed:
 
     def _read(self) -> Results:
         if self._results is None:
+            if self.is_over:
+                raise CaseError("the run was killed before its first frame")
             raise CaseError("the run has not started", remedy="wait for the first frame")
         return self._results

@@ -40,4 +40,9 @@ def page_view(scene: dict[str, Any]) -> Any:
         _esm = widget_script()
         scene = Unicode("null").tag(sync=True)
 
+        def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+            # a notebook that is saved, exported or printed has no widget any more
+            data, about = super()._repr_mimebundle_(**kwargs)
+            return {**data, "text/html": PageFrame(scene)._repr_html_()}, about
+
     return PageWidget(scene=json.dumps(scene, allow_nan=False, separators=(",", ":")))
