@@ -13,7 +13,7 @@ import { drawLegend, fillLegend, heightOfLegend } from "./legend.js";
 import { CanvasPen, SvgPen } from "./pens.js";
 import { Live } from "./live.js";
 import { LivePanel } from "./live_panel.js";
-import { eventsShown, fillReport } from "./report.js";
+import { fillReport } from "./report.js";
 import { View, followPointers } from "./view.js";
 
 const LIGHT = {
