@@ -15,16 +15,13 @@ from clast.model.state import ContactMemory
 
 def carried_by(
     row: Ints,
-    gap: Floats,
-    bond_reach: float,
     memory: ContactMemory,
     turns: tuple[Ints, Floats],
 ) -> dict[str, Any]:
     """Return the memory of contacts, (m,) each by its name.
 
-    ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
-    bonded where the gap is within ``bond_reach``, m.  ``turns`` are the edge of each contact (m,)
-    and the directions of all edges (nv, 2).
+    ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and has
+    no bond.  ``turns`` are the edge of each contact (m,) and the directions of all edges (nv, 2).
     """
     count = len(row)
     known, bonded, cohesive = np.empty((3, count), np.bool_)
@@ -36,7 +33,7 @@ def carried_by(
     carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest
     so_far = memory.slip, memory.slide_length, memory.slide, memory.slide_speed, memory.dilation
     before = memory.bonded, memory.cohesive, memory.mode, *forces
-    _carry(count, row, gap, bond_reach, before, carried)
+    _carry(count, row, before, carried)
     _carry_ways(count, row, so_far, tuple(ways))
     _turn_rest_forces(count, row, memory.edge, turns, (shear, normal, rest))
     return {
@@ -58,7 +55,7 @@ def carried_by(
 
 
 @shared(CONTACTS)
-def _carry(first, last, row, gap, bond_reach, memory, carried):
+def _carry(first, last, row, memory, carried):
     """Write the memory of contacts ``first`` to ``last`` - 1."""
     bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force = memory
     known, intact, holding, modes, shear, normal, multipliers, rests = carried
@@ -70,8 +67,7 @@ def _carry(first, last, row, gap, bond_reach, memory, carried):
             shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
             rests[c] = rest_force[r]
         else:
-            intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
-            holding[c] = intact[c]
+            intact[c], holding[c], modes[c] = False, False, 0
             shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
 
 

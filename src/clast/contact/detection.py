@@ -26,7 +26,7 @@ from clast.contact.edge_intersections import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.barton_bandis import with_roughness
 from clast.contact.joints.bonded_corners import without_points_in_bonds
-from clast.contact.joints.bonds import Bonds, bonds_of
+from clast.contact.joints.bonds import Bonds, bonded_at_start, bonds_of
 from clast.contact.joints.faces import Places, with_faces
 from clast.contact.memory import first_rows, pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
@@ -244,14 +244,14 @@ def _contacts(
     pair, touching = _that_touch(pair, pairs)
     ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
     corners = _at_vertices(model, state, centroid, (ends, gap, touching, row), edges, critdis)
-    # bonds exist only along joints that are closed at the start of the run
-    bond_reach = critdis if state.time == 0.0 else -1.0
     joints = model.joint_table
     if joints.binds:
-        bonded = np.append(state.memory.bonded, False)[row] | (row < 0) & (gap <= bond_reach)
+        bonded = np.append(state.memory.bonded, False)[row]
+        if state.time == 0.0:
+            bonded |= bonded_at_start(corners, model, direction)
         corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
     places = with_faces(corners, model, state, centroid, edges)
-    found = _memory_and_strength(model, state, places, bond_reach, direction)
+    found = _memory_and_strength(model, state, places, direction)
     return Contacts(
         joint=places.joint,
         vertex=places.vertex,
@@ -273,14 +273,18 @@ def _contacts(
 
 
 def _memory_and_strength(
-    model: Model, state: State, places: Places, bond_reach: float, direction: Floats
+    model: Model, state: State, places: Places, direction: Floats
 ) -> dict[str, Any]:
     """Return what contacts remember, their strengths and springs, by the fields of Contacts.
 
-    Joints closed within ``bond_reach``, m, have bonds; ``direction`` (nv, 2) is that of edges.
+    ``direction`` (nv, 2) is that of edges.
     """
     memory, joints = state.memory, model.joint_table
-    carried = carried_by(places.row, places.gap, bond_reach, memory, (places.edge, direction))
+    carried = carried_by(places.row, memory, (places.edge, direction))
+    if state.time == 0.0:
+        fresh = bonded_at_start(places, model, direction)
+        whole = {name: carried[name] | fresh for name in ("bonded", "cohesive")}
+        carried = {**carried, **whole}
     bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
     slid, speed = carried["slide_length"], carried["slide_speed"]
     if joints.opens or joints.has_kinetic_friction:

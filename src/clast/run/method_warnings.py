@@ -11,6 +11,7 @@ import numpy as np
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
+from clast.contact.joints.bonds import ROUNDED
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
 from clast.model.model import Floats, Model
@@ -20,6 +21,7 @@ from clast.step.integration import forces_at
 from clast.step.method import is_stable_for_any_step
 
 if TYPE_CHECKING:
+    from clast.contact.contacts import Contacts
     from clast.run.schedule import Schedule
     from clast.step.method import Method
 
@@ -41,6 +43,8 @@ LOOSE = 1e-3
 """Tolerances of a process above this are felt in the results."""
 FELT = 0.05
 """Mass damping is not warned of where it takes less than this share of a velocity."""
+SMALL_GAP = 1e-3
+"""Joints that are open by less, in units of the smaller block's size, may be meant to be closed."""
 WEAKENED = 0.05
 """Waves may lose this share of their height to the time steps."""
 SLOW = 0.1
@@ -137,8 +141,27 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
     )
 
 
+def open_joint_warnings(model: Model, contacts: Contacts) -> Iterator[str]:
+    """Warn of joints with strength that are a little open at the start, by their ``contacts``."""
+    strong = np.max(model.joint_table.strengths[1:], axis=0) > 0.0
+    ends = contacts.vertex_block, contacts.edge_block
+    size = np.sqrt(np.minimum(*(model.area[blocks] for blocks in ends)))
+    little = (contacts.gap > ROUNDED * size) & (contacts.gap <= SMALL_GAP * size)
+    rows = np.flatnonzero(little & strong[contacts.joint] & (contacts.length > 0.0))
+    if not len(rows):
+        return
+    widest, others = rows[np.argmax(contacts.gap[rows])], len(np.unique(contacts.pair[rows])) - 1
+    gap, more = float(contacts.gap[widest]), f", and {others} more pairs by less" if others else ""
+    one, other = (named(model, blocks[[widest]]) for blocks in ends)
+    yield (
+        f"blocks {one} and {other} are {gap:.2g} m apart at the start{more}: across an open joint "
+        "cohesion and tensile strength hold nothing. If they are meant to touch, "
+        f"{_repair_of(gap)} puts them together"
+    )
+
+
 def _repair_of(depth: float) -> str:
-    """Return the table of a case that repairs blocks that overlap by ``depth``, m, at most."""
+    """Return the table of a case that puts blocks together over ``depth``, m, at most."""
     digit = 10.0 ** math.floor(math.log10(depth))
     return f"[repair] tolerance = {math.ceil(1.5 * depth / digit - 1e-6) * digit:.2g}"
 
@@ -265,7 +288,9 @@ def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iter
     if min(carried) > 0.0:
         return
     fastest = motion.accelerogram.fastest
-    friction = float(model.joint_table.strengths[0].min())
+    table = model.joint_table
+    of_rough = np.tan(table.roughness.residual) / table.roughness.reduction
+    friction = float(np.where(table.rough, of_rough, table.strengths[0]).min())
     bound = method.integrator.theta * friction * gravity * schedule.step
     if fastest > bound:
         yield (

@@ -17,7 +17,7 @@ from clast.model import ranges
 from clast.model.model import Bools, Model
 from clast.model.repairs import Repair
 from clast.model.state import State, initial_state
-from clast.run.method_warnings import check_overlaps, method_warnings
+from clast.run.method_warnings import check_overlaps, method_warnings, open_joint_warnings
 from clast.run.model_warnings import model_warnings
 from clast.run.stages.stage_checks import check_stages
 from clast.step.method import Workspace
@@ -140,6 +140,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
             *method.process.advice(model, method, start, schedule.step),
             *model_warnings(model, *schedule.of_motion),
             *method_warnings(model, method, schedule),
+            *open_joint_warnings(model, contacts),
         ),
         repairs=model.repairs,
         notes=(*model.notes, *method.notes),

@@ -35,6 +35,7 @@ from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts, chosen
 from clast.contact.coulomb import largest_forces
+from clast.contact.joints.bonds import are_closed
 from clast.contact.joints.wear import borne_already
 from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
@@ -70,8 +71,6 @@ STALLED = 10
 """Solutions in which it would have to."""
 NEAR = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
-CLOSED = 0.5
-"""Gap up to which a contact carries, in units of critdis: cutting rounds coordinates."""
 LOOKS = 5
 """Looks for contacts at most."""
 RESTING = 1e-9
@@ -215,14 +214,16 @@ def _same(one: Contacts, other: Contacts) -> bool:
 def _contacts_of(model: Model, method: Method, state: State, step: float) -> Contacts:
     """Return the contacts that carry at a state which does not move.
 
-    None is farther from its edge than every process looks for, and none a corner that only meets
-    the corner of another block: which of its edges it would rest on is a matter of rounding.
+    None is open by more than coordinates are rounded, and none a corner that only meets the corner
+    of another block: which of its edges it would rest on is a matter of rounding.
     """
     context = begin(model, _still(method), state, step, None)
     critdis = method.critdis
-    reach = SearchDistance(front=CLOSED * critdis, depth=critdis, critdis=critdis)
+    reach = SearchDistance(front=critdis, depth=critdis, critdis=critdis)
     contacts = context.contacts(reach, context.drift)
-    return chosen(contacts, (contacts.length > 0.0) | ~_at_corners(model, contacts, state, critdis))
+    closed = are_closed(contacts, model, polygon.edges(state.vertices, model.block_start)[0])
+    in_face = (contacts.length > 0.0) | ~_at_corners(model, contacts, state, critdis)
+    return chosen(contacts, closed & in_face)
 
 
 def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) -> Bools:

@@ -418,3 +418,32 @@ def test_a_lining_of_a_later_stage_changes_nothing_before(process: str):
         sunk.append(rows.displacement[rows.time <= run.stages[0].end][-1, 1])
     assert sunk[0] < 0.0
     assert sunk[1:] == pytest.approx(sunk[:1] * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-3])
+def test_a_sprayed_lining_is_bonded_where_it_is_flush_and_not_at_its_end(gap: float):
+    """On a wall that hangs over a floor: the foot of the lining is that far above the floor."""
+    builder = ModelBuilder(gravity=(0.0, -9.8))
+    builder.add_rock("stone", young=2e10, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0, cohesion=2e5, tensile_strength=2e5)
+    builder.add_joint("bond", friction_angle=30.0, cohesion=5e5, tensile_strength=5e5)
+    builder.block(name="floor", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
+    wall = [(-1.0, gap), (0.0, gap), (0.0, 2.0), (-1.0, 2.0)]
+    builder.block(name="wall", vertices=wall, fixed=True)
+    builder.block(name="stone", vertices=[(1.5, 0), (2.5, 0), (2.5, 1), (1.5, 1)])
+    line = [(0.0, 2.0), (0.0, gap)]
+    keys = {**CONCRETE, "segment": 0.5, "joint": "bond", "stage": "spray"}
+    builder.lining("shotcrete", polyline=line, side="left", **keys)
+    stages = tuple(clast.Stage(name=name, dynamic_ratio=0.0) for name in ("rest", "spray"))
+    run = builder.case(stages=stages, step=1e-2, end=1.0, critdis=0.004).run(progress=False)
+    assert [one.outcome for one in run.report.stages] == ["equilibrium"] * 2
+    model, memory = run.model, run.final.memory
+    own = model.vertex_block[memory.vertex]
+    names = np.array(model.block_name)
+    sprayed = np.char.startswith(names, "shotcrete/")
+    for of, bonded in (("wall", True), ("floor", gap == 0.0)):
+        at = names == of
+        pair = (sprayed[own] & at[memory.block]) | (at[own] & sprayed[memory.block])
+        assert (
+            (memory.bonded[pair].all() and pair.any()) if bonded else not memory.bonded[pair].any()
+        )

@@ -1,7 +1,9 @@
 """Bonds of contacts: their places, and their loss by slip and tension.
 
-Contacts along a joint with strength are bonded where the joint is closed at the start of the run.
-A bond has the cohesion c and the tensile strength sigma_t of its joint.
+Contacts along a joint with strength are bonded where the joint is closed at the start of the run:
+where coordinates leave no gap but that of their rounding.  One that is open holds nothing, however
+little, and whatever closes it later.  A bond has the cohesion c and the tensile strength sigma_t
+of its joint.
 
 - Tension beyond sigma_t, or a gap beyond critdis, ends both for good.
 - Slip ends nothing where the joint is ideally plastic: |T| <= N tan(phi) + c L however far it
@@ -22,10 +24,16 @@ import numpy as np
 
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.faces import Places
-from clast.contact.joints.flush import flush_edges
+from clast.contact.joints.flush import flush_edges, had_by_faces
 from clast.contact.joints.weakening import friction_of, share_lost, slide_lengths
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
+
+ROUNDED = 1e-5
+"""Gap of faces that are drawn as one line, in units of the size of the smaller block.
+
+Coordinates with five decimals on blocks of 1 m leave as much; cut rock is closed to 1e-15.
+"""
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,34 @@ class Bonds:
     """True while cohesion and tensile strength are intact, shape (m,)."""
     cohesive: Bools
     """True while bonded, or slipped but not opened since, shape (m,)."""
+
+
+def bonded_at_start(places: Places, model: Model, direction: Floats) -> Bools:
+    """Return which contacts that have no memory are bonded when the run starts, (m,).
+
+    ``direction`` (nv, 2) are the unit vectors of edges.
+    """
+    return are_closed(places, model, direction) & (places.row < 0)
+
+
+def are_closed(places: Places | Contacts, model: Model, direction: Floats) -> Bools:
+    """Return along which contacts a joint is closed, over the length that each stands for, (m,).
+
+    ``direction`` (nv, 2) are the unit vectors of edges.
+    """
+    wedge = np.zeros(len(places.gap))
+    along = flush_edges(places.vertex, places.edge, direction, model.block_start)
+    for own in (np.where(places.point > 0, places.vertex, one) for one in along):
+        one, other = direction[own], direction[places.edge]
+        sine = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+        wedge = np.maximum(wedge, np.where(own >= 0, sine, 0.0))
+    return np.asarray(places.gap + wedge * places.length <= _rounded(places, model))
+
+
+def _rounded(places: Places | Contacts, model: Model) -> Floats:
+    """Return the gaps that rounding of coordinates leaves at contacts, m, (m,)."""
+    blocks = places.vertex_block, places.edge_block
+    return np.asarray(ROUNDED * np.sqrt(np.minimum(*(model.area.take(one) for one in blocks))))
 
 
 def torn(contacts: Contacts, response: ContactResponse) -> Bools:
@@ -97,7 +133,7 @@ def bonds_of(
         lasts = (cohesion > 0.0) & ~(residual == 0.0)
         new = np.flatnonzero((places.row < 0) & lasts.take(joint) & ~bonds.bonded)
         if len(new):
-            bonds = _taken_along(bonds, new, places, memory, direction, model.block_start)
+            bonds = _taken_along(bonds, new, places, memory, direction, model)
     bonded, left = bonds.bonded, np.where(np.isnan(residual), cohesion, residual)
     whole, ended, tension = (one.take(joint) for one in (cohesion, left, tensile_strength))
     slips = residual.take(joint)
@@ -123,25 +159,21 @@ def _taken_along(
     places: Places,
     memory: ContactMemory,
     direction: Floats,
-    block_start: Ints,
+    model: Model,
 ) -> Bonds:
     """Return the bonds with those of contacts ``new`` (k,) that their faces had elsewhere.
 
-    A face has those of the contacts that it lay on another face with.
+    A face has those of the contacts that it lay on another face with, and takes them to a face
+    that is no farther away than these give way.
     """
-    along = flush_edges(memory.vertex, memory.edge, direction, block_start)
-    vertex, edge = places.vertex[new], places.edge[new]
-    mine = flush_edges(vertex, edge, direction, block_start)
+    ends = places.vertex[new], places.edge[new]
+    had = tuple(np.where(kept, memory.gap, np.nan) for kept in (memory.bonded, memory.cohesive))
+    given = had_by_faces(had, memory, ends, direction, model.block_start)
+    closed = _rounded(places, model)[new]
     result = []
-    for kept, had in ((bonds.bonded, memory.bonded), (bonds.cohesive, memory.cohesive)):
-        # of every edge, and of -1, which is none
-        face = np.zeros(len(direction) + 1, np.bool_)
-        for own in along:
-            face[np.where(had & (own >= 0), own, -1)] = True
-            face[np.where(had & (own >= 0), memory.edge, -1)] = True
-        face[-1] = False
-        found = [(own >= 0) & (face[own] | face[edge]) for own in mine]
+    for kept, gap in zip((bonds.bonded, bonds.cohesive), given, strict=True):
         kept = kept.copy()
-        kept[new] |= found[0] | found[1]
+        # NaN, where the faces had none, is no bound
+        kept[new] |= places.gap[new] <= np.maximum(np.abs(gap), closed)
         result.append(kept)
     return Bonds(*result)

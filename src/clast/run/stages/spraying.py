@@ -4,6 +4,7 @@ Points of the outer face lie on the edges of the rock that they were drawn on, w
 got to; where two blocks meet there, halfway between them.  Faces between segments turn with the
 chords of the segments, so that the thickness stays.  Contacts with the rock carry nothing: the
 force that a gap or an overlap of faces, both filled, would give is the rest force of their spring.
+A gap at the end of a lining, to a floor for one, is not filled.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ from clast.actions.active import actions_of, own_states
 from clast.actions.linings.lining_states import LiningShape, LiningStates, OneLining
 from clast.actions.linings.linings import Linings, linings_of
 from clast.actions.relaxation import SupportForces
+from clast.block import polygon
 from clast.contact.contacts import LOCK, Contacts
 from clast.contact.joints.barton_bandis import rough_contacts
+from clast.contact.joints.bonds import are_closed
+from clast.contact.joints.flush import flush_edges
 from clast.contact.laws import normal_stiffness_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event
@@ -157,7 +161,9 @@ def _bonded(
 ) -> ContactMemory:
     """Return the memory with the contacts of segments that come (n,): whole, and without force."""
     of_lining = coming[contacts.vertex_block] ^ coming[contacts.edge_block]
-    near = np.flatnonzero(of_lining & (np.abs(contacts.gap) <= method.critdis))
+    direction = polygon.edges(state.vertices, model.block_start)[0]
+    filled = are_closed(contacts, model, direction) | ~_beside(model, contacts, coming, direction)
+    near = np.flatnonzero(of_lining & filled & (np.abs(contacts.gap) <= method.critdis))
     gap = contacts.gap[near]
     rest = np.zeros(len(near))
     if hasattr(method.contact_law, "normal_stiffness"):
@@ -184,6 +190,21 @@ def _bonded(
     }
     order = _order(joined["vertex"], joined["block"], joined["edge"], joined["point"])
     return ContactMemory(**{name: values[order] for name, values in joined.items()})
+
+
+def _beside(model: Model, contacts: Contacts, coming: Bools, direction: Floats) -> Bools:
+    """Return which contacts are along ends and inner faces of segments that come, (m,).
+
+    What is sprayed on fills gaps of the outer face; these stay open.
+    """
+    others = np.zeros(len(direction) + 1, np.bool_)  # and of -1, which is none
+    for last in model.block_start[1:][coming]:
+        others[last - 3 : last] = True
+    flush = flush_edges(contacts.vertex, contacts.edge, direction, model.block_start)
+    own = [np.where(contacts.point > 0, contacts.vertex, one) for one in flush]
+    on_outer = [coming[contacts.vertex_block] & (one >= 0) & ~others[one] for one in own]
+    own_beside = (others[own[0]] | others[own[1]]) & ~(on_outer[0] | on_outer[1])
+    return np.asarray(own_beside | others[contacts.edge])
 
 
 ZERO = (

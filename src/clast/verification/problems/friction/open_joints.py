@@ -1,0 +1,90 @@
+"""Joints that are open at the start hold nothing, whatever their strength; closed ones hold.
+
+A block below a ceiling, with a gap that is smaller than critdis, falls freely: g t^2/2.  Without
+weight it stays where it is.  Flush with the ceiling it hangs on the tensile strength of the joint,
+whose tension is its weight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.inputs.builder import InputBuilder
+from clast.model.model import Floats, Model
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, STRENGTH = 9.8, 2500.0, 1e5
+"""m/s2, kg/m3; cohesion and tensile strength, Pa: four times the weight."""
+GAPS = (2e-4, 1e-3, 4e-3)
+"""How far the joint is open, m; critdis is 5 mm."""
+TURN, AWAY = np.radians(33.0), (4.5e5, -1.2e5)
+"""The whole scene is turned by an angle, rad, and far from the origin, m."""
+CORNERS = 4
+"""Vertices of the ceiling, the first block."""
+STEP, END = 1e-3, 0.05
+"""s."""
+
+
+def hung(gap: float, weight: float = GRAVITY) -> Model:
+    """Return two bonded blocks of 1 m below a ceiling; ``weight`` is gravity, m/s2."""
+    along, up = np.array([np.cos(TURN), np.sin(TURN)]), np.array([-np.sin(TURN), np.cos(TURN)])
+
+    def place(left: float, bottom: float, right: float, top: float) -> Floats:
+        corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+        return corners[:, :1] * along + corners[:, 1:] * up + np.array(AWAY)
+
+    builder = InputBuilder(title="Open joint", gravity=tuple(-weight * up))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
+    strengths = {"cohesion": STRENGTH, "tensile_strength": STRENGTH}
+    builder.add_joint("default", friction_angle=30.0, **strengths)
+    builder.block(name="ceiling", vertices=place(-1.0, gap, 2.0, 1.0), fixed=True)
+    builder.block(name="upper", vertices=place(0.0, -1.0, 1.0, 0.0))
+    builder.block(name="lower", vertices=place(0.0, -2.0, 1.0, -1.0))
+    middle = place(0.5, -0.5, 0.5, -0.5)[0]
+    builder.measured_point("middle", tuple(middle), block="upper")
+    return builder.build()
+
+
+def run_of(model: Model, variant: Variant, dynamic_ratio: float = 1.0) -> Run:
+    """Return the run of a scene."""
+    method = variant.method(
+        model, normal_stiffness=2e10, max_displacement=0.01, dynamic_ratio=dynamic_ratio
+    )
+    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare falls, a block without weight, and the tension of a closed joint."""
+    rows: list[Comparison] = []
+    fall, why = 0.5 * GRAVITY * END**2, "coordinates of 4.5e5 m are rounded to 6e-11 m"
+    for gap in GAPS:
+        way = float(np.hypot(*run_of(hung(gap), variant).history("middle").displacement[-1]))
+        rows.append(relative(f"fall from {1e3 * gap:g} mm", "m", way, fall, 1e-6, why))
+    still = run_of(hung(GAPS[0], weight=0.0), variant).state.velocity
+    rows.append(absolute("speed without weight", "m/s", float(np.abs(still).max()), 0.0, 1e-9, why))
+    closed = run_of(hung(0.0), variant, dynamic_ratio=0.0)
+    memory = closed.state.memory
+    of_ceiling = (memory.block == 0) | (memory.vertex < CORNERS)
+    tension = -float(memory.normal_force[of_ceiling].sum())
+    exact, rest = 2.0 * DENSITY * GRAVITY, "what inertia in the last static step holds"
+    rows.append(relative("tension of the closed joint", "N/m", tension, exact, 1e-8, rest))
+    return Outcome(tuple(rows))
+
+
+PROBLEM = Problem(
+    name="open-joints",
+    title="Joints that are open at the start",
+    text="Two blocks of 1 m below a ceiling, c = sigma_t = 0.1 MPa, turned by 33 degrees and at "
+    "coordinates of 4.5e5 m; the joint to the ceiling is open by 0.2, 1 and 4 mm (critdis 5 mm), "
+    "without weight as well, or closed.",
+    formula="open: g t^2/2, 0 without weight; closed: tension = weight",
+    source="equilibrium; Newton",
+    set_up=lambda: hung(GAPS[1]),
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)
