@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from importlib import import_module
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import clast
 from clast.case.templates import INCLINE, TEMPLATES
 from clast.cli.commands import app
 from scenes.command_line import clast_command, without_compilation
@@ -233,3 +235,45 @@ def test_a_loop_that_was_turned_round_is_said_by_check_and_run(tmp_path):
         assert "1 loop runs clockwise and was reversed: block 2 'slider'" in shown.stdout
         listed = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)
         assert any("was reversed" in note for note in listed["notes"])
+
+
+ROUGH = {"law": "barton-bandis", "jrc": 8.0, "jcs": 8e7, "residual_friction_angle": 28.0}
+SHAKEN = {"acts": "base", "time": [0.0, 1.0], "acceleration": [1.0, 1.0]}
+
+
+def on_a_floor(fixed=True, **joint):
+    """Return a builder with a block on a floor, and a default joint."""
+    builder = clast.ModelBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", **joint)
+    builder.block(vertices=[(-1, -1), (4, -1), (4, 0), (-1, 0)], fixed=fixed)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    return builder
+
+
+@pytest.mark.parametrize(
+    ("joint", "said"),
+    [
+        (ROUGH, False),
+        ({**ROUGH, "residual_friction_angle": 5.0, "field_length": 1.0}, False),
+        ({**ROUGH, "strength_reduction": 1.5}, False),
+        ({"friction_angle": 30.0}, False),
+        ({"cohesion": 1e4}, False),
+        ({"tensile_strength": 1e4}, True),
+        ({}, True),
+    ],
+)
+def test_a_joint_is_said_to_be_frictionless_where_it_is(joint, said):
+    warnings = on_a_floor(**joint).case(step=1e-3, end=0.01).examine().warnings
+    assert [text for text in warnings if "frictionless" in text] == list(warnings)[: int(said)]
+    assert said or not warnings
+
+
+def test_a_rough_joint_carries_a_block_on_moving_supports_by_its_residual_friction():
+    builder = on_a_floor(fixed=False, **ROUGH)
+    builder.fixed_point(at=(4.0, -1.0))
+    builder.ground_motion = SHAKEN
+    case = builder.case(step=1e-2, end=1.0, dynamic_ratio=0.0, process="modified")
+    (text,) = [one for one in case.examine().warnings if "on friction alone" in one]
+    bound = 0.5 * np.tan(np.radians(28.0)) * 9.8 * 1e-2
+    assert f"by {bound:.3g} m/s at most" in text

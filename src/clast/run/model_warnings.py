@@ -259,7 +259,8 @@ def _strength_warnings(model: Model) -> Iterator[str]:
                 f"{np.tan(np.radians(joint.friction_angle)):.3g}; joints have 10 to 50"
             )
     default = model.joint_table.joints[0]
-    if model.block_count > 1 and default.friction_angle == 0.0 and default.cohesion == 0.0:
+    smooth = default.friction_angle == 0.0 and default.roughness is None
+    if model.block_count > 1 and smooth and default.cohesion == 0.0:
         yield (
             f"joint '{default.name}' is frictionless, and with it every contact that no other "
             "joint names: give friction_angle in [joint.default] if that is not intended"
