@@ -8,9 +8,10 @@ import time
 import numpy as np
 import pytest
 
+from clast.case.api import ModelBuilder
 from clast.errors import ModelError
 from clast.inputs.builder import InputBuilder
-from clast.model.model import PlaneStrain
+from clast.model.model import PlaneStrain, PlaneStress
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 
@@ -211,6 +212,29 @@ def test_impossible_rocks(change, phrases):
         builder.add_rock("bad", **{"young": 1e9, "poisson": 0.2, "density": 2e3, **change})
     for phrase in phrases:
         assert phrase in str(caught.value)
+
+
+def test_the_plane_is_given_by_its_name_or_as_an_object():
+    for given, plane in (
+        ("strain", PlaneStrain()),
+        (PlaneStrain(), PlaneStrain()),
+        ("stress", PlaneStress()),
+        (PlaneStress(), PlaneStress()),
+    ):
+        assert ModelBuilder(plane=given).plane == plane
+        builder = ModelBuilder()
+        assert builder.plane == PlaneStress()
+        builder.plane = given
+        builder.add_rock("rock", young=1e9, poisson=0.2, density=2e3)
+        builder.block(vertices=SQUARE)
+        assert builder.build().plane == plane
+        assert f'plane = "{plane.name}"' in builder.to_toml() or plane.name == "stress"
+
+
+@pytest.mark.parametrize("given", ["plane strain", "", None, 1, PlaneStrain])
+def test_another_plane_is_refused_with_the_names(given):
+    with pytest.raises(ModelError, match="give 'stress' or 'strain'"):
+        ModelBuilder(plane=given)
 
 
 def test_poisson_of_one_half_is_possible_in_plane_stress_only():

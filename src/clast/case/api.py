@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast import spelling
-from clast.case.case_file import PLANES, Case
+from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
@@ -40,7 +40,7 @@ from clast.inputs.method import MethodTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.model.checks import BlockOutlines
-from clast.model.model import Model, Plane
+from clast.model.model import PLANES, Model, Plane
 from clast.model.stages.stage import Stage
 from clast.results import Run, RunRecorder
 
@@ -309,8 +309,8 @@ def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
 
 def _plane_name(plane: Plane) -> str:
     """Return the name of a plane assumption in case files."""
-    for name, kind in PLANES.items():
-        if type(plane) is kind:
+    for name, known in PLANES.items():
+        if plane == known:
             return name
     raise _no_name("plane", plane)
 

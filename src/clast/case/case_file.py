@@ -62,7 +62,7 @@ from clast.inputs.supports.motions import Motion
 from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
-from clast.model.model import Model, PlaneStrain, PlaneStress
+from clast.model.model import Model
 
 if TYPE_CHECKING:
     from clast.results import Run
@@ -70,10 +70,6 @@ if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
-PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
-    "stress": PlaneStress,
-    "strain": PlaneStrain,
-}
 SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it all checks of it, as it is."""
 
@@ -323,7 +319,7 @@ class Case(BaseModel):
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
         builder = InputBuilder(
             self.title,
-            PLANES[self.plane](),
+            self.plane,
             self.gravity,
             self.gravity_amplitude,
             self.seismic_coefficient,

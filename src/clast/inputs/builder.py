@@ -30,7 +30,7 @@ from clast.errors import ModelError
 from clast.inputs import materials
 from clast.inputs.blocks import BlockTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
-from clast.inputs.declaring.builder_methods import gives, gives_named, single
+from clast.inputs.declaring.builder_methods import PlaneOfBuilder, gives, gives_named, single
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.values import (
     check_actions,
@@ -83,9 +83,6 @@ from clast.model.model import (
     MaterialPoints,
     MeasuredPoints,
     Model,
-    Plane,
-    PlaneStress,
-    StartOverlaps,
 )
 from clast.model.names import check_names
 from clast.model.outline import edges_on
@@ -100,7 +97,8 @@ class InputBuilder(Inputs):
     """Collects the parts of a system of blocks; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
-    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
+    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``plane`` is "stress", "strain" or an
+    object with their method, e.g. ``clast.PlaneStrain()``.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     ``gravity_amplitude`` names the amplitude of gravity over time, ``seismic_coefficient`` is a
     push on all blocks that lasts, as a share (x, y) of their weight.  ``ground_motion`` is an
@@ -113,7 +111,7 @@ class InputBuilder(Inputs):
     """
 
     title: str = ""
-    plane: Plane = field(default_factory=PlaneStress)
+    plane: Any = PlaneOfBuilder()
     gravity: Vector = (0.0, -9.8)
     gravity_amplitude: str | None = None
     seismic_coefficient: Vector = (0.0, 0.0)
@@ -272,7 +270,6 @@ class InputBuilder(Inputs):
         table = joint_table(joints, rock_number, block_number, along)
         waits = place_linings.waiting_of(self._placed, outlines.names)
         there = np.where(waits, shapely.Polygon(), polygons)
-        overlaps = model_checks.check_overlaps(outlines, there)
 
         fixed, measured, points, lines = (
             located(entries, block_number, factor_number, outlines, polygons, repaired.moved)
@@ -304,6 +301,9 @@ class InputBuilder(Inputs):
         in_situ = self._stress_in_situ(outlines, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
         actions = *self.actions, *self.actions_from(ground), *linings
+        # links may let blocks overlap
+        apart = {pair for one in actions for pair in map(tuple, getattr(one, "apart", ()))}
+        overlaps = model_checks.check_overlaps(outlines, there, apart)
         supports = Supported(ground, len(viscous), actions)
         return Model(
             title=self.title,
@@ -342,7 +342,7 @@ class InputBuilder(Inputs):
             reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
             absent=waits,
-            overlaps=overlaps_beside(overlaps, actions),
+            overlaps=overlaps,
             repairs=repaired.repairs,
             notes=(
                 *self.notes,
@@ -499,17 +499,6 @@ class InputBuilder(Inputs):
                 stress[first:past] = own
             first = past
         return np.ascontiguousarray(stress)
-
-
-def overlaps_beside(overlaps: StartOverlaps, actions: Sequence[Any]) -> StartOverlaps:
-    """Return the overlaps at the start but for those of blocks that links keep from meeting."""
-    apart = {
-        (int(one), int(other)) for action in actions for one, other in getattr(action, "apart", ())
-    }
-    meets = np.array([tuple(pair) not in apart for pair in overlaps.pair.tolist()], np.bool_)
-    if meets.all():
-        return overlaps
-    return StartOverlaps(pair=overlaps.pair[meets], depth=overlaps.depth[meets])
 
 
 def _origin(vertices: Floats) -> Floats:

@@ -7,7 +7,7 @@ once: ten thousand blocks are checked within a second or two.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
@@ -272,14 +272,21 @@ def _crossing(outlines: BlockOutlines, block: int) -> str:
     )
 
 
-def check_overlaps(outlines: BlockOutlines, polygons: Geometries) -> StartOverlaps:
+def check_overlaps(
+    outlines: BlockOutlines, polygons: Geometries, apart: Collection[tuple[int, int]]
+) -> StartOverlaps:
     """Return the pairs that overlap by more than round-off; refuse deep ones.
 
+    Pairs that are kept ``apart``, the lower block first, may overlap as they like.
     Shared edges and corners are normal, and so is the penetration that contacts need to carry:
     blocks at the end of a run lie a little in each other.
     """
     first, second = shapely.STRtree(polygons).query(polygons)
     first, second = _ordered(first, second)
+    if apart:
+        pairs = zip(first.tolist(), second.tolist(), strict=True)
+        meets = np.array([pair not in apart for pair in pairs], np.bool_)
+        first, second = first[meets], second[meets]
     size = np.sqrt(outlines.area)
     finest = overlaps.GRID * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
     limit = np.maximum(TOUCHING * np.minimum(size[first], size[second]), finest)

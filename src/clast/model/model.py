@@ -83,6 +83,10 @@ class PlaneStrain:
         )
 
 
+PLANES: dict[str, Plane] = {"stress": PlaneStress(), "strain": PlaneStrain()}
+"""The plane assumptions by their names in case files; the first is the usual one."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Rock:
     """A linear elastic rock."""

@@ -10,7 +10,9 @@ import pytest
 
 import clast
 from clast.case.api import ModelBuilder
+from clast.errors import ModelError
 from scenes.restarts import differences, pressed_at
+from scenes.systems import turned
 
 
 def scene(gravity: tuple[float, float] = (0.0, -9.8)) -> ModelBuilder:
@@ -119,3 +121,36 @@ def test_a_run_with_links_goes_on_to_the_bit(tmp_path: Path):
     assert clast.resume(stopped.checkpoint).report.finished
     assert differences(whole, part) == []
     assert clast.read_results(whole).link_name == ("link 1", "link 2")
+
+
+def test_linked_blocks_overlap_from_the_start():
+    """Two bars cross at a hinge, as scissors do: they swing as if each were alone."""
+    hinge = (0.0, 0.0)
+    swings = []
+    for crossing in (True, False):
+        builder = ModelBuilder(gravity=(0.0, -9.8))
+        builder.add_rock("steel", young=2e11, poisson=0.2, density=7800.0)
+        builder.block(name="support", vertices=[(-9, 4), (-8, 4), (-8, 5), (-9, 5)], fixed=True)
+        bars = {"one": 0.3, "other": -0.9} if crossing else {"one": 0.3}
+        for name, angle in bars.items():
+            corners = np.array([(-0.2, -0.05), (1.0, -0.05), (1.0, 0.05), (-0.2, 0.05)])
+            builder.block(name=name, vertices=turned(corners, angle))
+            pair = (name, "support")
+            builder.link(hinge, blocks=pair, x="rigid", y="rigid", contacts=False)
+            builder.measured_point(name, tuple(turned(np.array([(1.0, 0.0)]), angle)[0]), name)
+        if crossing:
+            builder.link(hinge, blocks=("other", "one"), rotation_damping=1e-6, contacts=False)
+        run = clast.simulate(builder.build(), step=1e-3, end=0.2, max_displacement=0.05)
+        assert run.report.overlaps == ()
+        swings.append(run.history("one").displacement[-1])
+    assert swings[0] == pytest.approx(swings[1], rel=1e-6)
+
+
+def test_blocks_that_overlap_without_such_a_link_are_refused():
+    builder = ModelBuilder(gravity=(0.0, -9.8))
+    builder.add_rock("steel", young=2e11, poisson=0.2, density=7800.0)
+    builder.block(name="one", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], fixed=True)
+    builder.block(name="other", vertices=[(0.5, 0.5), (2, 0.5), (2, 2), (0.5, 2)])
+    builder.link((0.7, 0.7), blocks=("one", "other"), x="rigid")
+    with pytest.raises(ModelError, match="overlaps block 2 'other'"):
+        builder.build()

@@ -29,6 +29,7 @@ from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.serialise import as_plain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
+from clast.model.model import PLANES, Plane
 from clast.model.names import check_names
 from clast.renamed import warn_of
 
@@ -111,6 +112,24 @@ class Single:
             return {}
         keys = self.kind.keys_of(value)
         return None if keys is None else as_plain(keys)
+
+
+class PlaneOfBuilder:
+    """The attribute of a builder that is the plane assumption, by its name or as an object."""
+
+    def __get__(self, builder: Inputs | None, owner: type | None = None) -> Plane:
+        """Return the plane assumption; plane stress where none is given."""
+        usual = PLANES["stress"]
+        return usual if builder is None else vars(builder).get("plane", usual)
+
+    def __set__(self, builder: Inputs, value: Plane | str) -> None:
+        """Take a name or an object; raise ModelError for anything else."""
+        plane = PLANES.get(value) if isinstance(value, str) else value
+        if isinstance(plane, type) or not hasattr(plane, "elasticity"):
+            remedy = f"give {' or '.join(map(repr, PLANES))}, or clast.PlaneStrain()"
+            what = f"{shortened(repr(value))} is no plane assumption"
+            raise ModelError(what, where="plane", remedy=remedy)
+        vars(builder)["plane"] = plane
 
 
 def single(key: str, kind: type[Table], usual: Any = None) -> Any:
