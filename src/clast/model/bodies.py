@@ -99,6 +99,17 @@ def joined_outlines(
     return _assembled(vertices, outlines, (area, fixed, absent), of_body)
 
 
+def loops_round(vertices: Floats, block_start: Ints, area: Floats) -> list[Floats]:
+    """Return the outlines of blocks that lie flush, m, (c, 2) each, with the blocks to their left.
+
+    Corners are those of blocks, to the last bit: where joints come out there are some, too.  The
+    arguments are those of ``joined_outlines``.
+    """
+    tolerance = EVEN * float(np.sqrt(area.min()))
+    sides = _sides(vertices, block_start, np.arange(len(area)), tolerance)
+    return [vertices[[vertex for vertex, _ in loop]] for loop in _loops(sides)]
+
+
 # faces that blocks share ----------------------------------------------------------------------
 
 

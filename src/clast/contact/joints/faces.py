@@ -23,7 +23,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from clast.block.polygon import SMALL_ANGLE, vertex_after, vertex_before
+from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
@@ -198,7 +198,8 @@ def _inside(
     there = np.einsum("kx,kx->k", vertices[end] - start, tangent)
     low = np.maximum(0.0, np.minimum(here, there))
     shared = np.minimum(length[edge], np.maximum(here, there)) - low
-    some = np.flatnonzero(shared > 0.0)
+    # faces of blocks that meet in a point may share a length of round-off
+    some = np.flatnonzero(shared > ROUND_OFF * np.minimum(length[own], length[edge]))
     own, edge, pair, shared = own[some], edge[some], pair[some], shared[some]
     ends = own, edge, block[own], block[edge], np.arange(len(own))
     joint = joints_of(model, ends, np.stack([block[own], block[edge]], axis=1), direction)

@@ -15,11 +15,16 @@ import shapely
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.linings.lining_table import Lining
+from clast.model.bodies import loops_round
 from clast.model.checks import point_text
 from clast.model.model import Floats
 
 GRID = 1e-8
 """Grid on which outlines are joined, in units of the size of the case."""
+ALIKE = 6
+"""Decimals of turns, and of shares of an outline, that are compared."""
+NEIGHBOURS = 100
+"""Corners to either side of one by which it is told from others."""
 CORNER = 1e-3
 """Distance of a point from a corner of an outline that is none, in units of its length."""
 NEAR = 0.01
@@ -74,34 +79,34 @@ class LinesOfRock:
             inside = self._polygons[[self._number[block] for block in self._blocks[name]]]
             return self._exterior(inside, f"{where}, opening")
         given = shapely.Polygon(self._openings[name])
-        near = self._polygons[self._tree.query(given.buffer(1e-3 * np.sqrt(given.area)))]
-        joined = shapely.union_all(self._polygons, grid_size=self._grid) if len(near) else given
-        holes = [
-            shapely.Polygon(ring)
-            for part in shapely.get_parts(joined)
-            for ring in getattr(part, "interiors", ())
-        ]
-        holes = [hole for hole in holes if hole.intersection(given).area > 0.5 * given.area]
-        return _ring(holes[0] if holes else given)
+        near = self._tree.query(given.buffer(1e-3 * np.sqrt(given.area)))
+        # of holes the blocks are to the left, too
+        holes = [loop[::-1] for loop in _loops(self._polygons[near])]
+        holes = [loop for loop in holes if _is_most_of(given, loop)]
+        return _from_a_start(holes[0] if holes else _ring(given))
 
     def _exterior(self, polygons: Any, where: str) -> Floats:
         """Return the outline of blocks that are in one piece, counter-clockwise, (c, 2)."""
-        joined = shapely.union_all(polygons, grid_size=self._grid)
-        if not isinstance(joined, shapely.Polygon):
+        outside = [loop for loop in _loops(polygons) if _is_counterclockwise(loop)]
+        if len(outside) != 1:
             raise ModelError(
                 "its blocks are in several pieces",
                 where=where,
                 remedy="give a lining to each piece, along a polyline",
             )
-        return _ring(joined)
+        return _from_a_start(outside[0])
 
     def _outer_edge(self, ends: Any, where: str) -> Floats:
         """Return the outside of the blocks between two points, rock to its right, (c, 2)."""
         joined = shapely.union_all(self._polygons, grid_size=self._grid)
-        parts = list(shapely.get_parts(joined))
-        part = min(parts, key=lambda one: one.exterior.distance(shapely.Point(ends[0])))
-        # rock is to the left of a ring that runs counter-clockwise
-        ring = np.ascontiguousarray(_ring(part)[::-1])
+        at = shapely.Point(ends[0])
+        rims = [part.exterior for part in shapely.get_parts(joined)]
+        rim = min(rims, key=at.distance)
+        near = self._tree.query(rim, predicate="dwithin", distance=2.0 * self._grid)
+        outside = [loop for loop in _loops(self._polygons[near]) if _is_counterclockwise(loop)]
+        loop = min(outside, key=lambda one: at.distance(shapely.LinearRing(one)))
+        # rock is to the left of a loop that runs counter-clockwise
+        ring = np.ascontiguousarray(loop[::-1])
         one = _part(ring, ends, where)
         other = _part(ring, (ends[1], ends[0]), where)
         return one if _length(one) <= _length(other) else other
@@ -117,6 +122,53 @@ class LinesOfRock:
             for sign in (1.0, -1.0)
         ]
         return "right" if rock[0] and not rock[1] else "left"
+
+
+def _loops(polygons: Any) -> list[Floats]:
+    """Return the outlines of polygons that lie flush, (c, 2) each, with these to their left."""
+    rings = [_ring(one) for one in polygons if isinstance(one, shapely.Polygon)]
+    start = np.cumsum([0, *map(len, rings)])
+    area = np.array([shapely.Polygon(ring).area for ring in rings])
+    return loops_round(np.concatenate(rings), start, area) if rings else []
+
+
+def _is_counterclockwise(loop: Floats) -> bool:
+    """Return whether a loop (c, 2) encloses what is to its left."""
+    return bool(shapely.is_ccw(shapely.LinearRing(loop)))
+
+
+def _is_most_of(given: Any, loop: Floats) -> bool:
+    """Return whether a loop (c, 2) is counter-clockwise round more than half of a polygon."""
+    if not _is_counterclockwise(loop):
+        return False
+    around = shapely.make_valid(shapely.Polygon(loop))
+    return bool(around.intersection(given).area > 0.5 * given.area)
+
+
+def _from_a_start(ring: Floats) -> Floats:
+    """Return a ring (c, 2) that begins at a corner which follows from its shape alone.
+
+    The one with the sharpest turn; of equal ones that from which turns and lengths of the edges to
+    either side are larger.  Turned, moved, mirrored or with its blocks in another order an opening
+    has the same segments.
+    """
+    after = np.roll(ring, -1, axis=0) - ring
+    length = np.hypot(*after.T)
+    before = np.roll(after / length[:, None], 1, axis=0)
+    turn = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / length
+    turn, length = np.round(turn, ALIKE), np.round(length / length.sum(), ALIKE)
+    count = len(ring)
+    reach = np.arange(min(count, NEIGHBOURS))
+
+    def shape_from(corner: int) -> tuple[list[float], list[float]]:
+        """Return turns and lengths to both sides of a corner, the larger ones first."""
+        ahead, back = (corner + reach) % count, (corner - reach) % count
+        ways = ((ahead, ahead), (back, (back - 1) % count))
+        one, other = (np.stack([turn[k], length[e]], axis=1).ravel().tolist() for k, e in ways)
+        return max(one, other), min(one, other)
+
+    start = max(np.flatnonzero(turn == turn.max()).tolist(), key=shape_from)
+    return np.ascontiguousarray(np.roll(ring, -start, axis=0))
 
 
 def _ring(polygon: Any) -> Floats:

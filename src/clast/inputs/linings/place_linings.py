@@ -18,7 +18,7 @@ from clast.actions.links.links import Links
 from clast.errors import ModelError, shortened
 from clast.inputs.linings.lines import LinesOfRock
 from clast.inputs.linings.lining_table import Lining
-from clast.inputs.linings.segments import CutLine, cut_line
+from clast.inputs.linings.segments import ROUNDED, CutLine, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
@@ -425,7 +425,7 @@ def _places_in_rock(
             break
         along = ((place - begin) * way).sum(axis=1) / length**2
         foot = begin + np.clip(along, 0.0, 1.0)[:, None] * way
-        against = (way @ tangent[k]) / length < -0.5
+        against = (way @ tangent[k]) / length < -0.5 + ROUNDED
         on = np.flatnonzero((np.hypot(*(place - foot).T) <= near) & against)
         found += [(k, int(edges[e]), float(np.clip(along[e], 0.0, 1.0))) for e in on]
     return (

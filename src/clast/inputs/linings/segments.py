@@ -8,6 +8,7 @@ come out, stay in the outer faces of segments.
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,8 @@ SHARP = np.radians(20.0)
 """Turn of a line, rad, that is an end of segments."""
 APART = 0.1
 """Distance between points of the line, in units of a segment, below which they are one."""
+ROUNDED = 1e-9
+"""Difference that is rounding, rad and in units of a length: ties must not hang on it."""
 MOST = 10_000
 """Segments of a lining: more are a wrong unit or corner."""
 
@@ -109,7 +112,7 @@ def _marks(points: Floats) -> Floats:
 
 def _from_a_corner(ring: Floats) -> Floats:
     """Return a ring that begins at its first sharp corner, if it has one."""
-    sharp = np.flatnonzero(np.abs(_turns(ring)) > SHARP)
+    sharp = np.flatnonzero(np.abs(_turns(ring)) > SHARP + ROUNDED)
     return np.roll(ring, -int(sharp[0]), axis=0) if len(sharp) else ring
 
 
@@ -139,35 +142,44 @@ def _ends(points: Floats, marks: Floats, comes_back: bool, length: float) -> Flo
     turns = np.zeros(len(points))
     ring = points[:-1] if comes_back else points
     turns[: len(ring)] = _turns(ring)
-    sharp = np.abs(turns) > SHARP
+    sharp = np.abs(turns) > SHARP + ROUNDED
     sharp[[0, -1]] = True
     corners = marks[sharp]
     ends = [corners[:1]]
     for low, high in itertools.pairwise(corners):
-        pieces = max(1, round((high - low) / length))
+        pieces = max(1, math.ceil((high - low) / length * (1.0 - ROUNDED) - 0.5))
         ends.append(np.linspace(low, high, pieces + 1)[1:])
     found = np.concatenate(ends)
-    # a corner close by is where the segment ends
-    for k in range(1, len(found) - 1):
-        nearest = marks[np.argmin(np.abs(marks - found[k]))]
-        room = APART * min(found[k] - found[k - 1], found[k + 1] - found[k])
-        if abs(nearest - found[k]) < room:
-            found[k] = nearest
+    # a corner close by is where the segment ends; of two as close on either side, neither
+    spacing = np.diff(found)
+    room = APART * np.minimum(spacing[:-1], spacing[1:]) * (1.0 - ROUNDED)
+    away = np.abs(marks[:, None] - found[1:-1])
+    least = away.min(axis=0)
+    one = (away <= least + ROUNDED * length).sum(axis=0) == 1
+    found[1:-1] = np.where(one & (least < room), marks[away.argmin(axis=0)], found[1:-1])
     return found
 
 
 def _points(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -> tuple[Floats, Ints]:
-    """Return the points of the outer line (p, 2), and the first of each segment (s,)."""
+    """Return the points of the outer line (p, 2), and the first of each segment (s,).
+
+    Of corners that are close together the sharper one stays, then that nearer to the middle of the
+    segment: either way along the line the same.
+    """
     at: list[Floats] = []
     first = []
+    sharpness = np.round(np.abs(_turns(points)), 6)
     for low, high in itertools.pairwise(ends):
         first.append(len(at))
         at.append(_place(points, marks, np.array([low]))[0])
-        room, before = APART * (high - low), low
-        for k in np.flatnonzero((marks > low + room) & (marks < high - room)):
-            if marks[k] - before >= room:
-                at.append(points[k])
-                before = marks[k]
+        room, middle = APART * (high - low) * (1.0 - ROUNDED), 0.5 * (low + high)
+        inside = np.flatnonzero((marks > low + room) & (marks < high - room))
+        order = np.lexsort((np.abs(marks[inside] - middle), -sharpness[inside]))
+        kept: list[int] = []
+        for k in inside[order].tolist():
+            if all(abs(marks[k] - marks[other]) >= room for other in kept):
+                kept.append(k)
+        at += list(points[sorted(kept)])
     if not comes_back:
         at.append(points[-1])
     return np.array(at), np.array(first, np.int64)
