@@ -383,8 +383,10 @@ class InputBuilder(Inputs):
             self.opening_outlines,
             {one.name: one.blocks for one in self.all(OpeningTable)},
         )
+        rocks = list(self.named(materials.Rock).values())
         for one in found._placed:
-            found._named[materials.Rock][one.rock] = place_linings.material(one.table, self.plane)
+            material = place_linings.material(one.table, self.plane, rocks)
+            found._named[materials.Rock][one.rock] = material
             found._entries.append(place_linings.entry(one, found._count))
             found._count += len(one.names)
         return found

@@ -39,7 +39,7 @@ class AllowedRange:
 
 MODULUS = AllowedRange(1e-6, 1e24, "Pa")
 STRESS = AllowedRange(0.0, 1e24, "Pa")
-DENSITY = AllowedRange(1e-9, 1e12, "kg/m3")
+DENSITY = AllowedRange(1e-12, 1e12, "kg/m3")
 STIFFNESS = AllowedRange(1e-6, 1e36, "N/m per m")
 JOINT_STIFFNESS = AllowedRange(1e-6, 1e30, "Pa/m")
 LENGTH = AllowedRange(1e-12, 1e18, "m")

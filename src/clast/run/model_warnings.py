@@ -199,7 +199,8 @@ def _unit_warnings(model: Model) -> Iterator[str]:
     """Warn of moduli, densities and stresses that look like other units than SI."""
     for rock in model.rocks:
         where = f"rock '{shortened(rock.name)}'"
-        if not SOFTEST <= rock.young <= HARDEST:
+        # linings are compared with the rock when they are placed
+        if rock.is_ground and not SOFTEST <= rock.young <= HARDEST:
             yield (
                 f"{where}: young is {rock.young:g} Pa, outside the range of rock and brick (1e8 "
                 "to 2e12); the unit is Pa: 50 GPa are 50e9"

@@ -13,7 +13,7 @@ import pytest
 import clast
 from clast.case.api import ModelBuilder
 from clast.case.templates import TEMPLATES
-from clast.errors import CaseError
+from clast.errors import CaseError, ModelError
 from clast.results import Run
 from scenes.restarts import differences, pressed_at
 
@@ -447,3 +447,41 @@ def test_a_sprayed_lining_is_bonded_where_it_is_flush_and_not_at_its_end(gap: fl
         assert (
             (memory.bonded[pair].all() and pair.any()) if bonded else not memory.bonded[pair].any()
         )
+
+
+def test_units_of_mm_and_t_are_taken_as_m_and_kg_are():
+    """N, mm, t and s are consistent: stresses are in MPa, as moduli of the rock are."""
+    found = []
+    for length, stress in ((1.0, 1.0), (1e3, 1e-6)):
+        mass = stress / length**2
+        builder = ModelBuilder(plane="strain", gravity=(0.0, -9.8 * length))
+        builder.add_rock("stone", young=2e10 * stress, poisson=0.2, density=2500.0 * mass)
+        bond = {"normal_stiffness": 5e10 * stress / length, "cohesion": 5e5 * stress}
+        builder.add_joint("bond", friction_angle=35.0, **bond)
+        for name, x, y in (("left", -1.0, 0.0), ("right", 2.0, 0.0), ("top", -1.0, 1.0)):
+            width = 4.0 if name == "top" else 1.0
+            corners = np.array([(x, y), (x + width, y), (x + width, y + 1.0), (x, y + 1.0)])
+            builder.block(name=name, vertices=length * corners, fixed=name != "top")
+        keys = {key: value * stress for key, value in CONCRETE.items() if value > 1e6}
+        builder.lining(
+            "arch",
+            polyline=length * np.array([(2.0, 0.0), (2.0, 1.0), (0.0, 1.0), (0.0, 0.0)]),
+            thickness=0.1 * length,
+            segment=0.25 * length,
+            density=2400.0 * mass,
+            joint="bond",
+            **keys,
+        )
+        case = builder.case(step=0.05, end=0.2, dynamic_ratio=0.0)
+        run = case.run(progress=False)
+        lining = run.lining("arch")
+        forces = lining.normal_force[-1] / (stress * length), lining.moment[-1]
+        found.append(np.stack([forces[0], forces[1] / (stress * length**2)]))
+    assert np.abs(found[0][1]).max() > 1.0
+    assert found[1] == pytest.approx(found[0], rel=1e-7, abs=1e-6)
+
+
+@pytest.mark.parametrize(("key", "value"), [("young", 20.0), ("compression", 20.0)])
+def test_other_units_than_those_of_the_rock_are_refused(key: str, value: float):
+    with pytest.raises(ModelError, match=f"{key}: 20 looks like another unit"):
+        beam(**{**({"tension": 1.0} if key == "compression" else {}), key: value}).build()

@@ -13,8 +13,8 @@ from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 
 End = Literal["free", "hinged", "clamped"]
-SOFTEST, WEAKEST = 1e5, 1e3
-"""Modulus and strength, Pa, below which numbers look like other units."""
+WEAKEST = 1e-6
+"""Strength, in units of the modulus, below which it looks like another unit."""
 
 
 class Lining(Table):
@@ -112,17 +112,11 @@ class Lining(Table):
             what = f"{self.thickness:g} m is more than the length of a segment, {self.segment:g} m"
             remedy = "give longer segments: a beam segment is longer than it is thick"
             raise refusal(Fault(place=("thickness",), what=what, remedy=remedy))
-        for key, least, unit, factor in (
-            ("young", SOFTEST, "GPa", 1e9),
-            ("compression", WEAKEST, "MPa", 1e6),
-        ):
-            value = getattr(self, key)
-            if value is not None and value < least:
-                what, remedy = (
-                    f"{value:g} looks like {unit}, but is in Pa",
-                    f"write {value * factor:g}",
-                )
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+        strength = self.compression
+        if strength is not None and strength < WEAKEST * self.young:
+            what = f"{strength:g} looks like another unit than that of young, {self.young:g}"
+            remedy = f"if these are MPa and Pa, write {strength * 1e6:g}"
+            raise refusal(Fault(place=("compression",), what=what, remedy=remedy))
         if self.tension and self.compression and self.tension > self.compression:
             what = "is more than the compressive strength"
             remedy = "give a tension of about a tenth of compression, both in Pa"

@@ -32,6 +32,8 @@ SHEAR = 5.0 / 6.0
 """Share k of the area that resists shear in a rectangular section."""
 TOUCHES = 1e-3
 """How far from a face of a segment its rock may be, in units of the thickness."""
+SOFTEST = 1e-5
+"""Modulus, in units of that of the softest rock, below which it looks like another unit."""
 ROOM = 1e-3
 """Share of a segment that may lie in rock."""
 
@@ -158,11 +160,19 @@ def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
                 )
 
 
-def material(one: Lining, plane: Plane) -> LiningMaterial:
+def material(one: Lining, plane: Plane, rocks: Sequence[Rock]) -> LiningMaterial:
     """Return the material of the segments of a lining, which strain along it by a share.
 
-    Without Poisson's ratio: pressure across the thickness does not lengthen a beam.
+    Without Poisson's ratio: pressure across the thickness does not lengthen a beam.  Raises
+    ModelError where its modulus is in another unit than those of the ``rocks``.
     """
+    softest = min((rock.young for rock in rocks), default=one.young)
+    if one.young < SOFTEST * softest:
+        raise ModelError(
+            f"{one.young:g} looks like another unit than that of the rock, {softest:g}",
+            where=f"lining '{shortened(one.name)}', young",
+            remedy=f"if these are GPa and Pa, write {one.young * 1e9:g}",
+        )
     young = _modulus(one, plane) / (1.0 - OF_JOINTS)
     return LiningMaterial(young=young, poisson=0.0, density=one.density)
 
