@@ -111,7 +111,9 @@ class Convex:
     ) -> StepSolution:
         """Return the minimum of the potential with these contacts, after their impacts."""
         model, method, stages = context.model, context.method, context.stages
-        contacts = relieved(model, method, context.state, contacts)
+        # static steps have no energy to keep: what is found inside is pressed out
+        if method.dynamic_ratio > 0.0:
+            contacts = relieved(model, method, context.state, contacts)
         graph = graph_of(contacts, model.block_count)
         stages("impacts")
         impacts = after_impacts(context, contacts, graph, self.restitution)

@@ -1,4 +1,4 @@
-"""Contacts that are found deep inside begin with no more force than there was.
+"""Contacts that are found deep inside in a dynamic step begin with no more force than there was.
 
 Contact detection picks a vertex and an edge anew in every step.  On soft springs a contact can come
 up, or pass to another edge, where the vertex has long been behind it: its spring would begin as
