@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 import numpy as np
 
 from clast.compute.parallel import CONTACTS, shared
+from clast.contact.clipped_spring import Clipped
 from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
 from clast.contact.coulomb import (
     Answers,
@@ -283,14 +284,14 @@ class AugmentedLagrangian:
     def begin(self, contacts: Contacts) -> Contacts:
         """Return the contacts with the multipliers of the first solve."""
         own = np.isnan(contacts.normal_stiffness)
-        first = np.where(own, self.multipliers.first(contacts.multiplier), 0.0)
-        return replace(contacts, multiplier=first)
+        first = self.multipliers.first(contacts.multiplier)
+        return replace(contacts, multiplier=np.where(own, first, contacts.multiplier))
 
     def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
         """Return the contacts with lambda <- N, where their joint has no stiffness of its own."""
         own = np.isnan(contacts.normal_stiffness)
         beyond_rest = response.normal_force - contacts.rest_force
-        return replace(contacts, multiplier=np.where(own, beyond_rest, 0.0))
+        return replace(contacts, multiplier=np.where(own, beyond_rest, contacts.multiplier))
 
 
 class ContactLaw(Protocol):
@@ -344,3 +345,21 @@ class MultiplierLaw(ContactLaw, Protocol):
 def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
     """Return True for laws of springs with bounds; isinstance of a protocol is slow."""
     return hasattr(law, "limits")
+
+
+def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
+    """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
+    limits = law.limits(contacts)
+    normal = Clipped(
+        at_zero=contacts.rest_force + contacts.multiplier,
+        stiffness=limits.normal_stiffness,
+        low=-limits.tension,
+        high=limits.tension + np.inf,  # an array of infinities by one call
+    )
+    shear = Clipped(
+        at_zero=contacts.shear_force,
+        stiffness=limits.shear_stiffness,
+        low=-limits.strength,
+        high=limits.strength,
+    )
+    return normal, shear

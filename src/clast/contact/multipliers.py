@@ -33,6 +33,21 @@ def renew(law: ContactLaw, contacts: Contacts, response: ContactResponse) -> Con
     return law.renew(contacts, response) if has_multipliers(law) else contacts
 
 
+def with_energies(
+    law: MultiplierLaw, contacts: Contacts, response: ContactResponse
+) -> ContactResponse:
+    """Return the ``response`` with the energies of contacts that have multipliers, J/m.
+
+    At the penetration u that their last solve leaves they have given way as springs do that carry N
+    there, 1/2 N u, while the spring of that solve alone holds 1/2 p u^2.
+    """
+    own = np.isnan(contacts.normal_stiffness) & (response.normal_force > 0.0)
+    p = contacts.spring_share * law.normal_stiffness
+    deep = np.maximum(0.0, response.normal_force - np.maximum(0.0, contacts.multiplier)) / p
+    more = 0.5 * deep * (response.normal_force - p * deep)
+    return replace(response, energy=response.energy + np.where(own, more, 0.0))
+
+
 def carried_over(law: ContactLaw) -> ContactLaw:
     """Return the law with multipliers that begin a step as they ended the last, where it has any.
 

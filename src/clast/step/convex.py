@@ -29,10 +29,11 @@ import numpy as np
 
 from clast.compute.reductions import is_any
 from clast.contact import multipliers
-from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
+from clast.contact.clipped_spring import Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.joints.asperities import Asperities, as_pressed, over_asperities
 from clast.contact.joints.bonds import without_bonds
-from clast.contact.laws import ContactLaw, SpringLaw, has_limits
+from clast.contact.laws import ContactLaw, clipped, has_limits
 from clast.errors import StepOutcome
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
@@ -111,22 +112,32 @@ class Convex:
     ) -> StepSolution:
         """Return the minimum of the potential with these contacts, after their impacts."""
         model, method, stages = context.model, context.method, context.stages
-        # static steps have no energy to keep: what is found inside is pressed out
-        if method.dynamic_ratio > 0.0:
+        joints, law = model.joint_table, method.contact_law
+        is_dynamic = method.dynamic_ratio > 0.0
+        opens = joints.opens and is_dynamic and has_limits(law)
+        if opens:
+            contacts = as_pressed(joints, contacts)
+        if is_dynamic:  # static steps have no energy to keep: what is found inside is pressed out
             contacts = relieved(model, method, context.state, contacts)
         graph = graph_of(contacts, model.block_count)
         stages("impacts")
         impacts = after_impacts(context, contacts, graph, self.restitution)
+        asperities, slope = None, None
+        if opens and has_limits(law):
+            way = contact_motions(contacts, impacts.drift)
+            contacts, asperities = over_asperities(joints, law, contacts, way)
+            slope = asperities.slope
         share = context.at.forces_at
-        taken = half_way(model, method.contact_law, contacts, share, context.step)
-        scheme = scheme_of(context, contacts, graph, impacts, taken)
+        taken = half_way(model, law, contacts, share, context.step)
+        scheme = scheme_of(context, contacts, graph, impacts, taken, slope)
         stages("base system")
         base = diagonal_terms(context, impacts.drift, scheme)
-        potential, rows = potential_of(context, base, contacts, graph)
+        potential, rows, asperities = potential_of(context, base, contacts, graph, asperities)
         factor = FactorOfStep(context.workspace.inexact(method.solver), context.workspace.patterns)
         counts = {**NO_COUNTS, **(before.counts if before else {})}
         search = Search(
-            law=method.contact_law,
+            law=law,
+            asperities=asperities,
             taken=taken,
             rows=rows,
             schedule=self.schedule(factor),
@@ -156,6 +167,7 @@ class Convex:
             lost=impacts.lost,
             driven=impacts.driven,
             bonded=bonded,
+            asperities=asperities,
             counts=counts,
         )
 
@@ -254,6 +266,8 @@ class Search:
     """The minimum with friction bounds, bonds and multipliers in accord with it."""
 
     law: ContactLaw
+    asperities: Asperities | None = None
+    """The same law where contacts slip over asperities."""
     taken: HalfWay | None = None
     """Where in the step the contacts' forces are taken; None: at its end."""
     rows: Rows
@@ -290,24 +304,27 @@ class Search:
             point = within.solved(potential, point)
             stages("law")
             gap, slip = point.gap[within.rows], point.slip[within.rows]
-            response = law.respond(contacts, gap, slip)
+            response = (within.asperities or law).respond(contacts, gap, slip)
             solves += 1
             if not multipliers.enough(law, solves, contacts, gap):
                 contacts = multipliers.renew(law, contacts, response)
             else:
-                # only the last solve has the forces by which bonds are judged
-                broken = contacts.bonded & ~response.bonded
-                if not is_any(broken):
+                # only the last solve has the forces by which bonds and chords are judged
+                after = within.without_spent(contacts, response)
+                if after is contacts:
                     break
-                contacts, solves = without_bonds(contacts, response), solves - 1
+                contacts, solves = after, solves - 1
             stages("law")
             contacts = changed(contacts, friction_base=response.normal_force)
             potential = within.bound(potential, contacts)
-            point = potential.again(point)
+            # the links of asperities go with the stiffness of their contacts
+            point = potential.at(point.unknowns)
         unknowns = point.unknowns
         if blocks is not None:
             unknowns = start.unknowns.copy()
             unknowns[blocks] = point.unknowns[:-1]
+        if multipliers.has_multipliers(law):
+            response = multipliers.with_energies(law, contacts, response)
         return unknowns, multipliers.renew(law, contacts, response), response
 
     def of_touched(
@@ -321,8 +338,22 @@ class Search:
         if part is None:
             return self, potential, point, None
         each = None if self.each is None else self.each.of(part.blocks)
-        within = replace(self, rows=part.rows(self.rows), each=each)
+        asperities = self.asperities
+        if asperities is not None:
+            places = [part.rows(one) for one in (asperities.flanks, asperities.sliders)]
+            asperities = changed(asperities, flanks=places[0], sliders=places[1])
+        within = replace(self, rows=part.rows(self.rows), each=each, asperities=asperities)
         return within, part.potential, part.point, part.blocks
+
+    def without_spent(self, contacts: Contacts, response: ContactResponse) -> Contacts:
+        """Return the contacts without bonds that break and chords of strength that give back."""
+        if is_any(contacts.bonded & ~response.bonded):
+            return without_bonds(contacts, response)
+        if self.asperities is not None:
+            back = self.asperities.given_back(contacts, response)
+            if is_any(back):
+                return self.asperities.without_chords(contacts, back)
+        return contacts
 
     def solved(self, potential: Potential, point: Point) -> Point:
         """Return the minimum from a point on, near enough for the step and for each block."""
@@ -373,9 +404,15 @@ class Search:
         while True:
             point = self.schedule.minimise(potential, point, asked, self.work)
             self.work.stages("law")
-            bounds = changed(contacts, friction_base=point.forces.normal_force[self.rows])
+            forces, over = point.forces, self.asperities
+            normal = forces.normal_force[self.rows]
+            if over is not None:
+                both = forces.normal_force, forces.shear_force
+                normal = over.normal_forces(self.rows, both, contacts)
+            bounds = changed(contacts, friction_base=normal)
             renewed = self.bound(potential, bounds)
-            moved = renewed.again(point)
+            # the links of asperities turn with their bounds
+            moved = renewed.at(point.unknowns) if self.asperities else renewed.again(point)
             left = potential.island_distances(point)
             tolerated = self.friction.share * renewed.island_distances(moved)
             if asked <= enough or np.add.reduce(left[~(left <= tolerated)]) <= enough:
@@ -388,6 +425,9 @@ class Search:
             springs = clipped(self.law, contacts)
             if self.taken is not None:
                 springs = self.taken.springs(springs, contacts)
+            if self.asperities is not None:
+                table = self.asperities.put(potential.springs, self.rows, springs, contacts)
+                return changed(potential, springs=table)
             return changed(potential, springs=potential.springs.put(self.rows, *springs))
         of_contacts = OfContacts(self.law, self.taken, contacts, self.rows, potential.springs)
         return changed(potential, law=of_contacts)
@@ -403,7 +443,8 @@ class Search:
         if self.taken is None:
             return at_end
         opening, slip = contact_motions(contacts, unknowns)
-        on_the_way = self.taken.respond(self.law, contacts, contacts.gap + opening, slip)
+        law: ContactLaw = self.asperities or self.law
+        on_the_way = self.taken.respond(law, contacts, contacts.gap + opening, slip)
         halved = self.taken.bearing(contacts)
         normal = np.where(halved, on_the_way.normal_force, at_end[0])
         return normal, np.where(halved, on_the_way.shear_force, at_end[1])
@@ -444,15 +485,23 @@ class OfContacts:
 
 
 def potential_of(
-    context: StepContext, base: DiagonalTerms, contacts: Contacts, graph: Graph
-) -> tuple[Potential, Rows]:
-    """Return the potential of a step, and where the contacts are in its table of springs.
+    context: StepContext,
+    base: DiagonalTerms,
+    contacts: Contacts,
+    graph: Graph,
+    asperities: Asperities | None,
+) -> tuple[Potential, Rows, Asperities | None]:
+    """Return the potential of a step, and where contacts and asperities are in its table.
 
     ``graph`` is that of the contacts alone.
     """
     model = context.model
     others = () if context.springs is None else (context.springs,)
-    springs, (rows, *_) = merged(springs_of(contacts), others)
+    if asperities is not None:
+        others = *others, asperities.links(contacts), asperities.links(contacts)
+    springs, (rows, *more) = merged(springs_of(contacts), others)
+    if asperities is not None:
+        asperities = changed(asperities, flanks=more[-2], sliders=more[-1])
     if context.held is not None:
         springs = context.held.springs(springs)
     potential = Potential(
@@ -463,25 +512,7 @@ def potential_of(
         graph=graph_of(springs, model.block_count) if others else graph,
         islands=islands_of(springs, model.fixed),
     )
-    return potential, rows
-
-
-def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
-    """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
-    limits = law.limits(contacts)
-    normal = Clipped(
-        at_zero=contacts.rest_force + contacts.multiplier,
-        stiffness=limits.normal_stiffness,
-        low=-limits.tension,
-        high=limits.tension + np.inf,  # an array of infinities by one call
-    )
-    shear = Clipped(
-        at_zero=contacts.shear_force,
-        stiffness=limits.shear_stiffness,
-        low=-limits.strength,
-        high=limits.strength,
-    )
-    return normal, shear
+    return potential, rows, asperities
 
 
 def first_friction_base(

@@ -10,8 +10,15 @@ import numpy as np
 from clast.block import elasticity, polygon
 from clast.block.positions import moved_to
 from clast.compute.reductions import largest_size, least
+from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
-from clast.contact.joints.wear import Wear, reaches_residual, wear_of, with_work_of_joints
+from clast.contact.joints.wear import (
+    Wear,
+    after_slip,
+    reaches_residual,
+    wear_of,
+    with_work_of_joints,
+)
 from clast.contact.laws import normal_stiffness_of
 from clast.contact.memory import renew
 from clast.contact.multipliers import has_multipliers
@@ -37,10 +44,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     stages("advance")
     end = end_of(context, solution)
     motion = moved(context, solution.unknowns, end)
-    solution, wear = _after_sliding(context, solution, end)
-    kept = solution.response
-    if solution.bearing is not kept.normal_force:
-        kept = changed(kept, normal_force=solution.bearing)
+    solution, kept, wear = _after_sliding(context, solution, end)
     memory = renew(solution.contacts, kept, end.gap, end.slip, context.method.critdis, wear)
     # no vertex has got deeper into a block than it has moved
     if motion.travel > depth:
@@ -82,21 +86,33 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
 
 def _after_sliding(
     context: StepContext, solution: StepSolution, end: StepEnd
-) -> tuple[StepSolution, Wear]:
-    """Return the solution with the energies of joints that open, and the wear of all by sliding."""
+) -> tuple[StepSolution, ContactResponse, Wear]:
+    """Return the solution with the energies of joints that open, what is kept, and all wear."""
     table, law = context.model.joint_table, context.method.contact_law
     contacts, response = solution.contacts, solution.response
     rate = context.method.dynamic_ratio / context.step
-    wear = wear_of(table, contacts, response, end.slip, rate)
-    if not table.opens:
-        return solution, wear
-    stiffness = normal_stiffness_of(contacts, law)
-    if has_multipliers(law):
-        stiffness = np.nan_to_num(contacts.normal_stiffness)
-    sheared = solution.applied[1], end.slip
-    opened = wear.dilation - contacts.dilation
-    with_work = with_work_of_joints(table, contacts, response, stiffness, sheared, opened)
-    return changed(solution, response=with_work), wear
+    bearing, kept = solution.bearing, response
+    if solution.asperities is not None:
+        ends = end.gap, end.slip
+        found = after_slip(solution.asperities, contacts, response, ends, solution.applied[0], rate)
+        wear, kept = found.wear, changed(found.response, shear_force=found.shear_force)
+        # contacts that wait for their impact go on without a force
+        waits = (bearing == 0.0) & (response.normal_force != 0.0)
+        bearing = np.where(waits, 0.0, found.normal_force)
+        solution = changed(solution, response=found.response)
+    else:
+        wear = wear_of(table, contacts, response, end.slip, rate)
+    if solution.asperities is None and table.opens:
+        stiffness = normal_stiffness_of(contacts, law)
+        if has_multipliers(law):
+            stiffness = np.nan_to_num(contacts.normal_stiffness)
+        sheared = solution.applied[1], end.slip
+        opened = wear.dilation - contacts.dilation
+        kept = with_work_of_joints(table, contacts, response, stiffness, sheared, opened)
+        solution = changed(solution, response=kept)
+    if bearing is not kept.normal_force:
+        kept = changed(kept, normal_force=bearing)
+    return solution, kept, wear
 
 
 def broken_in(solution: StepSolution) -> Ints:

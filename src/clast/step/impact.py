@@ -242,20 +242,27 @@ def scheme_of(
     graph: Graph,
     impacts: ImpactResult,
     taken: HalfWay | None,
+    slope: Floats | None,
 ) -> Scheme:
     """Return how the blocks take a step: where contacts close that stop them with theta = 1.
 
-    Contacts whose forces are ``taken`` half way stop nothing.
+    Contacts whose forces are ``taken`` half way stop nothing.  ``slope`` (m,) is by how much
+    contacts open by their slip; None: it is known only when the step is over.
     """
     model, scheme = context.model, context.scheme
     threshold = slowest_of(context.method.contact_law) * model.size_of_gravity * context.step
     rate, fastest = impacts.rate, impacts.fastest
-    if model.joint_table.opens:
+    if slope is not None:
+        rate = rate - slope * contact_motions(contacts, impacts.velocity)[1]
+    elif model.joint_table.opens:
         rate = rate - opening_rate(context, contacts)
+    if model.joint_table.opens:
         fastest = float(-rate.min(initial=0.0))
     if scheme.theta == 1.0 or not fastest > threshold:
         return scheme
-    moved, _ = contact_motions(contacts, impacts.drift)
+    moved, slips = contact_motions(contacts, impacts.drift)
+    if slope is not None:
+        moved = moved - slope * slips
     closes = closing(contacts.gap, moved, rate, threshold)
     if taken is not None:
         closes &= ~taken.bearing(contacts)

@@ -18,6 +18,7 @@ from clast.block.rotation import RotationRule
 from clast.compute.stopwatch import Clock
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
+from clast.contact.joints.asperities import Asperities
 from clast.contact.laws import ContactLaw
 from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
@@ -120,6 +121,8 @@ class StepSolution:
     """Impulses of bodies with a prescribed motion on bodies they struck, N s/m, (n, 6)."""
     bonded: Bools | None = None
     """Which contacts had their bonds when the step began, shape (m,); None: as the contacts say."""
+    asperities: Asperities | None = None
+    """Law of contacts that open as they slip within the step; None: they open after it."""
     counts: dict[str, int] = field(default_factory=dict)
     """Counts of the process: "passes" and whatever else it counts."""
 

@@ -31,23 +31,24 @@ move on arcs, which the linear gap of a step does not know."""
 def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> Contacts:
     """Return the contacts with multipliers (m,), N/m, below 0 where springs rest behind an edge.
 
-    Of laws that have no multipliers of their own.  An overlap at the start of a run is taken as it
-    is.
+    Of contacts that have no multipliers of their law.  An overlap at the start of a run is taken
+    as it is.
     """
     law = method.contact_law
-    if has_multipliers(law) or state.time == 0.0 or not len(contacts):
+    if state.time == 0.0 or not len(contacts):
         return contacts
     known = contacts.normal_force, contacts.gap, contacts.multiplier, contacts.rest_force
     springs = contacts.normal_stiffness, contacts.spring_share, law.normal_stiffness
     if _rest_at_edges(known, springs, method.critdis):
         return contacts
+    own = np.isnan(contacts.normal_stiffness) & has_multipliers(law)
     stiffness = normal_stiffness_of(contacts, law)
     slack = stiffness * SLACK * method.critdis
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
-    if model.joint_table.opens:
-        # what opens as it slides, and rough closure, begin a step with other forces
+    if model.joint_table.opens and method.dynamic_ratio == 0.0:
+        # what has opened after a static step, and rough closure, begin the next with other forces
         sunk &= ~model.joint_table.dilates.take(contacts.joint)
     if is_any(sunk):
         taken_over = _left_over(model, state, contacts, sunk)
@@ -55,7 +56,8 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
         rest = np.where(sunk, rest + more, rest)
     # a spring that carries keeps its point of rest; where it is open that follows the vertex out
     follows = np.where(held > 0.0, before, np.maximum(rest, before))
-    return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))
+    rest = np.minimum(np.where(sunk, rest, follows), 0.0)
+    return replace(contacts, multiplier=np.where(own, contacts.multiplier, rest))
 
 
 @kernel()

@@ -36,6 +36,8 @@ NEAR_CURVE = 0.1
 """The same of a contact that went along the curve in the last step."""
 AHEAD = 0.02
 """Slip ahead, in units of that at the peak, to where the spring meets the curve."""
+BISECTIONS = 50
+"""Halvings of the range of a stress that is sought."""
 FLATTEST = 1e-6
 """Share of phi_r by which friction has to rise in one u_peak for there to be a curve to follow."""
 
@@ -67,6 +69,25 @@ class RoughContacts:
         most = self.stiffness * self.closure
         share = stress / most
         return most * self.closure * (np.log1p(share) - share / (1.0 + share))
+
+    def stress_at(self, closure: Floats) -> Floats:
+        """Return the normal stress, Pa, at a closure, m, (k,): 0 to inf."""
+        left = 1.0 - closure / self.closure
+        with np.errstate(divide="ignore"):
+            stress = self.stiffness * np.maximum(closure, 0.0) / np.maximum(left, 0.0)
+        return np.asarray(stress)
+
+    def stress_with(self, energy: Floats, least: Floats, most: Floats) -> Floats:
+        """Return the normal stress, Pa, up to which closing takes an ``energy``, J/m2, (k,).
+
+        Between two others, Pa; the work up to the ``least`` is no more.
+        """
+        low, high = least, np.minimum(most, 2.0 * np.maximum(least, self.stiffness * self.closure))
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            is_less = self.energy(middle) <= energy
+            low, high = np.where(is_less, middle, low), np.where(is_less, high, middle)
+        return low
 
     def roughness_angle(self, stress: Floats) -> Floats:
         """Return i = JRC log10(JCS/sigma), 0 to 70 degrees less phi_r, rad, shape (k,)."""

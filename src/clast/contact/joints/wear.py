@@ -7,7 +7,8 @@ A joint opens by tan(psi) of its slide, and closes as it slides back:
 with the stress of the moment, which is why increments are added up.  An opening is the rest gap of
 the contact's spring in the next step.  It works against the normal force: that is what shearing
 has put in beyond what friction loses, and the ledger takes it from what friction has lost.  So the
-friction angle of a joint that opens is all of its angle, and no less than psi.
+friction angle of a joint that opens is all of its angle, and no less than psi.  In dynamic steps of
+the convex process contacts have opened by then (contact/joints/asperities.py).
 """
 
 from __future__ import annotations
@@ -20,10 +21,18 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.compute.reductions import is_any
 from clast.contact.contacts import LOCK, OPEN, SLIDE, ContactResponse, Contacts
-from clast.contact.joints.barton_bandis import mobilised, rough_contacts, stress_on
+from clast.contact.joints.asperities import Asperities
+from clast.contact.joints.barton_bandis import (
+    RoughContacts,
+    mobilised,
+    rough_contacts,
+    stress_on,
+)
+from clast.contact.laws import normal_stiffness_of
+from clast.contact.multipliers import has_multipliers
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints
-from clast.read_only import read_only
+from clast.read_only import changed, read_only
 
 NONE = read_only(np.zeros(0, np.int64))
 """Rows of no contact."""
@@ -167,14 +176,148 @@ def with_work_of_joints(
         length = contacts.spring_length[rows]
         energy[rows] = length * rough.energy(stress_on(normal[rows], length))
         loss[rows] = -(sheared[0] * sheared[1])[rows]
-        # what goes along the rising branch of its strength slides
-        along = (sheared[0] * sheared[1] < 0.0) & (response.mode == LOCK) & contacts.mobilises
-        along[rows] &= np.abs(sheared[1][rows]) > SEEN * rough.peak_slip
-        mode = np.where(along, SLIDE, response.mode)
+        mode = _mode_along(rough, contacts, response, sheared[1])
     work = np.maximum(normal, 0.0) * opened
     # that the opening comes on at once, and is given way to in the next step, is the scheme's doing
     pressed = np.where(normal > 0.0, 0.5 * stiffness * opened**2, 0.0)
     return replace(response, mode=mode, energy=energy + work + pressed, dissipation=loss - work)
+
+
+def _mode_along(
+    rough: RoughContacts, contacts: Contacts, response: ContactResponse, slip: Floats
+) -> Ints:
+    """Return the modes of contacts (m,): what goes along the rising branch slides."""
+    along = (response.shear_force * slip < 0.0) & (response.mode == LOCK) & contacts.mobilises
+    along[rough.rows] &= np.abs(slip[rough.rows]) > SEEN * rough.peak_slip
+    return np.where(along, SLIDE, response.mode)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndOfSlip:
+    """Contacts at the end of a step in which they have opened by slip."""
+
+    wear: Wear
+    response: ContactResponse
+    """Their forces in the step, and energies at its end."""
+    normal_force: Floats
+    """N that they go on with, N/m, shape (m,)."""
+    shear_force: Floats
+    """T that they go on with, N/m, shape (m,)."""
+
+
+def after_slip(
+    asperities: Asperities,
+    contacts: Contacts,
+    response: ContactResponse,
+    ends: tuple[Floats, Floats],
+    normal: Floats,
+    rate: float,
+) -> EndOfSlip:
+    """Return the end of a step in which contacts have opened by their slip (asperities.py).
+
+    ``ends`` are gap and slip (m,) at the end, m, ``normal`` (m,) is N of the equations, N/m, and
+    ``rate`` is 1/h, 1/s.  What a slope of the start of the step has not known - a slide begins,
+    turns back past its beginning, ends to open, or follows a curve - is made up for as far as
+    friction has lost as much in the step.
+    """
+    table, slope, rows, (gap, slip) = asperities.joints, asperities.slope, asperities.rows, ends
+    wear, found = wear_of(table, contacts, response, slip, rate), asperities.slides(contacts, *ends)
+    mode, way, slid, opened = response.mode, wear.way.copy(), wear.slid.copy(), np.zeros(len(slip))
+    bears = mode[rows] != OPEN
+    rubs = bears & ~contacts.mobilises[rows]
+    way[rows] = np.where(rubs, np.abs(found.rubbed), way[rows])
+    slid[rows] = np.where(rubs, found.slid, slid[rows])
+    opened[rows] = slope[rows] * found.slid
+    # by the angle of the stress that slopes are of
+    begun = np.where(contacts.normal_force > 0.0, contacts.normal_force, response.normal_force)
+    wanted = opening(table, contacts, begun, slid) - opened
+    rest, reached, energy, loss = _made_up_for(asperities, contacts, response, gap - opened, wanted)
+    dilation = np.maximum(contacts.dilation + opened + rest, 0.0)
+    work = -normal * (gap - contacts.gap - opened)
+    places = gap + contacts.rest_gap, dilation
+    reached, energy = _closed(table, contacts, (reached, energy), places, work)
+    # where T is not that of its spring, it goes on with what friction pays for
+    shear, friction = response.shear_force.copy(), found.friction**2
+    more = np.where(found.keeps, 0.0, shear[rows] ** 2 - friction)
+    elastic = asperities.elastic[rows]
+    more = np.minimum(more, 2.0 * elastic * loss[rows])
+    shear[rows] = np.where(
+        found.keeps, shear[rows], np.copysign(np.sqrt(friction + more), shear[rows])
+    )
+    energy[rows] += 0.5 * more / elastic
+    loss[rows] -= np.maximum(0.5 * more / elastic, 0.0)
+    rough = rough_contacts(table, contacts.joint)
+    if rough is not None:
+        mode = _mode_along(rough, contacts, response, slip)
+    speed = _speeds(contacts, way, slip, rate)
+    return EndOfSlip(
+        wear=Wear(way=way, slid=slid, speed=speed, dilation=dilation),
+        response=changed(response, mode=mode, energy=energy, dissipation=loss),
+        normal_force=reached,
+        shear_force=shear,
+    )
+
+
+def _made_up_for(
+    asperities: Asperities,
+    contacts: Contacts,
+    response: ContactResponse,
+    gap: Floats,
+    wanted: Floats,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return openings after the step, m, N then, N/m, energies and losses, J/m, (m,) each.
+
+    ``wanted`` (m,), m, is by how much contacts are to open, or to close, ``gap`` (m,) where they
+    are, m.  They open by no more than friction pays.
+    """
+    normal, loss = response.normal_force, np.maximum(response.dissipation, 0.0)
+    p = normal_stiffness_of(contacts, asperities.law)
+    free = np.where(normal == 0.0, np.maximum(gap, 0.0), 0.0)
+    reach = free + (np.sqrt(normal**2 + 2.0 * p * loss) - normal) / p
+    # a bond does not let a joint close under tension
+    least = np.where(contacts.tensile_strength > 0.0, -np.maximum(normal, 0.0) / p, -np.inf)
+    opened = np.clip(wanted, least, reach)
+    pushed = np.where(opened > 0.0, np.maximum(opened - free, 0.0), opened)
+    after = np.where(
+        opened > 0.0, normal + p * pushed, np.maximum(np.minimum(normal, 0.0), normal + p * pushed)
+    )
+    gained = 0.5 * (after**2 - normal**2) / p
+    if has_multipliers(asperities.law):
+        own = ~np.isnan(contacts.normal_stiffness)
+        after = np.where(own, after, normal)
+    return opened, after, response.energy + gained, loss - np.clip(gained, 0.0, loss)
+
+
+def _closed(
+    table: JointTable,
+    contacts: Contacts,
+    found: tuple[Floats, Floats],
+    places: tuple[Floats, Floats],
+    work: Floats,
+) -> tuple[Floats, Floats]:
+    """Return N, N/m, and energies, J/m, (m,) each, with rough contacts on their hyperbola.
+
+    It lies above its tangent: to rise to it takes work, of which a step has no more than the
+    ``work`` (m,), J/m, of closing.  ``found`` are N and energies at the end of the tangent,
+    ``places`` distances and openings, m.
+    """
+    rough = rough_contacts(table, contacts.joint)
+    if rough is None:
+        return found
+    rows, (normal, energy), (distance, dilation) = rough.rows, found, places
+    length = contacts.spring_length[rows]
+    begun = contacts.rest_force + contacts.multiplier - contacts.normal_stiffness * contacts.gap
+    before, now = (stress_on(one[rows], length) for one in (begun, normal))
+    rest = rough.closed_by(np.maximum(contacts.rest_force[rows], 0.0) / length)
+    most = rough.stress_at(rest + dilation[rows] - distance[rows])
+    held = np.maximum(rough.energy(now), rough.energy(before) + work[rows] / length)
+    reached = rough.stress_with(held, np.minimum(now, most), np.maximum(now, most))
+    reached = np.minimum(np.maximum(reached, np.minimum(now, most)), np.maximum(now, most))
+    normal, energy = normal.copy(), energy.copy()
+    tension = np.minimum(normal[rows], 0.0)
+    normal[rows] = length * reached + tension
+    energy[rows] += length * (rough.energy(reached) - rough.energy(now))
+    return normal, energy
 
 
 def reaches_residual(table: JointTable, contacts: Contacts, way: Floats) -> Ints:
