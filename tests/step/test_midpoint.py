@@ -234,7 +234,8 @@ def test_a_static_stage_is_as_without_it_and_a_dynamic_one_after_it_stays_at_res
         assert run.stages[0].outcome == "equilibrium"
         down = run.history("top").displacement[:, 1]
         settled = run.stages[0].steps
-        assert np.abs(down[settled:] - down[settled]).max() < 1e-9
+        # dynamic steps take up the couples of shear forces and gaps (decision 193)
+        assert np.abs(down[settled:] - down[settled]).max() < 3e-9
         ends.append(down[settled])
     assert ends[0] == ends[1]
 

@@ -28,6 +28,7 @@ from clast.contact.detection import detect
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State
+from clast.read_only import changed
 from clast.step import inertia_projection
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
@@ -78,9 +79,20 @@ class StepContext:
         return unknowns if self.held is None else self.held.total(unknowns)
 
     def contacts(self, reach: SearchDistance, drift: Floats | None = None) -> Contacts:
-        """Return the contacts within ``reach``; ``drift`` (n, 6) as ``detect`` has it."""
+        """Return the contacts within ``reach``; ``drift`` (n, 6) as ``detect`` has it.
+
+        Those of a static step act on both blocks at the vertex.  With the forces on the edge's
+        block at its foot, a gap g away, a shear force T would turn the two by T g: beside the
+        moments that buckle a wall on joints that close by g as much as g beside its courses.
+        """
         rule, centroid = self.method.corner_rule, self.frames.centroid
-        return detect(self.model, rule, self.state, centroid, reach, drift, self.workspace.near)
+        near = self.workspace.near
+        contacts = detect(self.model, rule, self.state, centroid, reach, drift, near)
+        if self.at.clock is None:
+            return contacts
+        arms = contacts.arms.copy()
+        arms[:, 4:] += (contacts.gap + contacts.rest_gap)[:, None] * contacts.normal
+        return changed(contacts, arms=arms)
 
 
 def begin(
