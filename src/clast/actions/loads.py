@@ -25,11 +25,9 @@ class Loads:
 
     def share(self, start: StepStart, state: None) -> Contribution:
         """Return the generalised force of each load, times its factor when forces are taken."""
-        model, points, midway = start.model, start.model.point_slices, start.midway
-        first, last = midway.points[points.line_start], midway.points[points.line_end]
-        length = np.hypot(*(last - first).T)
+        model, midway = start.model, start.midway
+        at, length = _places(model, midway.points)
         block = np.concatenate([model.point_loads.block, model.line_loads.block])
-        at = np.concatenate([midway.points[points.loaded], 0.5 * (first + last)])
         force = np.concatenate(
             [model.point_loads.force, length[:, None] * model.line_loads.traction]
         )
@@ -41,9 +39,26 @@ class Loads:
     def finish(
         self, start: StepStart, state: None, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the work of the loads, which comes from outside."""
+        """Return the work of the loads, which comes from outside.
+
+        In a static step, which may turn blocks far, it is that along the real way.
+        """
         work, _ = energy_of_linear(share, solution.displacement)
-        return ActionResult(work=work, ledger=Ledger(loads=work))
+        brought = work
+        if start.clock is not None:
+            before, after = (
+                _places(start.model, one)[0] for one in (start.midway.points, solution.points)
+            )
+            brought = float(np.sum(share.force[:, :2] * (after - before)))
+        return ActionResult(work=work, ledger=Ledger(loads=brought))
+
+
+def _places(model: Model, points: Floats) -> tuple[Floats, Floats]:
+    """Return where the loads act, m, (k, 2), and lengths of line loads, m, from ``points``."""
+    slices = model.point_slices
+    first, last = points[slices.line_start], points[slices.line_end]
+    at = np.concatenate([points[slices.loaded], 0.5 * (first + last)])
+    return at, np.hypot(*(last - first).T)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

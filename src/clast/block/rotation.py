@@ -33,6 +33,13 @@ class RotationRule(Protocol):
         ...
 
 
+def turned_by(vectors: Floats, angle: Floats) -> Floats:
+    """Return vectors (k, 2) turned by angles (k,), rad."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = vectors.T
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+
+
 @dataclass(frozen=True)
 class Exact:
     """The third unknown is the angle r0: the strained block is turned by it, area is kept."""

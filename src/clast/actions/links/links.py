@@ -37,12 +37,15 @@ from clast.actions.links.link_states import (
 )
 from clast.block import polygon
 from clast.block.displacement import movements
+from clast.block.rotation import turned_by
 from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.supports.link_lines import FREE, RIGID, SOFT, LinkLines
 
+NEAR = 1e-5
+"""Force that rows may miss in a static step, as a share of the largest of them."""
 ARM = 1e5
 """Length of the arms of rows against rotation, in units of the system."""
 ROTATION = COMPONENTS.index("rotation")
@@ -104,29 +107,49 @@ class Links:
         active = self._active(start, state)
         if not len(active.row):
             return Contribution()
-        return Contribution(springs=self._springs(start, active)[0])
+        return LinkShare(springs=self._springs(start, active)[0], active=active)
+
+    def again(
+        self, start: StepStart, share: Contribution, displacement: Floats
+    ) -> Contribution | None:
+        """Return the share with rows that d (n, 6) stretches in a static step as blocks do.
+
+        None where they did, near enough.  No velocity says how far blocks turn in a static step,
+        and along the chord they would draw rigid links apart.
+        """
+        if start.clock is None or not isinstance(share, LinkShare):
+            return None
+        active = share.active
+        moved = self._all_moved(start, active, displacement)
+        at = self._carried(start, active.state, displacement)
+        turn = start.state.rotation + start.rotation.angle(displacement[:, 2])
+        stretch = self._stretch(at, turn, active.state.angle + self._turned(moved))
+        missed = np.abs(active.stiffness * (stretch - active.stretch - moved))[active.row]
+        force = self._stretched(active, active.state, active.stretch + moved).force
+        if float(missed.max()) <= NEAR * float(np.abs(force).max()):
+            return None
+        active = replace(active, stretch=stretch - moved)
+        return LinkShare(springs=self._springs(start, active)[0], active=active)
 
     def finish(
         self, start: StepStart, state: LinkStates, share: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the links: they store energy, yield, break and damp."""
         active, rows = self._active(start, state), self.rows
-        begun = active.state
-        work, drag = 0.0, np.zeros(len(rows.link))
-        moved = np.zeros(len(rows.link))
+        work, (drag, moved) = 0.0, np.zeros((2, len(rows.link)))
         if share.springs is not None:
+            active = share.active if isinstance(share, LinkShare) else active
             work, _ = energy_of_springs(share.springs, solution)
-            _, order = self._springs(start, active)
-            gap, _ = stretches(share.springs, solution.displacement)
-            moved[active.row] = self._moved(share.springs, gap, order, active)
+            moved = self._all_moved(start, active, solution.displacement)
             drag = -rows.damping * moved / start.step
+        begun = active.state
         pulled = self._stretched(active, begun, active.stretch + moved)
         breaks = pulled.carries & (np.abs(active.stretch + moved - begun.rest) > rows.rupture)
         ended = replace(
             pulled,
             force=np.where(breaks, 0.0, pulled.force),
             broken=pulled.broken | breaks,
-            at=self._carried(start, begun, solution),
+            at=self._carried(start, begun, solution.displacement),
             angle=begun.angle + self._turned(moved),
             drag=drag,
         )
@@ -158,11 +181,8 @@ class Links:
         self, start: StepStart, state: LinkStates, displacement: Floats
     ) -> tuple[LinkStates, Floats]:
         """Return the links with the forces after d (n, 6), and by how much it stretches rows."""
-        active, moved = self._active(start, state), np.zeros(len(self.rows.link))
-        if len(active.row):
-            springs, order = self._springs(start, active)
-            gap, _ = stretches(springs, displacement)
-            moved[active.row] = self._moved(springs, gap, order, active)
+        active = self._active(start, state)
+        moved = self._all_moved(start, active, displacement)
         return self._stretched(active, active.state, active.stretch + moved), moved
 
     def events(
@@ -198,14 +218,10 @@ class Links:
         """Return the rows that act in a step."""
         rows, model = self.rows, start.model
         ahead = _halfway(start)
-        turn = start.state.rotation[rows.block] @ self.turning
-        now = _turned_by(rows.along, turn)
-        along = _turned_by(rows.along, turn + ahead[rows.block, 2] @ self.turning)
+        turn = (start.state.rotation + ahead[:, 2])[rows.block] @ self.turning
+        along = turned_by(rows.along, turn)
         offset = state.at - start.frames.centroid[rows.block]
-        apart = state.at[:, 0] - state.at[:, 1]
-        across = np.stack([-now[:, 1], now[:, 0]], axis=1)
-        parts = [(now * apart).sum(axis=1), (across * apart).sum(axis=1), state.angle]
-        stretch = np.stack(parts, axis=1)[rows.link, rows.component]
+        stretch = self._stretch(state.at, start.state.rotation, state.angle)
         state = self._installed(model, state, stretch)
         acts = state.carries & ~model.fixed[rows.blocks].all(axis=1)
         size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
@@ -215,13 +231,23 @@ class Links:
             state=state,
             row=np.flatnonzero(acts),
             along=along,
-            offset=_turned_by(offset.reshape(-1, 2), ahead[rows.block.ravel(), 2]).reshape(
-                -1, 2, 2
-            ),
+            offset=turned_by(offset.reshape(-1, 2), ahead[rows.block.ravel(), 2]).reshape(-1, 2, 2),
             stretch=stretch,
             stiffness=np.where(np.isinf(rows.stiffness), rigid, rows.stiffness),
             arm=ARM * size,
         )
+
+    def _stretch(self, at: Floats, rotation: Floats, angle: Floats) -> Floats:
+        """Return the stretch of each row, m or rad, (m,), with the points of links (k, 2, 2), m.
+
+        ``rotation`` (n,) is that of the blocks, ``angle`` (k,) that between those of a link, rad.
+        """
+        rows = self.rows
+        along = turned_by(rows.along, rotation[rows.block] @ self.turning)
+        x, y = (at[:, 0] - at[:, 1]).T
+        ax, ay = along.T
+        parts = np.stack([ax * x + ay * y, ax * y - ay * x, angle], axis=1)
+        return np.asarray(parts[rows.link, rows.component])
 
     def _installed(self, model: Model, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the links with those installed that are there by now, and without lost ones."""
@@ -315,14 +341,16 @@ class Links:
         )
         return each, (np.ones(len(row), np.bool_), ~two_sided, rows.damping[row] > 0.0)
 
-    def _moved(self, springs: Springs, gap: Floats, places: Ints, active: _Active) -> Floats:
-        """Return by how much the rows that act were stretched, m or rad, shape (r,).
-
-        ``gap`` (q,) is the stretch of the ``springs`` at the end of the step.
-        """
-        turns = self.rows.component[active.row] == ROTATION
-        first = places[: len(active.row)]
-        return np.asarray((gap - springs.gap)[first] / np.where(turns, -active.arm, 1.0))
+    def _all_moved(self, start: StepStart, active: _Active, displacement: Floats) -> Floats:
+        """Return by how much d (n, 6) stretches the rows, m or rad, shape (m,)."""
+        moved = np.zeros(len(self.rows.link))
+        if len(active.row):
+            springs, places = self._springs(start, active)
+            opening = stretches(springs, displacement)[0] - springs.gap
+            turns = self.rows.component[active.row] == ROTATION
+            first = places[: len(active.row)]
+            moved[active.row] = opening[first] / np.where(turns, -active.arm, 1.0)
+        return moved
 
     def _turned(self, moved: Floats) -> Floats:
         """Return the angles (k,) of rows that were stretched (m,)."""
@@ -347,11 +375,11 @@ class Links:
             yielded=state.yielded | (force != straight),
         )
 
-    def _carried(self, start: StepStart, state: LinkStates, solution: Solution) -> Floats:
+    def _carried(self, start: StepStart, state: LinkStates, displacement: Floats) -> Floats:
         """Return where the blocks carry the points, m, (k, 2, 2)."""
         block, at = self.rows.block.ravel(), state.at.reshape(-1, 2)
         offset = polygon.offsets(at, block, start.frames.centroid)
-        moved = movements(start.rotation, offset, solution.displacement, block)
+        moved = movements(start.rotation, offset, displacement, block)
         return np.asarray((at + moved).reshape(-1, 2, 2))
 
 
@@ -360,13 +388,6 @@ def _halfway(start: StepStart) -> Floats:
     if start.clock is not None:
         return np.zeros_like(start.state.velocity)
     return np.asarray(0.5 * start.step * start.state.velocity)
-
-
-def _turned_by(vectors: Floats, angle: Floats) -> Floats:
-    """Return vectors (k, 2) turned by angles (k,), rad."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y = vectors.T
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -387,3 +408,10 @@ class _Active:
     """Stiffness of each row, rigid ones with a number, shape (m,)."""
     arm: float
     """Length of the arms of rows against rotation, m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkShare(Contribution):
+    """The contribution of links, with the rows that it is made of."""
+
+    active: _Active
