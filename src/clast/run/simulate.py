@@ -185,8 +185,11 @@ class Stepping:
         unfinished = path.load < 1.0 or path.held
         path = statics.cut(path, clock, cuts)
         path = statics.after(path, now.state, result, (after.taken, clock), judged)
-        if unfinished and after.position is not None:
-            after = replace(after, position=replace(after.position, held=EquilibriumStreak()))
+        if after.position is not None:
+            held = after.position.held
+            if unfinished or path.judged.hindrance:
+                held = EquilibriumStreak()
+            after = replace(after, position=replace(after.position, judged=path.judged, held=held))
         if path.failure is not None and (now.path is None or now.path.failure is None):
             events = (*events, fails(stage, after.state.time, path.failure))
         step = statics.next_step(path, after.taken, result)

@@ -48,6 +48,7 @@ from clast.verification.problems.masonry import (
     overhang,
     rocking,
     three_hinges,
+    wall_buckling,
     wall_push,
 )
 from clast.verification.problems.method import (
@@ -181,6 +182,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         arch_spread.PROBLEM,
         arch_falls.PROBLEM,
         wall_push.PROBLEM,
+        wall_buckling.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
     ),

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.block.inertia import BlockFrames
+from clast.block.rotation import turned_by
+from clast.contact.contacts import Contacts
 from clast.linear.system import graph_of, with_contact_forces
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
@@ -25,8 +27,10 @@ from clast.step.start import begin, diagonal_terms
 class ForceSums:
     """Forces on each block, added up."""
 
+    total: Floats
+    """Their sum: force (x, y), N/m, and moment about the centroid, N, shape (n, 3)."""
     unbalanced: Floats
-    """Size of their sum, the moment divided by the radius of gyration, N/m, shape (n,)."""
+    """Its size, the moment divided by the radius of gyration, N/m, shape (n,)."""
     size: Floats
     """Sum of their sizes, N/m, shape (n,)."""
 
@@ -65,7 +69,7 @@ class _Sums:
         """Return the sums."""
         turning = self.force[:, 2] / self.gyration
         out = np.sqrt(self.force[:, 0] ** 2 + self.force[:, 1] ** 2 + turning**2)
-        return ForceSums(unbalanced=out, size=self.size)
+        return ForceSums(total=self.force, unbalanced=out, size=self.size)
 
 
 def out_of_balance(model: Model, method: Method, state: State, step: float) -> Floats:
@@ -94,18 +98,21 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
     return forces
 
 
-def forces_of(model: Model, method: Method, result: StepResult, step: float) -> ForceSums:
-    """Return the forces on each block at the end of a step.
+def forces_of(
+    model: Model, method: Method, states: tuple[State, StepResult], step: float
+) -> ForceSums:
+    """Return the forces on each block at the end of a step, on the blocks as they stand there.
 
     Loads are those of a step of ``step`` s more, so that loads that change are out of balance.
     """
+    before, result = states
     still = replace(result.state, velocity=np.zeros_like(result.state.velocity))
     context = begin(model, method, still, step, None)
     sums = _Sums(context.frames)
     contacts, response = result.contacts, result.response
     sums.add_pairs(
         (contacts.vertex_block, contacts.edge_block),
-        contacts.arms,
+        _arms_at_end(contacts, context.frames.centroid, result.state.rotation - before.rotation),
         (response.normal_force, response.shear_force),
     )
     everybody = np.arange(model.block_count)
@@ -126,3 +133,15 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
         # what is out of balance there is the reaction
         sums.force[context.held.components[:, :3]] = 0.0
     return sums.result()
+
+
+def _arms_at_end(contacts: Contacts, centroid: Floats, turn: Floats) -> Floats:
+    """Return the arms (m, 6) of contacts at the end of a step in which blocks turned, rad, (n,).
+
+    ``centroid`` (n, 2), m, is that of each block at the end.  Forces of contacts turn with the edge
+    and move with the vertex P: by what they are out of balance there the next step is driven.
+    """
+    own, other = contacts.vertex_block, contacts.edge_block
+    normal = turned_by(contacts.arms[:, :2], turn[other])
+    offset = turned_by(contacts.arms[:, 2:4], turn[own])
+    return np.hstack([normal, offset, offset + centroid[own] - centroid[other]])

@@ -205,7 +205,12 @@ def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
     fits = path.moved.shape in ((0, 2), (count, 2)) and path.missing.shape in ((0, 6), (count, 6))
     numbers = (path.growth, path.clock, path.reached, path.increment)
     fits = fits and path.driven.ndim == 2 and path.driven.shape[1] == 2
-    arrays = (path.moved, path.missing, path.driven)
+    moves, left = path.convergence, path.judged.left
+    fits = fits and path.ahead.shape in ((0, 6), (count, 6)) and moves.ratios.ndim == 1
+    fits = fits and all(
+        one.shape in ((0, 3), (count, 3)) for one in (moves.total, moves.last, left)
+    )
+    arrays = (path.moved, path.missing, path.driven, path.ahead, moves.total, moves.last, left)
     if not fits or not all(np.isfinite(one).all() for one in arrays):
         yield "its path of equilibria is that of other blocks"
     if not np.isfinite(numbers).all() or min(*numbers, path.steps, path.far, path.broken) < 0:

@@ -69,7 +69,7 @@ class EquilibriumCheck:
     def after(self, position: Position, before: State, result: StepResult, step: float) -> Position:
         """Return the position after an accepted step of length ``step``, s, from ``before``."""
         still = replace(self.method, clock=0.0) if self.is_static else self.method
-        sums = forces_of(self.model, still, result, step)
+        sums = forces_of(self.model, still, (before, result), step)
         way = result.state.vertices - before.vertices
         judged = self._judged((before, result), sums, way, step)
         held = EquilibriumStreak()
@@ -94,8 +94,12 @@ class EquilibriumCheck:
     @cached_property
     def _limit(self) -> Floats:
         """Speed of each block that is none, m/s, shape (n,)."""
-        gravity = float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
-        return self.stage.speed * np.sqrt(gravity * np.sqrt(self.model.area))
+        return self.stage.speed * np.sqrt(self._gravity * np.sqrt(self.model.area))
+
+    @cached_property
+    def _gravity(self) -> float:
+        """Acceleration by which speeds and forces are judged, m/s2."""
+        return float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
 
     @cached_property
     def _free(self) -> Bools:
@@ -131,7 +135,15 @@ class EquilibriumCheck:
             mover=mover,
         )
         why = self._unrest(judged, states, sums, (way, step))
-        return replace(judged, hindrance=why or self.under_way(result.state), balanced=not why)
+        idle = sums.unbalanced <= np.maximum(
+            CREEPING_FORCE * np.minimum(self.model.mass * self._gravity, sums.size), self._noise
+        )
+        return replace(
+            judged,
+            hindrance=why or self.under_way(result.state),
+            balanced=not why,
+            left=np.where((self._free & ~idle)[:, None], sums.total, 0.0),
+        )
 
     def _unrest(
         self,
@@ -161,7 +173,7 @@ class EquilibriumCheck:
 
     def _moves_on(self, way: Floats, step: float) -> str:
         """Return which block a step without inertia to speak of would take along, "" for none."""
-        model, gravity = self.model, float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
+        model, gravity = self.model, self._gravity
         far = np.where(self._free, polygon.farthest(way, model.block_start), 0.0)
         force = model.mass * far / (self.method.integrator.theta * step**2)
         share = force / np.maximum(CREEPING_FORCE * model.mass * gravity, self._noise)

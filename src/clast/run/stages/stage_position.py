@@ -39,6 +39,8 @@ class Judgement:
     """Why this is not an equilibrium; "" where it is."""
     balanced: bool = False
     """True where only things that change with time hinder it."""
+    left: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    """Force (x, y), N/m, and moment, N, out of balance on each block that they move, (n, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

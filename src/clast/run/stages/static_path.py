@@ -33,7 +33,7 @@ import numpy as np
 
 from clast.actions.holding_forces import HoldingForces
 from clast.contact.multipliers import carried_over
-from clast.model.model import Floats, Model
+from clast.model.model import Bools, Floats, Model
 from clast.model.stages.records import Mechanism, Mover
 from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
 from clast.model.stages.strengths import has_bonds, with_bonds_held
@@ -41,9 +41,11 @@ from clast.model.state import State
 from clast.run.schedule import Schedule
 from clast.run.stages import failure_verdict
 from clast.run.stages.balance import out_of_balance
+from clast.run.stages.convergence import Convergence
 from clast.run.stages.equilibrium import STANDARD_GRAVITY, EquilibriumCheck
 from clast.run.stages.stage_position import Judgement, Position
 from clast.run.stages.transition import WELL_BELOW
+from clast.step.finish import LARGEST_TURN
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, is_stable_for_any_step
 
@@ -114,6 +116,10 @@ class OnPath:
     """Bonds that broke in it."""
     held: bool = False
     """True while bonds cannot break."""
+    convergence: Convergence = field(default_factory=Convergence)
+    """How the movements of its steps come to an end."""
+    ahead: Floats = field(default_factory=_no_forces)
+    """Forces against which the next step anticipates others, N/m and N, (n, 6), or (0, 6)."""
 
     @property
     def load(self) -> float:
@@ -165,14 +171,16 @@ class StaticPath:
             method = replace(method, contact_law=carried_over(method.contact_law))
         if self._grows and now.failure is None and method.balance is None:
             method = replace(method, balance=WELL_BELOW * self.judge.stage.force_ratio)
-        if len(now.missing) and now.load < 1.0:
-            held_back = HoldingForces(force=-(1.0 - now.load) * now.missing)
-            method = replace(method, damping=held_back)
+        if self._grows:
+            force = now.ahead
+            if len(now.missing) and now.load < 1.0:
+                force = (force if len(force) else 0.0) - (1.0 - now.load) * now.missing
+            method = replace(method, damping=HoldingForces(force=force))
         return model, method
 
     def judge_of(self, now: OnPath) -> EquilibriumCheck:
         """Return the equilibrium check of a step."""
-        model, method = self.at(now, 0.0)
+        model, method = self.at(replace(now, ahead=_no_forces()), 0.0)
         return replace(self.judge, model=model, method=method)
 
     def finer(self, now: OnPath, result: StepResult) -> OnPath | None:
@@ -237,7 +245,10 @@ class StaticPath:
         """
         if judged is None:
             judged = self.judge_of(now).after(Position(), before, result, taken[0]).judged
-        way, restarts = self._way(before, result.state), now.begins
+        pushed = np.asarray(judged.left.any(axis=1))
+        convergence = self._converging(now, before, result, taken[0], pushed)
+        judged = self._with_more_to_come(judged, convergence)
+        way, restarts = self._way(before, result.state)[:, :2], now.begins
         moved = way if restarts else now.moved + way
         driven, far = (_not_driven(), 0) if restarts else (now.driven, now.far)
         if result.travel > FAR * self.method.max_displacement:
@@ -247,6 +258,8 @@ class StaticPath:
         steps = 1 + (0 if restarts else now.steps)
         after = replace(
             now,
+            convergence=convergence,
+            ahead=_no_forces(),
             clock=min(self.schedule.step, max(now.clock, CAREFUL * taken[1])),
             growth=min(GROWTH, CAREFUL * now.growth),
             steps=steps,
@@ -259,11 +272,48 @@ class StaticPath:
         )
         if judged.balanced:
             return self._loaded(after)
+        after = replace(after, ahead=self._ahead(after, judged.left))
         if now.failure is None and self._is_lost(after):
             failure = self._mechanism(after)
             # where the run goes on all the same, all of its loads act
-            return replace(after, failure=failure, missing=_no_forces(), reached=1.0, held=False)
+            nothing = _no_forces()
+            return replace(
+                after, failure=failure, missing=nothing, ahead=nothing, reached=1.0, held=False
+            )
         return after
+
+    def _converging(
+        self, now: OnPath, before: State, result: StepResult, step: float, pushed: Bools
+    ) -> Convergence:
+        """Return how movements come to an end, with a step that ``pushed`` (n,) blocks."""
+        way, past = self._way(before, result.state), now.convergence
+        if len(now.ahead):
+            return past.gone_ahead(way, step)
+        grows = now.steps == 0 or now.reached < 1.0 or self.is_under_way(before)
+        if not len(past.total) or len(result.broken) or (now.begins and grows):
+            return past.restarted(way, step)
+        return past.followed(way, step, np.sqrt(self.model.area), pushed)
+
+    def _with_more_to_come(self, judged: Judgement, now: Convergence) -> Judgement:
+        """Return the judgement of a step, which is no balance where movements are to come."""
+        if not judged.balanced or not now.coming:
+            return judged
+        more = f"with {now.coming:.3g} m still to come"
+        if np.isinf(now.coming):
+            more = "and by no less from step to step"
+        why = f"block '{judged.mover.block}' moves by {now.moved:.3g} m a step, {more}"
+        return replace(judged, balanced=False, hindrance=why)
+
+    def _ahead(self, now: OnPath, left: Floats) -> Floats:
+        """Return the forces against which the next step goes on, (n, 6), (0, 6) for none.
+
+        ``left`` (n, 3) are those out of balance after this one.
+        """
+        turn = 0.5 * LARGEST_TURN * float(np.sqrt(self.model.smallest))
+        steps = now.convergence.series(min(FAR * self.method.max_displacement, turn))
+        if now.failure is not None or not self._grows or steps == 1.0:
+            return _no_forces()
+        return np.hstack([(steps - 1.0) * left, np.zeros_like(left)])
 
     def _is_lost(self, now: OnPath) -> bool:
         """Return whether there is no balance to come."""
@@ -324,10 +374,12 @@ class StaticPath:
         return float(np.sqrt(2.0 * self.method.max_displacement / gravity))
 
     def _way(self, before: State, after: State) -> Floats:
-        """Return the mean movement of the vertices of each block, m, shape (n, 2)."""
-        start = self.model.block_start
+        """Return the movement of each block as ``Convergence`` has it, m, shape (n, 3)."""
+        start, size = self.model.block_start, np.sqrt(self.model.area)
         way = after.vertices - before.vertices
-        return np.asarray(np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None])
+        mean = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+        moved = np.column_stack([mean, size * (after.rotation - before.rotation)])
+        return np.where(self.model.fixed[:, None], 0.0, moved)
 
     def _mechanism(self, now: OnPath) -> Mechanism:
         """Return the blocks that move where there is no balance."""

@@ -1,0 +1,145 @@
+"""How much movement of a static run is still to come.
+
+A step solves equations that hold for blocks as they stand at its start.  What its movement adds to
+the moments of the forces on them drives the next step, which adds less again.  Near an equilibrium
+each movement is q times the one before, with q = P/P_cr for a wall under a load P, and
+
+    w q/(1 - q)
+
+is still to come after one of w.  With q >= 1 there is no equilibrium near by, however small w.  It
+is that of the blocks that move most, along their movement: what has come to rest plays no part.
+
+Where q is steady, the forces that the movements to come will bring about are known as well: those
+out of balance now, times q + q^2 + ...  Against them the next step goes all the way (Aitken 1926).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from clast.model.model import Bools, Floats
+
+ENOUGH = 2e-3
+"""Movement still to come that is none, as a share of that of the stage in the same direction."""
+LITTLE = 1e-5
+"""Movement in a step that is none, as a share of the largest of the stage."""
+NOTHING = 1e-7
+"""The same, in units of the size of the block."""
+TOGETHER = 0.5
+"""Movement, in units of the largest, of the blocks that move most."""
+STEADY = 0.9
+"""Cosine between the movements of two steps from which blocks move on and do not tremble."""
+ALIKE = 0.1
+"""Difference of ratios that are the same, as a share of 1 - q."""
+MOST_AHEAD = 50
+"""Steps that one may stand for: of ratios of 1 and more the series has no end."""
+WORTH = 1.5
+"""Steps that one must stand for at least."""
+
+
+def _no_motion() -> Floats:
+    return np.zeros((0, 3))
+
+
+def _no_ratios() -> Floats:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convergence:
+    """The movements of the steps of a static run, or of a static stage; n blocks.
+
+    A movement has the mean of the vertices in x and y, and the turn times the size of the block, m.
+    """
+
+    total: Floats = field(default_factory=_no_motion)
+    """Movement since the run or the stage began, (n, 3); (0, 3) at its start."""
+    last: Floats = field(default_factory=_no_motion)
+    """Movement of the last step, (n, 3); (0, 3) where the next cannot be compared with it."""
+    step: float = 0.0
+    """Length of the last step, s."""
+    ratios: Floats = field(default_factory=_no_ratios)
+    """The last ratios q, two at most, since something else changed the forces, shape (k,)."""
+    known: float = 0.0
+    """Ratio by which a step went all the way, 0 once two have been seen since."""
+    steady: bool = False
+    """True where the last two steps moved blocks in the same direction."""
+    moved: float = 0.0
+    """Movement of the block that moved most in the last step, m."""
+    coming: float = 0.0
+    """Movement of this block still to come, m: 0 where it is little, inf where there is no end."""
+
+    def restarted(self, way: Floats, step: float) -> Convergence:
+        """Return the movements with a ``way`` (n, 3), m, in a step of ``step``, s, by new loads."""
+        total = self.total + way if len(self.total) else way
+        return Convergence(total=total, last=way, step=step, moved=float(_sizes(way).max()))
+
+    def gone_ahead(self, way: Floats, step: float) -> Convergence:
+        """Return the movements with a ``way`` (n, 3), m, against forces still to come."""
+        now = self.restarted(way, step)
+        return replace(now, last=_no_motion(), known=float(self.ratios[-1]), coming=now.moved)
+
+    def followed(self, way: Floats, step: float, size: Floats, pushed: Bools) -> Convergence:
+        """Return the movements with a ``way`` (n, 3), m, that only earlier movements have caused.
+
+        ``size`` (n,), m, is that of the blocks, ``pushed`` (n,) True where forces are out of
+        balance.
+        """
+        far = _sizes(way)
+        most = int(far.argmax())
+        chosen = far >= TOGETHER * far[most]
+        now = replace(self.restarted(way, step), known=self.known, ratios=self.ratios)
+        ratio, shorter, trembles = self.known, 1.0, False
+        if len(self.last):
+            cosine, ratio = _compared(self.last[chosen], way[chosen])
+            ratios = np.append(self.ratios[-1:], ratio)
+            trembles = len(self.ratios) > 0 and cosine < STEADY
+            now = replace(
+                now,
+                ratios=ratios,
+                known=self.known if len(ratios) < 2 else 0.0,
+                steady=_compared(self.last, way)[0] >= STEADY,
+            )
+            # in a shorter step the mass held blocks back
+            ratio, shorter = max(ratio, now.known), max(1.0, (self.step / step) ** 2)
+        least = max(LITTLE * float(_sizes(now.total).max()), NOTHING * float(size[most]))
+        if trembles or far[most] <= least or not pushed[chosen].any():
+            return now
+        held = ratio * shorter
+        coming = now.moved * (shorter / (1.0 - held) - 1.0) if held < 1.0 else np.inf
+        covered = float(np.sum(now.total[chosen] * way[chosen])) / float(np.sum(way[chosen] ** 2))
+        return replace(now, coming=coming if coming > ENOUGH * covered * now.moved else 0.0)
+
+    def series(self, reach: float) -> float:
+        """Return for how many steps the next may stand that moves no block beyond ``reach``, m.
+
+        1 + q + q^2 + ..., 1 where q is not known well enough.
+        """
+        seen = np.append(self.known, self.ratios) if self.known else self.ratios
+        if len(seen) < 2 or not self.steady or not self.moved:
+            return 1.0
+        before, ratio = (float(one) for one in seen[-2:])
+        left = abs(1.0 - ratio)
+        if abs(ratio - before) > ALIKE * max(left, 1.0 / MOST_AHEAD):
+            return 1.0
+        most = float(np.sum(ratio ** np.arange(MOST_AHEAD))) if ratio > 1.0 - 1e-3 else 1.0 / left
+        most = min(most, reach / (ratio * self.moved))
+        return most if most > WORTH else 1.0
+
+
+def _sizes(way: Floats) -> Floats:
+    """Return how far each block moves, m, (n,), by movements (n, 3)."""
+    return np.sqrt(np.add.reduce(way**2, axis=1))
+
+
+def _compared(before: Floats, after: Floats) -> tuple[float, float]:
+    """Return the cosine between two movements (k, 3), and the ratio of the second to the first.
+
+    Only the part of the first along the second counts; 0 where they go against each other.
+    """
+    along, square = float(np.sum(before * after)), float(np.sum(after**2))
+    if along <= 0.0:
+        return (-1.0, 0.0)
+    return along / float(np.sqrt(np.sum(before**2) * square)), square / along

@@ -1,0 +1,231 @@
+"""Static stages of what bends: walls and bars near buckling, frames that lean, chains that fall."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import clast
+from clast import Stage
+from clast.verification.problems.masonry import wall_buckling
+
+WIDTH, STIFFNESS = 0.3, 2e9
+
+
+def wall(
+    courses: int, load: float, off: float, gravity: float, mirror: float, angle: float
+) -> tuple[clast.Model, np.ndarray]:
+    """Return a dry wall of 3 m under a load off its middle, and the direction of its sway."""
+    turn = np.radians(angle)
+    across = mirror * np.array([np.cos(turn), np.sin(turn)])
+    up = np.array([-np.sin(turn), np.cos(turn)])
+    builder = clast.ModelBuilder(gravity=tuple(-gravity * up))
+    builder.add_rock("stone", young=1e12, poisson=0.0, density=2000.0)
+    builder.add_joint(friction_angle=40.0, normal_stiffness=STIFFNESS, shear_stiffness=STIFFNESS)
+
+    def box(name: str, half: float, low: float, high: float, fixed: bool = False) -> None:
+        corners = [(-half, low), (half, low), (half, high), (-half, high)][:: int(mirror)]
+        builder.block(vertices=[x * across + y * up for x, y in corners], name=name, fixed=fixed)
+
+    box("base", 2.0, -1.0, 0.0, True)
+    for k in range(courses):
+        box(f"course {k + 1}", 0.5 * WIDTH, 3.0 * k / courses, 3.0 * (k + 1) / courses)
+    builder.point_load(off * across + 3.0 * up, -load * up, block=f"course {courses}")
+    builder.measured_point("top", 3.0 * up, block=f"course {courses}")
+    return builder.build(), across
+
+
+def loaded(model: clast.Model, **settings: float) -> clast.Run:
+    """Return one static stage until its equilibrium."""
+    settings = {"end": 20.0, "step": 0.02, **settings}
+    return clast.simulate(model, stages=[Stage(name="load")], dynamic_ratio=0.0, **settings)
+
+
+def rigid_chain(courses: int, load: float, off: float, gravity: float) -> float:
+    """Return the sway of rigid courses on springs with finite turns, m: a Newton iteration."""
+    high = 3.0 / courses
+    weight = 2000.0 * gravity * WIDTH * high
+    spring, bend = STIFFNESS * WIDTH, STIFFNESS * WIDTH**3 / 12.0
+
+    def slopes(q: np.ndarray) -> np.ndarray:
+        """Return dE/dq of ways and turns q (n, 3)."""
+        q, found = q.reshape(courses, 3), np.zeros((courses, 3))
+        full = np.vstack([np.zeros(3), q])
+        for k in range(courses):
+            (x1, y1, r1), (x2, y2, r2) = full[k : k + 2]
+            low = 0.5 * high * np.array([-np.sin(r1), np.cos(r1)])
+            upper = 0.5 * high * np.array([np.sin(r2), -np.cos(r2)])
+            apart = np.array([x2 - x1, y2 - y1 + high]) + upper - low
+            middle = 0.5 * (r1 + r2)
+            along = np.array([np.cos(middle), np.sin(middle)])
+            out = np.array([-along[1], along[0]])
+            shear, normal = spring * apart @ along, spring * apart @ out
+            force, turned = (
+                shear * along + normal * out,
+                0.5 * (shear * apart @ out - normal * apart @ along),
+            )
+            moment = bend * (r2 - r1)
+            for number, sign, arm in ((k, 1.0, upper), (k - 1, -1.0, low)):
+                if number >= 0:
+                    couple = arm[0] * force[1] - arm[1] * force[0] + sign * turned
+                    found[number] += sign * np.array([*force, couple]) + [0, 0, sign * moment]
+                    found[number, 2] += (1.0 - sign) * turned
+        found[:, 1] += weight
+        turn = q[-1, 2]
+        found[-1, 1] += load
+        found[-1, 2] += load * (np.cos(turn) * off - np.sin(turn) * 0.5 * high)
+        return found.ravel()
+
+    at, small = np.zeros(3 * courses), 1e-7 * np.eye(3 * courses)
+    for _ in range(12):
+        matrix = np.stack([(slopes(at + e) - slopes(at - e)) / 2e-7 for e in small], axis=1)
+        at = at - np.linalg.solve(matrix, slopes(at))
+    assert np.abs(slopes(at)).max() < 1e-4
+    return float(at[-3] - 0.5 * high * np.sin(at[-1]))
+
+
+@pytest.mark.parametrize(
+    ("courses", "share", "off", "gravity", "mirror", "angle"),
+    [
+        (3, 0.95, 5e-4, 9.8, 1, 0.0),
+        (3, 0.5, 2e-3, 0.0, -1, 90.0),
+        (12, 0.5, 2e-3, 9.8, 1, 0.0),
+        (12, 0.9, 1e-3, 9.8, -1, 37.0),
+        (12, 0.95, 1e-4, 0.0, 1, 90.0),
+    ],
+)
+def test_a_wall_near_buckling_sways_as_rigid_courses_on_springs(
+    courses: int, share: float, off: float, gravity: float, mirror: int, angle: float
+):
+    load = share * wall_buckling.buckling_load(courses)
+    model, across = wall(courses, load, off, gravity, mirror, angle)
+    run = loaded(model)
+    (record,) = run.stages
+    assert record.outcome == "equilibrium"
+    assert record.steps <= 20
+    right = rigid_chain(courses, load, off, gravity)
+    assert run.history("top").displacement[-1] @ across == pytest.approx(right, rel=0.01)
+
+
+@pytest.mark.parametrize("courses", [3, 12, 24])
+@pytest.mark.parametrize(("share", "off"), [(1.02, 1e-5), (1.1, 1e-4), (1.5, 1e-3)])
+def test_a_wall_beyond_its_buckling_load_fails(courses: int, share: float, off: float):
+    load = share * wall_buckling.buckling_load(courses)
+    run = loaded(wall(courses, load, off, 9.8, 1, 37.0)[0])
+    (record,) = run.stages
+    assert record.outcome == "fails"
+    assert record.mechanism[0] == f"course {courses}"
+    assert record.steps <= 50
+
+
+def bars(young: float, ends: Sequence[tuple[np.ndarray, np.ndarray]]) -> clast.ModelBuilder:
+    """Return bars with pointed ends from place to place, and a fixed block far from them."""
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("bar", young=young, poisson=0.0, density=2000.0)
+    builder.add_joint(friction_angle=0.0)
+    builder.block(vertices=[(-9, -9), (-8, -9), (-8, -8), (-9, -8)], name="ground", fixed=True)
+    for k, (first, last) in enumerate(ends):
+        way = last - first
+        side = 0.05 * np.array([-way[1], way[0]]) / np.hypot(*way)
+        near, far = first + 0.1 * way, last - 0.1 * way
+        outline = [first, near - side, far - side, last, far + side, near + side]
+        builder.block(vertices=outline, name=f"bar {k + 1}")
+    return builder
+
+
+@pytest.mark.parametrize("young", [2e9, 2e12])
+@pytest.mark.parametrize("share", [0.5, 0.9, 1.2])
+def test_two_bars_go_to_their_equilibrium_however_stiff_their_hinges_are(
+    young: float, share: float
+):
+    spring, off = 1e5, 1e-3
+    middle, top = np.array([off, 1.0]), np.array([0.0, 2.0])
+    builder = bars(young, [(np.zeros(2), middle), (middle, top)])
+    rigid = {"x": "rigid", "y": "rigid", "contacts": False}
+    builder.link((0, 0), blocks=("ground", "bar 1"), **rigid)
+    builder.link(middle, blocks=("bar 1", "bar 2"), **rigid, rotation=spring)
+    builder.link(top, blocks=("ground", "bar 2"), x="rigid")
+    load = share * 2.0 * spring
+    builder.point_load(top, (0.0, -load), block="bar 2")
+    builder.measured_point("middle", middle, block="bar 1")
+    run = loaded(builder.build(), max_displacement=0.5)
+    (record,) = run.stages
+    assert record.outcome == "equilibrium"
+    long = np.hypot(*middle)
+    start = np.arcsin(off / long)
+
+    def moment(turn: float) -> float:
+        return float(2.0 * spring * (turn - start) - load * long * np.sin(turn))
+
+    turn = brentq(moment, *((0.5, 3.0) if share > 1.0 else (0.0, 1.5)))
+    right = long * np.sin(turn) - off
+    # soft bars shorten, which counts 1/(1 - 0.9) times
+    rel = 0.02 if young == 2e9 else 0.003
+    assert run.history("middle").displacement[-1, 0] == pytest.approx(right, rel=rel)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 1.1])
+def test_a_frame_leans_to_its_equilibrium(share: float):
+    spring, lateral = 1e5, 0.01
+    builder = bars(2e11, [(np.array([x, 0.0]), np.array([x, 2.0])) for x in (0.0, 2.0)])
+    beam = [(-0.1, 2.0), (2.1, 2.0), (2.1, 2.1), (-0.1, 2.1)]
+    builder.block(vertices=beam, name="beam")
+    rigid = {"x": "rigid", "y": "rigid", "contacts": False}
+    for x, name in ((0.0, "bar 1"), (2.0, "bar 2")):
+        builder.link((x, 0), blocks=("ground", name), **rigid, rotation=spring)
+        builder.link((x, 2), blocks=(name, "beam"), **rigid)
+    load = share * spring
+    builder.point_load((1.0, 2.05), (lateral * load, -load), block="beam")
+    builder.measured_point("beam", (1.0, 2.05), block="beam")
+    run = loaded(builder.build(), max_displacement=0.5)
+    assert run.stages[0].outcome == "equilibrium"
+
+    def moment(turn: float) -> float:
+        return float(2 * spring * turn - 2 * load * (np.sin(turn) + lateral * np.cos(turn)))
+
+    right = 2.0 * np.sin(brentq(moment, 1e-9, 3.0))
+    assert run.history("beam").displacement[-1, 0] == pytest.approx(right, rel=3e-3)
+
+
+@pytest.mark.parametrize("dip", [10.0, 45.0])
+def test_a_chain_falls_from_a_straight_v_to_its_catenary(dip: float):
+    count = 20
+    down = np.array([np.cos(np.radians(dip)), -np.sin(np.radians(dip))])
+    ways = [down] * (count // 2) + [down * (1.0, -1.0)] * (count // 2)
+    places = np.vstack([np.zeros(2), np.cumsum(ways, axis=0)])
+    builder = bars(2e11, list(pairwise(places)))
+    builder.gravity = (0.0, -9.8)
+    names = ["ground", *(f"bar {k + 1}" for k in range(count)), "ground"]
+    for at, one, other in zip(places, names[:-1], names[1:], strict=True):
+        builder.link(at, blocks=(one, other), x="rigid", y="rigid", contacts=False)
+    for k in range(1, count):
+        builder.measured_point(f"{k}", places[k], block=f"bar {k}")
+    run = loaded(builder.build(), max_displacement=0.5)
+    assert run.stages[0].outcome == "equilibrium"
+    # the vertical force in the middle of each bar, in weights of a bar, over the thrust
+    lifted = np.arange(count) - 0.5 * (count - 1)
+
+    def span(thrust: float) -> float:
+        return float(np.sum(thrust / np.hypot(thrust, lifted)) - places[-1, 0])
+
+    thrust = brentq(span, 1e-6, 1e6)
+    bar = np.stack([np.full(count, thrust), lifted], axis=1) / np.hypot(thrust, lifted)[:, None]
+    moved = [run.history(f"{k}").displacement[-1] for k in range(1, count)]
+    assert np.abs(places[1:-1] + moved - np.cumsum(bar, axis=0)[:-1]).max() < 5e-4
+
+
+def test_a_free_body_under_loads_that_balance_is_in_equilibrium():
+    builder = bars(2e11, [(np.zeros(2), np.array([1.0, 0.0]))])
+    for at, force in (((0.1, 0.0), (1e5, 0.0)), ((0.9, 0.0), (-1e5, 0.0))):
+        builder.point_load(at, force, block="bar 1")
+    run = loaded(builder.build())
+    assert (run.stages[0].outcome, run.stages[0].steps) == ("equilibrium", 3)
+
+
+def test_a_wall_loaded_in_its_middle_takes_no_step_more():
+    model, across = wall(12, 0.5 * wall_buckling.buckling_load(12), 0.0, 9.8, 1, 0.0)
+    run = loaded(model)
+    assert (run.stages[0].outcome, run.stages[0].steps) == ("equilibrium", 4)
+    assert abs(run.history("top").displacement[-1] @ across) < 1e-9
