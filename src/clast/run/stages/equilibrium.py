@@ -53,7 +53,7 @@ CREEPING_FORCE = 1e-5
 QUIET = 1e-3
 """Movement in a static step, in units of max_displacement, in which nothing slides to speak of."""
 STATIC_HOLD = 2
-"""Static steps in a row that must end in equilibrium, at most."""
+"""Static steps in a row that must end in equilibrium: one says nothing of what is to come."""
 MODES = {OPEN: "open", SLIDE: "slide", LOCK: "lock"}
 """Modes of contacts in words."""
 
@@ -209,7 +209,7 @@ class EquilibriumCheck:
 
         Static steps that end in balance with next to no mass term have nothing left to wait for.
         """
-        return min(self.stage.hold, STATIC_HOLD) if self.is_static else self.stage.hold
+        return STATIC_HOLD if self.is_static else self.stage.hold
 
     def under_way(self, state: State) -> str:
         """Return the thing that is still going to change by itself, "" where there is none."""
