@@ -117,6 +117,8 @@ class Springs:
     """Normal springs, compression positive."""
     shear: Clipped
     """Shear springs."""
+    ground: int = -1
+    """Number of blocks n, which stands for the ground where links hold on to it; else -1."""
 
     def __len__(self) -> int:
         return len(self.gap)
@@ -265,6 +267,7 @@ def merged(first: Springs, others: Sequence[Springs]) -> tuple[Springs, tuple[Ro
         shear=joined_springs("shear"),
     )
     ends = np.cumsum([len(one) for one in every])[:-1]
+    springs = changed(springs, ground=max(one.ground for one in every))
     return springs, tuple(np.split(rows, ends))
 
 

@@ -101,6 +101,11 @@ class Contacts:
 
     levers = Renamed("arms")
 
+    @property
+    def ground(self) -> int:
+        """-1: none is with the ground beside its blocks (clipped_spring.Springs)."""
+        return -1
+
     def __len__(self) -> int:
         return len(self.vertex)
 

@@ -289,7 +289,8 @@ class InputBuilder(Inputs):
         pressures, uncovered = pressed_edges(
             self.all(Pressure), block_number, factor_number, outlines
         )
-        check_ground_motion(self.ground_motion, len(fixed.block))
+        linked = sum(one.block is not None for one in self.all(Link))
+        check_ground_motion(self.ground_motion, len(fixed.block) + linked)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)
         check_actions(self.actions)

@@ -98,9 +98,10 @@ class GroundMotionTable(Table):
 
     acts: Literal["body-force", "base", "incoming"]
     """"body-force": minus the acceleration on the mass of every block, motion is relative to the
-    ground; "base": the fixed points move with the ground.  Fixed blocks do not move: a base that
-    moves is held by fixed points; "incoming": the motion is that of a wave that comes up through
-    the viscous edges that face down, half of the motion of an outcrop."""
+    ground; "base": fixed points, links to the ground and ends of linings on it move with the
+    ground.  Fixed blocks do not move: a base that moves is held by fixed points; "incoming": the
+    motion is that of a wave that comes up through the viscous edges that face down, half of the
+    motion of an outcrop."""
     file: StrictStr | None = None
     """Record beside the case file, instead of lists: columns t, ax and, if wanted, ay, or another
     format."""
@@ -327,8 +328,8 @@ def _placed(key: str) -> Iterator[None]:
         raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
 
-def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
-    """Refuse accelerograms that are none, and a moving base without fixed points."""
+def check_ground_motion(motion: GroundMotion, attached: int) -> None:
+    """Refuse accelerograms that are none, and a moving base with nothing ``attached`` to it."""
     where = "ground_motion"
     if isinstance(motion, Recorded):
         time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
@@ -355,10 +356,10 @@ def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
                 where=where,
                 remedy="order the instants by time, each once (twice where the acceleration jumps)",
             )
-    if isinstance(motion, MovingBase) and fixed_points == 0:
+    if isinstance(motion, MovingBase) and attached == 0:
         raise ModelError(
             "the base moves, but nothing is attached to it",
             where=where,
-            remedy="attach blocks to it by fixed points (a fixed block does not move), or let the "
-            "motion act as a body force",
+            remedy="attach blocks to it by fixed points or links to the ground (a fixed block does "
+            "not move), or let the motion act as a body force",
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -33,6 +33,11 @@ class DiagonalTerms:
     """The part of it that is momentum, M/(theta h2) drift, shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
+
+
+def with_ground(values: Any, ground: Any = 0) -> Any:
+    """Return ``values`` of blocks, shape (n, ...), and those of the ground, (n + 1, ...)."""
+    return np.concatenate([values, np.full_like(values[:1], ground)])
 
 
 class LinearisedForces(Protocol):
@@ -98,7 +103,7 @@ class BlockSystem:
 
 def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
-    graph: Graph = assembly.graph(count, contacts.pairs, contacts.pair)
+    graph: Graph = assembly.graph(max(count, contacts.ground + 1), contacts.pairs, contacts.pair)
     return graph
 
 
@@ -134,6 +139,11 @@ class PairedLinks(Protocol):
         """Pairs of blocks (lower, higher) that share links, sorted, shape (q, 2)."""
         ...
 
+    @property
+    def ground(self) -> int:
+        """Number of blocks, which is that of the ground where links hold on to it, else -1."""
+        ...
+
 
 class Stiffnesses(Protocol):
     """How stiff the springs of links are."""
@@ -156,6 +166,8 @@ class Stiffnesses(Protocol):
 
 def contact_motions(contacts: PairedLinks, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
+    if len(displacement) == contacts.ground:
+        displacement = with_ground(displacement)
     return assembly.contact_motions(
         contacts.vertex_block, contacts.edge_block, contacts.arms, displacement
     )
@@ -191,7 +203,29 @@ def with_contact_forces(
     shear: Floats,
 ) -> Floats:
     """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks."""
-    return balance.loaded(force, fixed, graph, contacts.vertex_block, contacts.arms, normal, shear)
+    count = len(force)
+    if count == contacts.ground:
+        force, fixed = with_ground(force), with_ground(fixed, True)
+    links = graph, contacts.vertex_block, contacts.arms, normal, shear
+    return np.asarray(balance.loaded(force, fixed, *links)[:count])
+
+
+def with_ground_for(
+    links: PairedLinks, base: DiagonalTerms, fixed: Bools
+) -> tuple[DiagonalTerms, Bools]:
+    """Return the terms of ``fixed`` (n,) and other blocks, and of the ground where links hold on.
+
+    It comes last, and is fixed.
+    """
+    if links.ground != len(fixed):
+        return base, fixed
+    terms = DiagonalTerms(
+        diagonal=with_ground(base.diagonal, np.eye(6)),
+        force=with_ground(base.force),
+        momentum=with_ground(base.momentum),
+        centroid=with_ground(base.centroid, base.centroid[:1]),
+    )
+    return terms, with_ground(fixed, True)
 
 
 def _unsymmetric_system(
@@ -266,8 +300,10 @@ def assemble(
     """Return the system with the contact law linearised about (gap, slip) at the end of the step.
 
     ``gap`` and ``slip`` (m,) are where ``response`` was evaluated, in m; F then holds the forces
-    that the linearised law gives at d = 0.
+    that the linearised law gives at d = 0.  Where links hold on to the ground that is the last of
+    its blocks.
     """
+    base, fixed = with_ground_for(contacts, base, fixed)
     # N(d) = N - k_n (gap0 + n.d - gap), so at d = 0:
     offset = contacts.gap - gap
     normal_load = response.normal_force - response.normal_stiffness * offset

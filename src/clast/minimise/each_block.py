@@ -27,7 +27,8 @@ class EachBlock:
     share: float
     """Force that may stay out of balance, as a share of the sizes of all forces on the block."""
     gyration: Floats
-    """Radius of gyration of each block, by which moments are divided, m, shape (n,)."""
+    """Radius of gyration of each block, by which moments are divided, and 1 of the ground, m,
+    shape (n + 1,)."""
     noise: float
     """Force that rounding makes, N/m."""
     floor: float
@@ -66,5 +67,5 @@ class EachBlock:
         for block in (springs.vertex_block, springs.edge_block):
             size += np.bincount(block, between, count)
         left = point.residual
-        out = np.hypot(np.hypot(left[:, 0], left[:, 1]), left[:, 2] / self.gyration)
+        out = np.hypot(np.hypot(left[:, 0], left[:, 1]), left[:, 2] / self.gyration[:count])
         return np.asarray(out / (size + self.noise / self.share))

@@ -29,9 +29,12 @@ from clast.linear.system import (
     Graph,
     LinearisedForces,
     contact_motions,
+    graph_of,
+    inverse_of_blocks,
     symmetric_system,
+    with_ground_for,
 )
-from clast.minimise.islands import Islands
+from clast.minimise.islands import Islands, islands_of
 from clast.minimise.line_search import (
     blocks_along,
     common_length,
@@ -123,6 +126,24 @@ class Potential:
     """Which blocks are connected by springs."""
     law: Law | None = None
     """The law of springs that are not the clipped springs of the table."""
+
+    @classmethod
+    def of(
+        cls, base: DiagonalTerms, fixed: Bools, springs: Springs, graph: Graph | None = None
+    ) -> Potential:
+        """Return that of ``fixed`` (n,) and other blocks, and of the ground where springs hold on.
+
+        The ground is its last block then; ``graph`` is that of the springs, where it is known.
+        """
+        base, fixed = with_ground_for(springs, base, fixed)
+        return cls(
+            base=base,
+            inverse=inverse_of_blocks(base.diagonal),
+            fixed=fixed,
+            springs=springs,
+            graph=graph or graph_of(springs, len(fixed)),
+            islands=islands_of(springs, fixed),
+        )
 
     # --- energy, gradient, Hessian
 

@@ -713,7 +713,7 @@ MODEL = (
             since="the places of links",
         )
         for key, meaning in (
-            ("block", "the two blocks of each link with a place"),
+            ("block", "the two blocks of each link with a place, -1 the ground"),
             ("at", "its point at the start, m"),
             ("along", "unit vector of its direction at the start"),
             ("holds", "along, across, rotation: 0 free, 1 spring or dashpot, 2 rigid"),

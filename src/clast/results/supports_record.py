@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.model import Ints, Model
-from clast.model.supports.link_lines import RIGID, LinkLines
+from clast.model.supports.link_lines import GROUND, RIGID, LinkLines
 from clast.results.open_file import MalformedError
 
 
@@ -34,7 +34,7 @@ def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...])
     name = _whole(model, "link_line", 0, (len(links),))
     lines = LinkLines(
         name=tuple(links[one] for one in name),
-        block=_whole(model, "link_block", 2, (blocks, blocks)),
+        block=_whole(model, "link_block", 2, (blocks, blocks), (0, GROUND)),
         holds=_whole(model, "link_holds", 3, (RIGID + 1,) * 3),
         at=_numbers(model, "link_at"),
         along=_numbers(model, "link_along"),
@@ -44,14 +44,14 @@ def supported_in(file: Any, blocks: int, reactions: int, links: tuple[str, ...])
     return SupportsRecord(of_block=of_block, links=lines)
 
 
-def _whole(model: Any, name: str, wide: int, below: tuple[int, ...]) -> Ints:
-    """Return whole numbers (k, wide), or (k,), each from 0 to below its column's limit."""
+def _whole(model: Any, name: str, wide: int, below: tuple[int, ...], least: Any = 0) -> Ints:
+    """Return whole numbers (k, wide), or (k,), from the least to below the limit of a column."""
     shape = (0, wide) if wide else (0,)
     if name not in model:
         return np.zeros(shape, np.int64)
     found = np.asarray(model[name][()])
     fits = found.dtype.kind in "iu" and found.shape[1:] == shape[1:]
-    if not fits or (found < 0).any() or (found >= np.array(below)).any():
+    if not fits or (found < np.array(least)).any() or (found >= np.array(below)).any():
         raise MalformedError(f"/model/{name} does not match the blocks, supports and links")
     return found.astype(np.int64)
 

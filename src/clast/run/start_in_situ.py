@@ -47,10 +47,8 @@ from clast.linear.system import (
     DiagonalTerms,
     assemble,
     graph_of,
-    inverse_of_blocks,
     with_contact_forces,
 )
-from clast.minimise.islands import islands_of
 from clast.minimise.newton import SolverContext
 from clast.minimise.potential import Potential
 from clast.minimise.strategy import MinimisationStrategy
@@ -158,14 +156,6 @@ def _minimum(
     yielding, others = _springs_that_settle(context)
     springs, (rows, *_) = merged(springs_of(contacts), yielding)
     base = _with_springs(_static_terms(context), others, model.fixed)
-    potential = Potential(
-        base=base,
-        inverse=inverse_of_blocks(base.diagonal),
-        fixed=model.fixed,
-        springs=springs,
-        graph=graph_of(springs, model.block_count),
-        islands=islands_of(springs, model.fixed),
-    )
     search = Search(
         law=law,
         rows=rows,
@@ -175,6 +165,7 @@ def _minimum(
         tolerance=(NEAR * _largest(model, balance)) ** 2 / (RESTING * model.stiffest),
         work=SolverContext(factor=factor, counts={}, stages=Stages()),
     )
+    potential = Potential.of(base, model.fixed, springs)
     return search.minimum(potential, contacts, (np.zeros((model.block_count, 6)),))
 
 

@@ -42,11 +42,10 @@ from clast.linear.system import (
     LinearisedForces,
     contact_motions,
     graph_of,
-    inverse_of_blocks,
+    with_ground,
 )
 from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.fixed_point import Guesses
-from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, SolverContext, best_of
 from clast.minimise.potential import Point, Potential
 from clast.minimise.strategy import MinimisationStrategy, SmallIslands
@@ -221,7 +220,7 @@ class Convex:
         mass = context.frames.mass_matrix
         return EachBlock(
             share=method.balance,
-            gyration=np.sqrt(mass[:, 2, 2] / mass[:, 0, 0]),
+            gyration=np.append(np.sqrt(mass[:, 2, 2] / mass[:, 0, 0]), 1.0),
             noise=noise_of(model, method, context.state),
             floor=round_off(model, method, context.state, links),
         )
@@ -288,9 +287,11 @@ class Search:
         It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
         that the contacts have, and where many blocks have no links without these.
         """
-        law, stages = self.law, self.work.stages
+        law, stages, count = self.law, self.work.stages, len(starts[0])
         stages("law")
         contacts = multipliers.begin(law, contacts)
+        if count == potential.springs.ground:
+            starts = tuple(with_ground(one[:count]) for one in starts)
         potential = self.bound(potential, contacts)
         start = best_of(potential, starts)
         within, potential, point, blocks = self.of_touched(potential, start)
@@ -325,7 +326,7 @@ class Search:
             unknowns[blocks] = point.unknowns[:-1]
         if multipliers.has_multipliers(law):
             response = multipliers.with_energies(law, contacts, response)
-        return unknowns, multipliers.renew(law, contacts, response), response
+        return unknowns[:count], multipliers.renew(law, contacts, response), response
 
     def of_touched(
         self, potential: Potential, point: Point
@@ -504,14 +505,7 @@ def potential_of(
         asperities = changed(asperities, flanks=more[-2], sliders=more[-1])
     if context.held is not None:
         springs = context.held.springs(springs)
-    potential = Potential(
-        base=base,
-        inverse=inverse_of_blocks(base.diagonal),
-        fixed=model.fixed,
-        springs=springs,
-        graph=graph_of(springs, model.block_count) if others else graph,
-        islands=islands_of(springs, model.fixed),
-    )
+    potential = Potential.of(base, model.fixed, springs, None if others else graph)
     return potential, rows, asperities
 
 

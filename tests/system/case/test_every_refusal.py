@@ -356,7 +356,6 @@ SETTINGS: dict[str, list[str]] = {
     "link of nothing": ["link.1={at=[0, 0], x=1e8}"],
     "link twice": ["link.1.block=wall"],
     "link that restrains nothing": ["link.1={at=[0, 0], blocks=['wall', 'base']}"],
-    "link of no ground": ["link.1={at=[0, 0], block='wall', x=1e8}"],
     "link of no direction": ["link.1.direction=[0, 0]"],
     "link that yields nowhere": [
         "link.1={at=[0, 0], blocks=['wall', 'base'], x=1e8, yield_moment=1}"
@@ -384,7 +383,6 @@ SETTINGS: dict[str, list[str]] = {
     ),
     "lining of no stage": lined("polyline=[[2, 0], [3.5, 0]], stage='late'"),
     "lining of no joint": lined("polyline=[[2, 0], [3.5, 0]], joint='bnd'"),
-    "lining held by no ground": lined("polyline=[[2, 0], [3.5, 0]], start='clamped'"),
     "lining in rock": lined("polyline=[[2, -0.5], [3.5, -0.5]]"),
     "lining before its excavation": lined("opening='void', stage='first'"),
     "lining round a sharp corner": lined("polyline=[[2, 0], [3, 0], [3, 0.02], [2, 0.02]]"),

@@ -109,6 +109,7 @@ LINKS: list[tuple[dict[str, Any], str]] = [
     ({**HINGE, "block": "box"}, "has both block and blocks"),
     ({**HINGE, "blocks": ["box", "lit"]}, "there is no block 'lit'"),
     ({**HINGE, "blocks": ["floor", "wall"]}, "links two fixed blocks"),
+    ({**HINGE, "blocks": None, "block": "floor"}, "links a fixed block to the ground"),
     ({**HINGE, "x": None, "y": None}, "restrains nothing"),
     ({**HINGE, "direction": [0, 0]}, "has no direction"),
     ({**HINGE, "x": None, "y": None, "rotation": 1e3, "yield_force": 10}, "yield_force is that of"),

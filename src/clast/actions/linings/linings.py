@@ -78,6 +78,11 @@ class Linings:
     support: ClassVar[str] = ""
 
     @property
+    def on_ground(self) -> Floats:
+        """Points of ends that the ground holds, at the start, m, shape (g, 2)."""
+        return self.springs.on_ground
+
+    @property
     def segments(self) -> Ints:
         """Blocks of all segments, shape (s,)."""
         return np.concatenate([one.segments for one in self.each])

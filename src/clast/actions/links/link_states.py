@@ -20,11 +20,13 @@ class LinkRows:
     name: tuple[str, ...]
     """Name of each link."""
     block: Ints
-    """Its two blocks, shape (k, 2)."""
+    """Its two blocks, or one and GROUND, shape (k, 2)."""
     at: Floats
     """Its point at the start, m, shape (k, 2)."""
     along: Floats
-    """Unit vector of its direction at the start, which turns with the first block, (k, 2)."""
+    """Unit vector of its direction at the start, shape (k, 2)."""
+    turning: Floats
+    """Shares of the turns of its two blocks, of sum 1, by which its direction turns, (k, 2)."""
     stage: tuple[str, ...]
     """Stage that installs it, "" where it is there from the start."""
     link: Ints

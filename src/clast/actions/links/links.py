@@ -4,9 +4,15 @@
 
 is the force on the first block of a component with the stretch x: a.(P_1 - P_2) along the link,
 t.(P_1 - P_2) across it, or the angle between the blocks.  P_1 and P_2 are the point of the link as
-each of its blocks carries it, a and t turn with the first block, or with shares of both.  The
-plastic stretch p grows where F would exceed F_y, and beyond a stretch it breaks for good.  With a
-play g there is a spring for either side, each of which begins g away.  A dashpot has F = -c dx/dt.
+each of its blocks carries it; a and t turn by s_1 r_1 + s_2 r_2, with the first block, with shares
+of both, or not at all where the second is the ground.  With offsets y from the centroids
+
+    dx/dr_1 = (y_1 - s_1 (P_1 - P_2)) x a,    dx/dr_2 = -(y_2 + s_2 (P_1 - P_2)) x a,
+
+so, as s_1 + s_2 = 1, F is on both blocks at one place, s_1 P_2 + s_2 P_1: that of a pin in its
+groove now.  The plastic stretch p grows where F would exceed F_y, and beyond a stretch it breaks
+for good.  With a play g there is a spring for either side, each of which begins g away.  A dashpot
+has F = -c dx/dt.
 
 A spring against rotation is a row as well, at the end of arms that reach far out along t: there
 the blocks move apart by -L r along a, r being their angle, and by a part 1/L of their motion at P.
@@ -39,14 +45,14 @@ from clast.block import polygon
 from clast.block.displacement import movements
 from clast.block.rotation import turned_by
 from clast.contact.clipped_spring import Clipped, Springs, table
-from clast.linear.system import stretches
+from clast.linear.system import stretches, with_ground
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
-from clast.model.supports.link_lines import FREE, RIGID, SOFT, LinkLines
+from clast.model.supports.link_lines import FREE, GROUND, RIGID, SOFT, LinkLines
 
 NEAR = 1e-5
 """Force that rows may miss in a static step, as a share of the largest of them."""
-ARM = 1e5
+ARM = 1e7
 """Length of the arms of rows against rotation, in units of the system."""
 ROTATION = COMPONENTS.index("rotation")
 
@@ -61,8 +67,6 @@ class Links:
     """Pairs of blocks, the lower first, that have no contacts with each other, shape (p, 2)."""
     limits: ForceLimits = field(default_factory=YieldForces)
     """Bounds of the forces."""
-    turning: tuple[float, float] = (1.0, 0.0)
-    """Shares of the turns of its two blocks by which the direction of a link turns."""
     support: ClassVar[str] = ""
     """They hold blocks by each other."""
 
@@ -70,6 +74,11 @@ class Links:
     def links(self) -> tuple[str, ...]:
         """Names of the links."""
         return self.rows.name
+
+    @property
+    def on_ground(self) -> Floats:
+        """Points of links to the ground at the start, m, shape (g, 2)."""
+        return np.asarray(self.rows.at[(self.rows.block == GROUND).any(axis=1)])
 
     @property
     def lines(self) -> LinkLines:
@@ -136,10 +145,12 @@ class Links:
     ) -> ActionResult:
         """Return the work of the links: they store energy, yield, break and damp."""
         active, rows = self._active(start, state), self.rows
-        work, (drag, moved) = 0.0, np.zeros((2, len(rows.link)))
+        work, brought, (drag, moved) = 0.0, 0.0, np.zeros((2, len(rows.link)))
         if share.springs is not None:
             active = share.active if isinstance(share, LinkShare) else active
             work, _ = energy_of_springs(share.springs, solution)
+            _, _, before = self._springs(start, active)
+            brought = float(solution.spring_forces(share.springs)[0] @ (before - share.springs.gap))
             moved = self._all_moved(start, active, solution.displacement)
             drag = -rows.damping * moved / start.step
         begun = active.state
@@ -159,6 +170,7 @@ class Links:
         return ActionResult(
             work=work,
             ledger=Ledger(
+                loads=brought,
                 links=float(np.sum(after - before)),
                 yielding=float(np.sum(flow + whole - after)),
                 damping=float(-np.sum(drag * moved)),
@@ -217,21 +229,27 @@ class Links:
     def _active(self, start: StepStart, state: LinkStates) -> _Active:
         """Return the rows that act in a step."""
         rows, model = self.rows, start.model
-        ahead = _halfway(start)
-        turn = (start.state.rotation + ahead[:, 2])[rows.block] @ self.turning
-        along = turned_by(rows.along, turn)
-        offset = state.at - start.frames.centroid[rows.block]
+        ahead = with_ground(_halfway(start), 0.5 * _of_ground(start))
+        rotation = with_ground(start.state.rotation) + ahead[:, 2]
+        turn = (rotation[rows.block] * rows.turning).sum(axis=1)
+        centroid = with_ground(start.frames.centroid)[rows.block]
+        offset = turned_by(
+            (state.at - centroid).reshape(-1, 2), ahead[rows.block.ravel(), 2]
+        ).reshape(-1, 2, 2)
+        centroid = centroid + ahead[rows.block, :2]
+        place = (offset + centroid)[:, ::-1] * rows.turning[:, :, None]
+        offset = place.sum(axis=1)[:, None] - centroid
         stretch = self._stretch(state.at, start.state.rotation, state.angle)
         state = self._installed(model, state, stretch)
-        acts = state.carries & ~model.fixed[rows.blocks].all(axis=1)
+        acts = state.carries & ~np.append(model.fixed, True)[rows.blocks].all(axis=1)
         size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
         small = float(np.sqrt(model.smallest))
         rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
         return _Active(
             state=state,
             row=np.flatnonzero(acts),
-            along=along,
-            offset=turned_by(offset.reshape(-1, 2), ahead[rows.block.ravel(), 2]).reshape(-1, 2, 2),
+            along=turned_by(rows.along, turn),
+            offset=offset,
             stretch=stretch,
             stiffness=np.where(np.isinf(rows.stiffness), rigid, rows.stiffness),
             arm=ARM * size,
@@ -243,9 +261,9 @@ class Links:
         ``rotation`` (n,) is that of the blocks, ``angle`` (k,) that between those of a link, rad.
         """
         rows = self.rows
-        along = turned_by(rows.along, rotation[rows.block] @ self.turning)
+        turn = (with_ground(rotation)[rows.block] * rows.turning).sum(axis=1)
         x, y = (at[:, 0] - at[:, 1]).T
-        ax, ay = along.T
+        ax, ay = turned_by(rows.along, turn).T
         parts = np.stack([ax * x + ay * y, ax * y - ay * x, angle], axis=1)
         return np.asarray(parts[rows.link, rows.component])
 
@@ -253,7 +271,7 @@ class Links:
         """Return the links with those installed that are there by now, and without lost ones."""
         rows, begun = self.rows, dict(model.begun)
         there = np.array([not stage or stage in begun for stage in rows.stage], np.bool_)[rows.link]
-        lost = there & model.absent[rows.blocks].any(axis=1)
+        lost = there & with_ground(model.absent)[rows.blocks].any(axis=1)
         fresh = there & np.isnan(state.rest) & ~lost
         if not fresh.any() and not (lost & ~state.broken).any():
             return state
@@ -264,13 +282,19 @@ class Links:
             force=np.where(lost, 0.0, state.force),
         )
 
-    def _springs(self, start: StepStart, active: _Active) -> tuple[Springs, Ints]:
-        """Return the table of springs, and which of its rows come first, second, third: (3 r,).
+    def _springs(self, start: StepStart, active: _Active) -> tuple[Springs, Ints, Floats]:
+        """Return the table of s springs, and which of its rows come first, second, third: (3 r,).
 
-        Each row that acts has a spring to one side, one to the other, and a dashpot.
+        Each row that acts has a spring to one side, one to the other, and a dashpot.  The last are
+        the stretches when the step begins, m, (s,): the gaps of the table count the way of the
+        ground in the step already.
         """
         rows, row = self.rows, active.row
         arms, scale = self._arms(active)
+        block, ground = rows.block[rows.link[row]], len(start.model.fixed)
+        away = np.subtract(*(block == GROUND).T.astype(float)) * (
+            arms[:, :2] @ _of_ground(start)[:2]
+        )
         free = active.stretch[row] - active.state.rest[row] - active.state.plastic[row]
         stretch, count = scale * free, len(row)
         each, kept = self._each_spring(start, active, scale, stretch)
@@ -284,17 +308,17 @@ class Links:
         at = chosen % count
         nothing = np.zeros(len(at))
         found, order = table(
-            vertex_block=rows.block[rows.link[row], 0][at],
-            edge_block=rows.block[rows.link[row], 1][at],
+            vertex_block=np.where(block == GROUND, ground, block)[at, 0],
+            edge_block=np.where(block == GROUND, ground, block)[at, 1],
             arms=arms[at],
-            gap=stretch[at],
+            gap=(stretch + away)[at],
             slip=nothing,
             normal=normal,
             shear=Clipped(at_zero=nothing, stiffness=nothing, low=nothing, high=nothing),
         )
-        places = np.full(3 * count, -1)
-        places[chosen] = order
-        return found, places
+        places, before = np.full(3 * count, -1), np.empty(len(at))
+        places[chosen], before[order] = order, stretch[at]
+        return replace(found, ground=ground if (block == GROUND).any() else -1), places, before
 
     def _arms(self, active: _Active) -> tuple[Floats, Floats]:
         """Return direction and arms of the rows that act, (r, 6), and their scale, (r,).
@@ -345,8 +369,8 @@ class Links:
         """Return by how much d (n, 6) stretches the rows, m or rad, shape (m,)."""
         moved = np.zeros(len(self.rows.link))
         if len(active.row):
-            springs, places = self._springs(start, active)
-            opening = stretches(springs, displacement)[0] - springs.gap
+            springs, places, before = self._springs(start, active)
+            opening = stretches(springs, displacement)[0] - before
             turns = self.rows.component[active.row] == ROTATION
             first = places[: len(active.row)]
             moved[active.row] = opening[first] / np.where(turns, -active.arm, 1.0)
@@ -378,9 +402,18 @@ class Links:
     def _carried(self, start: StepStart, state: LinkStates, displacement: Floats) -> Floats:
         """Return where the blocks carry the points, m, (k, 2, 2)."""
         block, at = self.rows.block.ravel(), state.at.reshape(-1, 2)
-        offset = polygon.offsets(at, block, start.frames.centroid)
+        block = np.where(block == GROUND, len(start.model.fixed), block)
+        offset = polygon.offsets(at, block, with_ground(start.frames.centroid))
+        displacement = with_ground(displacement, _of_ground(start))
         moved = movements(start.rotation, offset, displacement, block)
         return np.asarray((at + moved).reshape(-1, 2, 2))
+
+
+def _of_ground(start: StepStart) -> Floats:
+    """Return the displacement of the ground in the step, (6,), m."""
+    ground = start.model.ground_motion
+    before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
+    return np.append(after - before, np.zeros(4))
 
 
 def _halfway(start: StepStart) -> Floats:
@@ -401,7 +434,7 @@ class _Active:
     along: Floats
     """Direction of each link halfway through the step, shape (k, 2)."""
     offset: Floats
-    """Offsets of its points from the centroids there, m, shape (k, 2, 2)."""
+    """Offsets of the place at which it acts from the centroids there, m, shape (k, 2, 2)."""
     stretch: Floats
     """Stretch of each row, m or rad, shape (m,)."""
     stiffness: Floats

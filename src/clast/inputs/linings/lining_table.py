@@ -54,7 +54,7 @@ class Lining(Table):
     joint: StrictStr | None = None
     """Joint to the rock, [joint.NAME]: strength and stiffness of the bond."""
     start: End = "free"
-    """Support of its first end by the ground, that is, by fixed blocks."""
+    """Support of its first end by the ground, which is no block."""
     end: End = "free"
     """Support of its last end by the ground."""
     stage: StrictStr | None = None

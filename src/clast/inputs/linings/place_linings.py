@@ -24,6 +24,7 @@ from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
 from clast.model import model
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
+from clast.model.supports.link_lines import GROUND
 
 OF_JOINTS = 0.5
 """Share of the strain along a lining that is left to its joints, whose springs are not too stiff
@@ -264,10 +265,7 @@ def linings_of_ground(
     return (
         Linings(
             each=tuple(each),
-            # which of two neighbours is first must not matter
-            springs=Links(
-                rows=_rows(each, rows), apart=np.zeros((0, 2), np.int64), turning=(0.5, 0.5)
-            ),
+            springs=Links(rows=_rows(each, rows), apart=np.zeros((0, 2), np.int64)),
             apart=np.unique(np.sort(np.concatenate(apart), axis=1), axis=0),
         ),
     )
@@ -283,8 +281,8 @@ def _grounds(one: PlacedLining, springs: _JointSprings, ground: Ground) -> Ints:
     """Return the pairs of a segment whose end is held and fixed blocks at that end, (p, 2)."""
     found = []
     for pair, at in zip(springs.pair.tolist(), springs.at, strict=True):
-        if ground.fixed[pair].any():
-            segment = int(pair[0] if ground.fixed[pair[1]] else pair[1])
+        if GROUND in pair:
+            segment = max(pair)
             near = TOUCHES * one.table.thickness
             close = ground.tree.query(shapely.points(at), predicate="dwithin", distance=near)
             found += [(segment, int(block)) for block in close if ground.fixed[block]]
@@ -326,9 +324,8 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     held = (table.end, table.start) if one.turned else (table.start, table.end)
     found = []
     if held[0] != "free":
-        base = _ground_block(one, "start", ground)
         found.append(
-            ((base, blocks[0]), middles[0, 0], way[0], 0.0, 0.5 * length[0], held[0], (0, 0))
+            ((GROUND, blocks[0]), middles[0, 0], way[0], 0.0, 0.5 * length[0], held[0], (0, 0))
         )
     for k in range(count if table.joins_ends else count - 1):
         after, both = (k + 1) % count, way[k] + way[(k + 1) % count]
@@ -338,10 +335,9 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
             ((blocks[k], blocks[after]), middles[k, 1], both, mark[k + 1], apart, "clamped", (k, 1))
         )
     if held[1] != "free":
-        base = _ground_block(one, "end", ground)
         found.append(
             (
-                (blocks[-1], base),
+                (blocks[-1], GROUND),
                 middles[-1, 1],
                 way[-1],
                 mark[-1],
@@ -362,18 +358,6 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     )
 
 
-def _ground_block(one: PlacedLining, key: str, ground: Ground) -> int:
-    """Return a block that is fixed, for an end that the ground holds."""
-    fixed = np.flatnonzero(ground.fixed)
-    if not len(fixed):
-        raise ModelError(
-            "there is no ground to support it: no block is fixed",
-            where=f"lining '{shortened(one.table.name)}', {key}",
-            remedy="give a block with fixed = true",
-        )
-    return int(fixed[0])
-
-
 def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRows:
     """Return the rows of springs of all joints."""
     names = [f"{one.name}/{k}" for one in each for k in range(1, len(one.joints) + 1)]
@@ -385,6 +369,8 @@ def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRo
         block=np.concatenate([one.pair for one in springs]),
         at=np.concatenate([one.at for one in springs]),
         along=np.concatenate([one.way for one in springs]),
+        # which of two neighbours is first must not matter
+        turning=np.full((len(names), 2), 0.5),
         stage=tuple(one.stage for one in each for _ in one.joints),
         link=link,
         component=np.array([ALONG, ACROSS, TURNING])[component],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,7 @@ class _Part:
     fixed_points: Ints
     viscous_edges: Ints
     about: Floats
+    ground: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 def reactions_in(records: Sequence[MeasuredReaction], supports: Supported) -> Reactions:
@@ -71,6 +72,7 @@ def reactions_in(records: Sequence[MeasuredReaction], supports: Supported) -> Re
         of_block=pairs("blocks"),
         of_fixed_point=pairs("fixed_points"),
         of_viscous_edge=pairs("viscous_edges"),
+        of_ground=pairs("ground"),
     )
 
 
@@ -79,8 +81,12 @@ def _totals(supports: Supported) -> Iterable[_Part]:
     ground = supports.ground
     still = np.setdiff1d(np.flatnonzero(ground.fixed), supports.moved)
     none = np.zeros(0, np.int64)
-    if len(still):
-        yield _Part("fixed blocks", still, none, none, _middle(supports, still, none))
+    places = [one.on_ground for one in supports.actions if hasattr(one, "on_ground")]
+    at = np.concatenate([np.zeros((0, 2)), *places])
+    if len(still) or len(at):
+        # what the ground holds by links and linings is held as by a fixed block
+        about = _middle(supports, still, none) if len(still) else at.mean(axis=0)
+        yield _Part("fixed blocks", still, none, none, about, np.zeros(min(1, len(at)), np.int64))
     points = np.arange(len(supports.ground.points.block))
     if len(points):
         yield _Part("fixed points", none, points, none, _middle(supports, none, points))

@@ -18,6 +18,7 @@ from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refu
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.factors import NO_FACTOR
+from clast.model.supports.link_lines import GROUND
 
 
 def _kind_of_stiffness(value: Any) -> str:
@@ -46,11 +47,13 @@ class Link(Table):
     at: Point
     """Point [x, y] of both blocks, m."""
     block: StrictStr | None = None
-    """Block that is linked to the ground, that is, to fixed blocks."""
+    """Block that is linked to the ground: to a place that no block carries and nothing moves but a
+    [ground_motion] of the base."""
     blocks: tuple[StrictStr, StrictStr] | None = None
     """Blocks that are linked, in place of block."""
     direction: tuple[Number, Number] = (1.0, 0.0)
-    """Direction of x, which turns with the first block; y is 90 degrees to the left of it."""
+    """Direction of x, which turns with the first of two blocks and stays as it is on the ground; y
+    is 90 degrees to the left of it."""
     x: Stiffness | None = None
     """Stiffness along the direction, N/m per m, or "rigid"."""
     y: Stiffness | None = None
@@ -72,7 +75,8 @@ class Link(Table):
     rotation_damping: Dashpot = 0.0
     """Moment per angular velocity, N s."""
     contacts: StrictBool = True
-    """False: the two blocks may overlap, and have no contacts with each other in the whole run."""
+    """False: the two blocks may overlap, and have no contacts with each other in the whole run;
+    with a link to the ground, the block and all fixed ones."""
     stage: StrictStr | None = None
     """Stage that installs it, without force; it exists from the start if absent."""
 
@@ -151,6 +155,7 @@ class Link(Table):
             (k, name, of) for k, one in enumerate(records) for name, of in one.components().items()
         ]
         direction = np.array([one.direction for one in records], float)
+        on_ground = block[:, 1] == GROUND
         numbers = {
             key: np.array([of[key] for _, _, of in parts], float)
             for key in ("stiffness", "strength", "rupture", "gap", "damping")
@@ -160,13 +165,20 @@ class Link(Table):
             block=block,
             at=np.array([one.at for one in records]) - ground.outlines.origin,
             along=direction / np.hypot(*direction.T)[:, None],
+            turning=np.stack([~on_ground, on_ground], axis=1).astype(float),
             stage=tuple(one.stage or "" for one in records),
             link=np.array([k for k, _, _ in parts]),
             component=np.array([COMPONENTS.index(name) for _, name, _ in parts]),
             **numbers,
         )
-        apart = np.array([not one.contacts for one in records], np.bool_)
-        yield Links(rows=rows, apart=np.unique(np.sort(block[apart], axis=1), axis=0))
+        apart = [
+            (one, other)
+            for (one, second), record in zip(block.tolist(), records, strict=True)
+            for other in (np.flatnonzero(ground.fixed).tolist() if second == GROUND else [second])
+            if not record.contacts
+        ]
+        pairs = np.array(apart, np.int64).reshape(-1, 2)
+        yield Links(rows=rows, apart=np.unique(np.sort(pairs, axis=1), axis=0))
 
 
 def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
@@ -176,15 +188,9 @@ def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
     if one.blocks is not None:
         first, second = (number_of(b, number, "block", f"{where}, blocks") for b in one.blocks)
     else:
-        first = number_of(one.block or "", number, "block", f"{where}, block")
-        fixed = [k for k in np.flatnonzero(ground.fixed).tolist() if k != first]
-        if not fixed:
-            what = "there is no ground to link to: no other block is fixed"
-            remedy = "give a block with fixed = true, or a [[fixed_point]]"
-            raise ModelError(what, where=f"{where}, block", remedy=remedy)
-        second = fixed[0]
-    if ground.fixed[first] and ground.fixed[second]:
-        what = "links two fixed blocks"
+        first, second = number_of(one.block or "", number, "block", f"{where}, block"), GROUND
+    if ground.fixed[first] and (second == GROUND or ground.fixed[second]):
+        what = "links a fixed block to the ground" if second == GROUND else "links two fixed blocks"
         raise ModelError(what, where=where, remedy="leave it out, or fixed out of one of them")
     return first, second
 

@@ -30,6 +30,8 @@ class Reactions:
     """Reaction and the fixed point that belongs to it, shape (p, 2)."""
     of_viscous_edge: Ints = field(default_factory=_none)
     """Reaction and the viscous edge that belongs to it, shape (e, 2)."""
+    of_ground: Ints = field(default_factory=_none)
+    """Reaction that is the sum over all links and linings on the ground, and 0, shape (g, 2)."""
 
     def __len__(self) -> int:
         return len(self.name)

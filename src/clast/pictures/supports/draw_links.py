@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
-from clast.model.supports.link_lines import FREE, RIGID, LinkLines
+from clast.model.supports.link_lines import FREE, GROUND, RIGID, LinkLines
 from clast.results import Recording
 from clast.results.schema import LINK_STATES
 
@@ -41,12 +41,18 @@ def states_of(results: Recording, frame: int) -> Ints:
 
 
 def places_of(results: Recording, frame: int) -> Floats:
-    """Return where both blocks of each link carry its point, m, shape (k, 2, 2)."""
+    """Return where both blocks of each link carry its point, m, shape (k, 2, 2).
+
+    That on the ground is drawn where it was at the start.
+    """
     links, start = results.supported.links, results.block_start
     before, now = results.vertices(0), results.vertices(frame)
     found = np.zeros((len(links.at), 2, 2))
     for link, (blocks, at) in enumerate(zip(links.block, links.at, strict=True)):
         for end, block in enumerate(blocks):
+            if block == GROUND:
+                found[link, end] = at
+                continue
             own = slice(start[block], start[block + 1])
             middle = before[own].mean(axis=0)
             # a block moves as x -> a + B x, all of its vertices and the point alike
@@ -60,14 +66,15 @@ def places_of(results: Recording, frame: int) -> Floats:
 def ways_of(results: Recording, frame: int) -> Floats:
     """Return the direction of the bar of each link in a frame, (k, 2); (0, 0) where it has none.
 
-    It is the one direction that such a link holds, turned as the first edge of its first block.
+    It is the one direction that such a link holds, turned as the first edge of its first block; on
+    the ground it stays.
     """
     links = results.supported.links
     if not links.name:
         return np.zeros((0, 2))
     first = results.block_start[links.block[:, 0]]
     before, now = (_edge_after(results.vertices(k), first) for k in (0, frame))
-    turn = now / before
+    turn = np.where(links.block[:, 1] == GROUND, 1.0, now / before)
     way = links.along @ np.array([1.0, 1.0j]) * turn / np.abs(turn)
     way = np.where(links.holds[:, 0] > 0, way, 1.0j * way)
     bar = np.count_nonzero(links.holds[:, :2], axis=1) == 1

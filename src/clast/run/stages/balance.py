@@ -46,11 +46,11 @@ class _Sums:
         self.size = np.zeros(len(mass))
 
     def add(self, block: Ints, force: Floats, moment: Floats) -> None:
-        """Add forces (k, 2), N/m, and moments (k,), N, on blocks (k,)."""
+        """Add forces (k, 2), N/m, and moments (k,), N, on blocks (k,); none on the ground."""
         count = len(self.mass)
         for part, values in enumerate((force[:, 0], force[:, 1], moment)):
-            self.force[:, part] += np.bincount(block, values, count)
-        self.size += np.bincount(block, np.hypot(*force.T), count)
+            self.force[:, part] += np.bincount(block, values, count)[:count]
+        self.size += np.bincount(block, np.hypot(*force.T), count)[:count]
 
     def add_pairs(
         self, blocks: tuple[Ints, Ints], arms: Floats, forces: tuple[Floats, Floats]

@@ -68,7 +68,7 @@ def solved(
         stages("assembly")
         system, bearing = _coupled_system(context, base, held, at)
         stages("solve")
-        unknowns = context.total(factor.solve(system, bearing))
+        unknowns = context.total(factor.solve(system, bearing)[: len(at)])
         if springs is None:
             return unknowns, at
         stages("law")
@@ -84,11 +84,14 @@ def _unsettled(context: StepContext, off: Bools) -> str:
     """Return which springs (m,) do not settle, in words."""
     if context.springs is None:
         return ""
-    one, name = int(off.argmax()), context.model.block_name
-    first, second = context.springs.vertex_block[one], context.springs.edge_block[one]
+    springs, one = context.springs, int(off.argmax())
+    first, second = (
+        "the ground" if k == springs.ground else f"block '{context.model.block_name[k]}'"
+        for k in (springs.vertex_block[one], springs.edge_block[one])
+    )
     return (
-        f"a bolt, link or lining between blocks '{name[first]}' and '{name[second]}' still changes "
-        f"between bearing and yielding after {SOLVES} solves"
+        f"a bolt, link or lining between {first} and {second} still changes between bearing and "
+        f"yielding after {SOLVES} solves"
     )
 
 

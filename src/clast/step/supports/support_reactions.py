@@ -18,6 +18,7 @@ import numpy as np
 
 from clast.actions.action import Contribution, Solution
 from clast.compute.jit import kernel
+from clast.contact.clipped_spring import Springs
 from clast.linear.system import PairedLinks
 from clast.model.model import Floats, Ints
 from clast.model.supports.reactions import numbered
@@ -67,13 +68,7 @@ def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
         return Holding(block=block, number=number, borne=NOBODY, whole=NOTHING)
     borne = -_of_links(number, len(block), solution.contacts, solution.applied)
     if context.springs is not None:
-        of = Solution(
-            displacement=solution.unknowns,
-            points=NOTHING,
-            linearised_at=solution.linearised_at,
-        )
-        forces = of.spring_forces(context.springs)
-        borne -= _of_links(number, len(block), context.springs, forces)
+        borne -= _of_springs(context.springs, solution, np.append(number, -1), len(block))
     for share in context.shares:
         rows = share.block
         if rows.size:
@@ -108,6 +103,11 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
             _add(found, wanted.about, wanted.of_block, struck, centroid)
     if not (wanted.of_fixed_point.size or wanted.of_viscous_edge.size or context.model.actions):
         return found
+    if wanted.of_ground.size and context.springs is not None:
+        number = np.append(np.full(context.model.block_count, -1), 0)
+        force = -_of_springs(context.springs, solution, number, 1)
+        # the ground counts from the origin, as from a centroid (actions/links/links.py)
+        _add(found, wanted.about, wanted.of_ground, force, np.zeros((1, 2)))
     kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
     for action, share in zip(context.actions, context.shares, strict=True):
         support = getattr(action, "support", "")
@@ -159,6 +159,16 @@ def _of_mass(context: StepContext, solution: StepSolution, end: _End, block: Int
     force = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step
     force[:, :2] -= context.model.mass[block, None] * context.acceleration
     return np.asarray(force[:, :3])
+
+
+def _of_springs(springs: Springs, solution: StepSolution, number: Ints, count: int) -> Floats:
+    """Return force and moment (count, 3) of springs on the blocks that have a ``number`` (n,)."""
+    of = Solution(
+        displacement=solution.unknowns,
+        points=NOTHING,
+        linearised_at=solution.linearised_at,
+    )
+    return _of_links(number, count, springs, of.spring_forces(springs))
 
 
 def _of_links(
