@@ -159,8 +159,9 @@ def balance(
     if context.held is not None:
         carried = math.prod([one.carried for one in context.shares])
         undamped = (1.0 - carried**2) * _energy_of_driven(context, context.held)
-        changes.append(Ledger(damping=-undamped))
-        numerical += undamped
+        shock = _work_of_shocks(context, end, context.held)
+        changes.append(Ledger(damping=-undamped, motions=-shock))
+        numerical += undamped - shock
     ledger = ledger.plus(*changes)
     states = tuple([one.state for one in results])
     return changed(ledger, numerical=numerical, unaccounted=unaccounted), states
@@ -171,6 +172,18 @@ def _energy_of_driven(context: StepContext, held: DrivenBlocks) -> float:
     velocity = np.where(held.components, context.state.velocity, 0.0)
     momentum = np.einsum("nij,nj->ni", context.frames.mass_matrix, velocity)
     return 0.5 * float(np.sum(velocity * momentum))
+
+
+def _work_of_shocks(context: StepContext, end: StepEnd, held: DrivenBlocks) -> float:
+    """Return the work, J/m, that steps give prescribed motions beyond their kinetic energy.
+
+    A jump of the velocity is the impulse M (v+ - v), done at the mean of both: (v + v+)/2 in place
+    of the velocity D/h of the step.
+    """
+    before, after = (held.put(np.zeros_like(v), v) for v in (context.velocity, end.velocity))
+    impulse = np.einsum("nij,nj->ni", context.frames.mass_matrix, after - before)
+    way = held.displacement - 0.5 * context.step * (before + after)
+    return float(np.sum(impulse * way)) / context.step
 
 
 def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:

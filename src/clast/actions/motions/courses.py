@@ -35,11 +35,15 @@ class Course:
     table: str = ""
     """Name of its amplitude, "" for none."""
 
-    def at(self, time: float) -> tuple[float, float]:
-        """Return displacement and velocity at a time, s, after its beginning."""
+    def at(self, time: float, last: float = np.inf) -> tuple[float, float]:
+        """Return displacement and velocity at a time, s, after its beginning.
+
+        From ``last``, s, on it rests; an ease spreads that jump of the velocity, too.
+        """
         if self.ease == 0.0:
-            return self._way(time)[:2]
-        (now, _, area), (before, _, area_before) = self._way(time), self._way(time - self.ease)
+            return self._until(last, time)[:2]
+        now, _, area = self._until(last, time)
+        before, _, area_before = self._until(last, time - self.ease)
         return (area - area_before) / self.ease, (now - before) / self.ease
 
     @property
@@ -48,6 +52,13 @@ class Course:
         if self.velocity[-1] or self.acceleration[-1]:
             return np.inf
         return float(self.time[-1]) + self.ease
+
+    def _until(self, last: float, time: float) -> tuple[float, float, float]:
+        """Return x, its velocity and its integral at a time, s, where it rests from ``last`` on."""
+        if time < last:
+            return self._way(time)
+        x, _, area = self._way(last)
+        return x, 0.0, area + (time - last) * x
 
     def _way(self, time: float) -> tuple[float, float, float]:
         """Return x, its velocity and its integral from 0 at a time, s; 0 before 0."""

@@ -28,11 +28,13 @@ from clast.actions.action import (
 )
 from clast.actions.motions.courses import Course
 from clast.model.factors import Factor
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 
 FREE = -1.0
 """Start time of a motion that has not begun."""
+ROUNDING = 1e-9
+"""Share of the duration of a motion by which a step may miss its end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +84,7 @@ class OneMotion:
     stage: str = ""
     """Stage with which it begins, "": with the run."""
     until: float = np.inf
-    """Duration, s; the blocks are then free, or fixed as before."""
+    """Duration, s; free blocks are then released, fixed ones and fixed points come to rest."""
     last_stage: str = ""
     """Stage with which it ends, "" for none."""
 
@@ -95,11 +97,21 @@ class OneMotion:
         """Return when it began, s; FREE: not yet."""
         return dict(model.begun).get(self.stage, FREE) if self.stage else 0.0
 
-    def lasts(self, model: Model, time: float) -> bool:
-        """Return whether it acts in a step that ends at a time, s."""
-        begun, ended = self.begins(model), self.last_stage in dict(model.begun)
-        longer = time - begun <= self.until * (1.0 + 1e-9)
-        return begun != FREE and not ended and longer
+    def lasts(self, model: Model) -> float:
+        """Return how long it goes on for, s, as far as is known; one that has begun."""
+        ended = dict(model.begun).get(self.last_stage, np.inf)
+        return min(self.until, ended - self.begins(model))
+
+    @property
+    def ease(self) -> float:
+        """Time over which jumps of its velocity are spread, s."""
+        return max((course.ease for course in self.courses if course is not None), default=0.0)
+
+    def goes_on_as(self, other: OneMotion) -> bool:
+        """Return whether another motion takes over from it."""
+        follows = self.last_stage != "" and self.last_stage == other.stage
+        same = bool(np.isin(self.block, other.block).any()) and set(self.held) & set(other.held)
+        return follows and bool(same)
 
     @property
     def held(self) -> tuple[int, ...]:
@@ -144,10 +156,8 @@ class Motions:
         way = []
         for one in found:
             courses = [c for c in one.courses[:2] if c is not None]
-            since = min(time - one.begins(model), one.until)
-            if one.last_stage in dict(model.begun):
-                since = dict(model.begun)[one.last_stage] - one.begins(model)
-            way.append([course.at(since)[0] for course in courses])
+            since, last = time - one.begins(model), one.lasts(model)
+            way.append([course.at(since, last)[0] for course in courses])
         points = np.array([one.point for one in found], np.int64)
         return points, np.array(way, float).reshape(-1, 2)
 
@@ -167,27 +177,36 @@ class Motions:
         ends = [0.0]
         for one in self.each:
             begun = one.begins(model)
-            if begun == FREE or one.last_stage in dict(model.begun):
+            if begun == FREE:
                 continue
             moving = [course.end for course in one.courses if course is not None]
             if one.servo is not None and one.servo.factor is not None:
                 moving.append(float(one.servo.factor.time[-1]))
-            ends.append(begun + min(one.until, max(moving, default=0.0)))
+            ends.append(begun + min(one.lasts(model) + one.ease, max(moving, default=0.0)))
         return max(ends)
 
     def share(self, start: StepStart, state: MotionState) -> Contribution:
         """Return the motions of the blocks in a step, and the forces of servos."""
-        state = self._begun(start, state)
-        rows, pushes = [], []
+        state, model = self._begun(start, state), start.model
+        rows, pushed = [], []
         for one, (first, past) in zip(self.each, self._rows, strict=True):
-            if not one.lasts(start.model, start.end):
+            begun = one.begins(model)
+            if begun == FREE:
                 continue
-            begun = one.begins(start.model)
-            if one.held and len(one.block):
-                rows.append(_prescribed(one, start, state.origin[first:past], begun))
-            if one.servo is not None:
-                pushes.append((one, begun))
-        pushed = [_pushed(one, start, begun) for one, begun in pushes]
+            left = one.lasts(model) * (1.0 - ROUNDING) - (start.state.time - begun)
+            fixed = model.fixed[one.block]
+            # a fixed one that has come to the end with a velocity is brought to rest there
+            rests = (left + one.ease <= 0.0) & (start.state.velocity[one.block] == 0.0).all(axis=1)
+            taken_over = any(
+                one.goes_on_as(other) and other.begins(model) != FREE for other in self.each
+            )
+            # free ones are let go with their velocity; static steps know of none
+            goes_on = left > 0.0 or (start.clock is not None and left + one.ease > 0.0)
+            for some in (fixed & ~rests & (not taken_over), ~fixed & goes_on):
+                if one.held and some.any():
+                    rows.append(_prescribed(one, start, state.origin[first:past], some))
+            if one.servo is not None and left > 0.0:
+                pushed.append(_pushed(one, start, begun))
         found = _joined(rows)
         if not pushed:
             return Contribution(prescribed=found)
@@ -227,23 +246,29 @@ class Motions:
         )
 
 
-def _prescribed(one: OneMotion, start: StepStart, origin: Floats, begun: float) -> Prescribed:
-    """Return the course, in a step, of blocks of a motion that began at a time, s.
+def _prescribed(one: OneMotion, start: StepStart, origin: Floats, some: Bools) -> Prescribed:
+    """Return the course, in a step, of ``some`` (k,) of the blocks of a motion, all fixed or none.
 
-    ``origin`` (k, 3) is where they were then.
+    ``origin`` (k, 3) is where they were when it began.  Where it ends within the step fixed blocks
+    rest from then on, and free ones go on as they are by then: they are let go with the step.
     """
-    count = len(one.block)
-    at = [(0.0, 0.0) if c is None else c.at(start.end - begun) for c in one.courses]
+    block, origin = one.block[some], origin[some]
+    count, since, last = len(block), start.end - one.begins(start.model), one.lasts(start.model)
+    at = [(0.0, 0.0) if c is None else c.at(since, last) for c in one.courses]
+    free = not start.model.fixed[block[0]] and start.clock is None
+    if since >= last * (1.0 - ROUNDING) and free:
+        ends = [(0.0, 0.0) if c is None else c.at(last) for c in one.courses]
+        at = [(way + (since - last) * speed, speed) for way, speed in ends]
     (x, u), (y, v), (angle, spin) = at
     centre = origin[:, :2] if one.about is None else np.array([one.about])
     arm = origin[:, :2] - centre
     sine, less = np.sin(angle), -2.0 * np.sin(0.5 * angle) ** 2
     turned = arm @ np.array([[less, sine], [-sine, less]])  # (R - I) (x_c - P)
-    way = np.array([x, y]) + turned + origin[:, :2] - start.frames.centroid[one.block]
+    way = np.array([x, y]) + turned + origin[:, :2] - start.frames.centroid[block]
     swung = arm + turned
     displacement, velocity = np.zeros((count, 6)), np.zeros((count, 6))
     displacement[:, :2] = way
-    left = origin[:, 2] + angle - start.state.rotation[one.block]
+    left = origin[:, 2] + angle - start.state.rotation[block]
     displacement[:, 2] = [start.rotation.unknown(float(turn)) for turn in left]
     velocity[:, 0] = u - spin * swung[:, 1]
     velocity[:, 1] = v + spin * swung[:, 0]
@@ -254,17 +279,22 @@ def _prescribed(one: OneMotion, start: StepStart, origin: Floats, begun: float) 
     idle = [axis for axis in range(3) if axis not in one.held]
     displacement[:, idle] = velocity[:, idle] = 0.0
     return Prescribed(
-        block=one.block, components=components, displacement=displacement, velocity=velocity
+        block=block, components=components, displacement=displacement, velocity=velocity
     )
 
 
 def _pushed(one: OneMotion, start: StepStart, begun: float) -> tuple[Ints, Floats, Floats]:
-    """Return blocks, forces (k, 6) and how these fall with the displacements (k, 6, 6)."""
-    servo, count = one.servo, len(one.block)
+    """Return blocks, forces (k, 6) and how these fall with the displacements (k, 6, 6).
+
+    In a step in which it ends its forces are less by the share of the time after that.
+    """
+    servo, count, since = one.servo, len(one.block), start.state.time - begun
     force, stiffness = np.zeros((count, 6)), np.zeros((count, 6, 6))
     if servo is not None:
-        force[:, :2] = servo.at(start.time_of_forces - begun)
-        stiffness[:, (0, 1), (0, 1)] = servo.resistance / start.step
+        length = start.end - start.state.time
+        share = min(1.0, (one.lasts(start.model) - since) / length) if length > 0.0 else 1.0
+        force[:, :2] = share * servo.at(start.time_of_forces - begun)
+        stiffness[:, (0, 1), (0, 1)] = share * servo.resistance / start.step
     return one.block, force, stiffness
 
 

@@ -101,8 +101,8 @@ class Motion(Table):
         ]
         | None
     ) = None
-    """Duration, s, or the stage with which it ends; then free blocks are released and fixed ones
-    stay.
+    """Duration, s, or the stage with which it ends; then free blocks are released with their
+    velocity and fixed ones stop, within the time of ease.
     """
 
     @model_validator(mode="after")
