@@ -53,6 +53,8 @@ EVEN = 1e-5
 
 No rock is more even; one that falls flat would else strike with one corner and turn about it.
 """
+SQUEEZED = 8
+"""Times at most that contacts which no impulse stops are left to their springs."""
 SLOWEST = 1e-6
 """Closing velocity of contacts that stop their blocks, in units of g h."""
 RESETTING = 1.0
@@ -81,6 +83,8 @@ class ImpactResult:
     """Closing velocity from which contacts were struck, m/s."""
     fastest: float
     """Largest closing velocity after them, m/s, 0 where none closes."""
+    pressed: Bools | None = None
+    """Contacts left to their springs beside bodies that are driven, (m,); None without these."""
     driven: Floats | None = None
     """Impulses of bodies with a prescribed motion on bodies they struck, N s/m, (n, 6)."""
 
@@ -89,7 +93,7 @@ def after_impacts(
     context: StepContext, contacts: Contacts, graph: Graph, restitution: float
 ) -> ImpactResult:
     """Return the result of the impacts of a step that has begun for its equations."""
-    model, frames, state = context.model, context.frames, context.state
+    model = context.model
     velocity, step, held = context.velocity, context.step, context.held
     if held is not None:
         velocity = held.put(velocity, held.displacement / step)
@@ -115,34 +119,59 @@ def after_impacts(
     carries = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
     carries |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
-    acceleration = flying(context, contacts, graph)
-    struck, carries = _that_may_strike(contacts, back, carries)
-    limits = step, impact, even
-    if not collisions.any_strikes(velocity, acceleration, struck, carries, limits):
-        return unchanged
-    mobility, mass = mobilities(model, frames, state), frames.mass_matrix
-    if held is not None:
-        mobility, mass = held.heavy(mobility, mass)
-    after, shift, lost = collisions.strike(
-        velocity, acceleration, mobility, mass, struck, carries, limits
-    )
-    rate = gap_rate(contacts, after)
-    found = ImpactResult(
-        velocity=after,
-        drift=step * after + shift,
-        lost=float(lost),
-        before=before,
-        rate=rate,
-        impact=impact,
-        fastest=-least(rate, 0.0),
-    )
+    flight, limits = (velocity, flying(context, contacts, graph)), (step, impact, even)
     if held is None:
-        return found
+        return _struck(context, unchanged, contacts, (back, carries), flight, limits)
+    pressed = _pressed(context, contacts, rate) & ~carries
+    found = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
+    for _ in range(SQUEEZED):
+        # no impulse stops what is squeezed between a body that is driven and one that stands
+        moved, _ = contact_motions(contacts, found.drift)
+        squeezed = closing(contacts.gap, moved, found.rate, impact) & ~(carries | pressed)
+        if found is unchanged or not is_any(squeezed):
+            break
+        pressed |= squeezed
+        found = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
+    if found is unchanged:
+        return changed(found, pressed=pressed)
     return changed(
         found,
-        velocity=held.put(after, context.velocity),
+        velocity=held.put(found.velocity, context.velocity),
         drift=held.put(found.drift, context.drift),
-        driven=held.driven(frames.mass_matrix, velocity, after),
+        driven=held.driven(context.frames.mass_matrix, velocity, found.velocity),
+        pressed=pressed,
+    )
+
+
+def _struck(
+    context: StepContext,
+    unchanged: ImpactResult,
+    contacts: Contacts,
+    answers: tuple[Floats, Bools],
+    flight: tuple[Floats, Floats],
+    limits: tuple[float, float, float],
+) -> ImpactResult:
+    """Return the result where contacts strike, else what is ``unchanged``.
+
+    ``answers`` are the restitution of contacts (m,) and which carry (m,), ``flight`` velocities
+    (n, 6) and accelerations (n, 2) of the blocks, ``limits`` those of ``impulses.ImpactLimits``.
+    """
+    closing_contacts = _that_may_strike(contacts, *answers)
+    if not collisions.any_strikes(*flight, *closing_contacts, limits):
+        return unchanged
+    model, frames, held = context.model, context.frames, context.held
+    inertia = mobilities(model, frames, context.state), frames.mass_matrix
+    if held is not None:
+        inertia = held.heavy(*inertia)
+    after, shift, lost = collisions.strike(*flight, *inertia, *closing_contacts, limits)
+    rate = gap_rate(contacts, after)
+    return changed(
+        unchanged,
+        velocity=after,
+        drift=context.step * after + shift,
+        lost=float(lost),
+        rate=rate,
+        fastest=-least(rate, 0.0),
     )
 
 
@@ -172,10 +201,29 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     swings about its sag on them, g/w with w^2 = 2 p/m.  A block at rest on soft springs opens and
     closes by less than it sags, and its springs answer that.
     """
+    return IMPACT * model.size_of_gravity * _resting(model, law, step)
+
+
+def _resting(model: Model, law: ContactLaw, step: float) -> float:
+    """Return over which time a force speeds up blocks that rest all the same, s."""
     mass = model.lightest
     softest = range_of_springs(model, law.normal_stiffness)[0]
     swings = math.sqrt(mass / (2.0 * softest)) if math.isfinite(mass) else 0.0
-    return IMPACT * model.size_of_gravity * max(step, swings)
+    return max(step, swings)
+
+
+def _pressed(context: StepContext, contacts: Contacts, rate: Floats) -> Bools:
+    """Return which contacts (m,) close so slowly that they rest under the pressure on their blocks.
+
+    What g h is for blocks that bear their weight, m g = sum of N, is for those that are squeezed
+    the speed that the sum of N on a block gives it in that time (``slowest_impact``).
+    """
+    model, count = context.model, context.model.block_count
+    time = _resting(model, context.method.contact_law, context.step)
+    ends = contacts.vertex_block, contacts.edge_block
+    force = sum(np.bincount(one, contacts.normal_force, count) for one in ends)
+    speed = np.where(model.fixed, np.inf, IMPACT * time * force / model.mass)
+    return np.asarray((rate < 0.0) & (rate >= -np.minimum(*(speed[one] for one in ends))))
 
 
 def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
@@ -304,6 +352,8 @@ def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> 
     if not impacts.fastest > impacts.impact:
         return normal_force
     early = (contacts.normal_force == 0.0) & (impacts.rate < -impacts.impact)
+    if impacts.pressed is not None:
+        early &= ~impacts.pressed
     return np.where(early, 0.0, normal_force)
 
 
