@@ -79,6 +79,8 @@ from clast.verification.problems.supports import (
     lining_ring,
     servo_press,
     settling_pier,
+    slider,
+    slow_press,
     yielding_beam,
 )
 from clast.verification.problems.underground import (
@@ -190,7 +192,9 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         drawn_block.PROBLEM,
         settling_pier.PROBLEM,
         servo_press.PROBLEM,
+        slow_press.PROBLEM,
         hinges.PROBLEM,
+        slider.PROBLEM,
         yielding_beam.PROBLEM,
         lining_beam.PROBLEM,
         lining_ring.PROBLEM,
