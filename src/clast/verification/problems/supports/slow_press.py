@@ -133,5 +133,6 @@ PROBLEM = Problem(
     set_up=scene,
     examine=examine,
     variants=(CONVEX, MIDPOINT, OPEN_CLOSE),
+    left_out="modified: contacts act only where a vertex has invaded before, a step late",
     quick=(CONVEX,),
 )
