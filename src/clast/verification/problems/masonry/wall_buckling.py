@@ -170,8 +170,8 @@ PROBLEM = Problem(
     examine=partial(examine, COURSES, TURNS),
     variants=(CONVEX,),
     left_out="modified: in steps this long one pass throws the courses, p h2/m being far above 6; "
-    "open-close: its static steps are no longer than those of the schedule, and after 1,000 of them "
-    "the wall still moves",
+    "open-close: its static steps are no longer than those of the schedule, and after 1,000 of "
+    "them the wall still moves",
     quick=(CONVEX,),
     examine_briefly=partial(examine, (12,), (37.0,)),
 )
