@@ -296,14 +296,13 @@ def _label(field: str) -> str:
 
 def places_of_points(results: Recording, frames: Sequence[int]) -> Floats:
     """Return where the measured points are in some frames, m, shape (frames, points, 2)."""
-    times = results.times[list(frames)]
     places = np.zeros((len(frames), len(results.point_name), 2))
     for number, (name, start) in enumerate(
         zip(results.point_name, results.point_start, strict=True)
     ):
         history = results.history(name)
-        for place, time in enumerate(times):
-            row = int(np.abs(history.time - time).argmin())
+        for place, frame in enumerate(frames):
+            row = int(results.rows_at(history.time, frame))
             before = counted_from(results.stages, number, float(history.time[row]))
             places[place, number] = start + before + history.displacement[row]
     return places

@@ -266,6 +266,13 @@ class Recording:
             raise unknown_name(table.of.meaning, str(of), names)
         return self._rows(table, names.index(str(of)))
 
+    def rows_at(self, time: Floats, frames: Any) -> Any:
+        """Return the rows of a history with times (k,), s, that belong to frames.
+
+        Static steps may have several rows at one time: a frame is that of the last.
+        """
+        return np.maximum(np.searchsorted(time, self.times[frames] * (1.0 + 1e-12), "right") - 1, 0)
+
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``, a row per instant, as a table.
 

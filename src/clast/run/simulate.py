@@ -196,11 +196,20 @@ class Stepping:
         return replace(after, path=path, step=step, events=events)
 
     def frame_is_due(self, now: RunState) -> bool:
-        """Return whether a frame is to be kept; a stage ends with one."""
-        due = now.frame * self.schedule.every
+        """Return whether a frame is to be kept; a stage ends with one.
+
+        Where time stands still until static steps balance it is that of the last of them.
+        """
         if self.judge is not None and self.is_over(now):
             return True
-        return now.state.time >= due - ROUNDING * self.schedule.step
+        time, step = now.state.time, self.schedule.step
+        if time < now.frame * self.schedule.every - ROUNDING * step:
+            return False
+        if self.statics is None or now.path is None or now.path.failure is not None:
+            return True
+        if time >= self.schedule.end - ROUNDING * step:
+            return self.is_over(now)
+        return not self.statics.waits(now.path, now.state)
 
     def with_frame(self, now: RunState) -> RunState:
         """Return the run after a frame has been kept."""

@@ -308,13 +308,10 @@ def _bolts(about: _About) -> dict[str, Any] | None:
 
 def _points(about: _About) -> list[dict[str, Any]]:
     """Return the measured points with where they are in every frame."""
-    results, times = about.results, about.results.times[about.numbers]
-    found = []
+    results, found = about.results, []
     for k, (name, at) in enumerate(zip(results.point_name, results.point_start, strict=True)):
         history = results.history(name)
-        # a static run has several rows at one time: the last of them is the frame's
-        row = np.searchsorted(history.time, times * (1.0 + 1e-12), side="right")
-        row = np.maximum(row - 1, 0)
+        row = results.rows_at(history.time, about.numbers)
         before = [counted_from(results.stages, k, float(history.time[one])) for one in row]
         place = at - about.origin + history.displacement[row] + np.reshape(before, (-1, 2))
         found.append({"name": name, "x": place[:, 0].tolist(), "y": place[:, 1].tolist()})

@@ -78,8 +78,7 @@ def linings_in(results: Recording, numbers: Ints) -> dict[str, str] | None:
     every: dict[str, list[Floats]] = {one.column: [] for one in DIAGRAMS.values()}
     for name in results.lining_name:
         lining = results.lining(name)
-        times = results.times[numbers]
-        rows = np.abs(lining.time[None, :] - times[:, None]).argmin(axis=1)
+        rows = results.rows_at(lining.time, numbers)
         carries = (lining.state[rows] >= BEARS[0]) & (lining.state[rows] < BEARS[1])
         for column, values in every.items():
             values.append(np.where(carries, getattr(lining, column)[rows], np.nan))

@@ -54,7 +54,7 @@ def _values(
     """Give name, history, values (k,) and whether each joint carries (k,) of each lining there."""
     for name in results.lining_name:
         lining = results.lining(name)
-        row = int(np.abs(lining.time - results.times[frame]).argmin())
+        row = int(results.rows_at(lining.time, frame))
         carries = (lining.state[row] > 0) & (lining.state[row] < 4)
         if carries.any():
             yield name, lining, np.where(carries, getattr(lining, one.column)[row], 0.0), carries

@@ -35,7 +35,7 @@ def states_of(results: Recording, frame: int) -> Ints:
     found = []
     for name in results.supported.links.name:
         rows = results.link(name)
-        row = int(np.abs(rows["time"] - results.times[frame]).argmin())
+        row = int(results.rows_at(rows["time"], frame))
         found.append(int(rows["state"][row]))
     return np.array(found, np.int64)
 

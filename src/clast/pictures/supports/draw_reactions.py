@@ -106,7 +106,7 @@ def forces_in(results: Recording, frame: int) -> list[tuple[str, Floats, Floats]
     contacts, of_block = results.contacts(frame), results.supported.of_block
     for number, name in enumerate(results.reaction_name):
         rows = results.reaction(name)
-        row = int(np.abs(rows.time - results.times[frame]).argmin())
+        row = int(results.rows_at(rows.time, frame))
         if np.isfinite(rows.position[row]).all():
             at, force = rows.position[row], rows.force[row]
             blocks = of_block[of_block[:, 0] == number, 1]

@@ -43,7 +43,7 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
     history = results.lining(lining)
     number = results.frame(frame).number
     curve = _curve_of(history, lining)
-    row = int(np.abs(history.time - results.times[number]).argmin())
+    row = int(results.rows_at(history.time, number))
     there = (history.state > 0) & (history.state < 4)
     if not there[row].any():
         raise CaseError(
