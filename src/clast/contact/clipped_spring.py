@@ -9,7 +9,7 @@ force falls with x: the energy phi, f = -dphi/dx, is convex and once continuousl
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -179,11 +179,8 @@ class Forces:
     """-dN/dgap, N/m per m, shape (m,)."""
     shear_stiffness: Floats
     """-dT/dslip, N/m per m, shape (m,)."""
-
-    @property
-    def coupling(self) -> Floats:
-        """dT/dN: none, shape (0,)."""
-        return NO_COUPLING
+    coupling: Floats = field(default_factory=lambda: NO_COUPLING)
+    """dT/dN, shape (m,), or (0,) where there is none."""
 
 
 def table(

@@ -321,7 +321,7 @@ def _drop_not_entered(low, high, found, outlines, keep):
     vertex, edge = found.vertex, found.edge
     gap, along = found.gap, found.along
     for c in range(low, high):
-        if keep[c] and gap[c] < 0.0:
+        if keep[c] and gap[c] < -ROUND_OFF * outlines.length[edge[c]]:
             keep[c] = _is_entrance_passed(vertex[c], edge[c], along[c], outlines)
 
 
@@ -369,8 +369,10 @@ def _drop_deeper_corners(low, high, found, outlines, known, keep):
 
     Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
     that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
-    counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
-    lower vertex.  Of candidates ``low`` to ``high`` - 1, all of some pairs of blocks.
+    counts, as at one corner: the larger gap; on a tie the contact that is remembered, else that
+    of the longer edge, else the lower vertex.  Corners that only coincide are not inside each
+    other, whichever way their gaps are rounded.  Of candidates ``low`` to ``high`` - 1, all of some
+    pairs of blocks.
     """
     vertex, edge, pair = found.vertex, found.edge, found.pair
     gap, length = found.gap, outlines.length
@@ -381,15 +383,18 @@ def _drop_deeper_corners(low, high, found, outlines, known, keep):
             stop += 1
         for c in range(start, stop):
             for d in range(c + 1, stop):
-                if not (keep[c] and keep[d]) or gap[c] >= 0.0 or gap[d] >= 0.0:
+                if not (keep[c] and keep[d]):
                     continue
                 p, e, q, a = vertex[c], edge[c], vertex[d], edge[d]
-                if _meets(p, e, q, a, outlines) != 1:
+                tie = ROUND_OFF * min(length[e], length[a])
+                if max(gap[c], gap[d]) >= -tie or _meets(p, e, q, a, outlines) != 1:
                     continue
-                if abs(gap[c] - gap[d]) > ROUND_OFF * min(length[e], length[a]):
+                if abs(gap[c] - gap[d]) > tie:
                     first_stays = gap[c] > gap[d]
                 elif known[c] != known[d]:
                     first_stays = known[c]
+                elif abs(length[e] - length[a]) > tie:
+                    first_stays = length[e] > length[a]
                 else:
                     first_stays = p < q
                 keep[d if first_stays else c] = False

@@ -282,7 +282,9 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
             gap < 0.0 or not _comes_in(p, e, gap, along, own, outlines, looks)
         ):
             return False
-    if gap < 0.0 and _is_hidden(p, e, along, critdis, outlines):
+    # at a corner, within rounding, it is neither behind the edge nor beyond its end
+    tie = ROUND_OFF * length[e]
+    if gap < -tie and _is_hidden(p, e, along, critdis, outlines):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
     has_face = at_corner and _has_face_on(e, at_end, own, direction)
@@ -302,8 +304,8 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     return not (
         is_in_joint(e, at_end, i, outlines, bearing)
         or (
-            -critdis <= beyond <= 0.0
-            and stands_beyond(p, e, at_end, -beyond, own, outlines, bearing)
+            -critdis <= beyond <= tie
+            and stands_beyond(p, e, at_end, max(0.0, -beyond), own, outlines, bearing)
         )
     )
 

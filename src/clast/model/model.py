@@ -342,6 +342,36 @@ class Model:
         return float(area[~self.absent].min())
 
     @kept_property
+    def rank(self) -> Ints:
+        """Place of each block in an order that no numbering, turn, mirror or shift changes, (n,).
+
+        Larger blocks come first, and of equal ones those nearer to the middle of all rock.  Only
+        blocks that nothing tells apart, on either side of a line of symmetry, go by number.
+        """
+        away, start = self._from_the_middle, self.block_start
+        mean = np.add.reduceat(away, start[:-1]) / np.diff(start)
+        order = np.lexsort((_alike(mean, mean.max()), -_alike(np.log(self.area), 1.0)))
+        return _places(order)
+
+    @kept_property
+    def vertex_rank(self) -> Ints:
+        """The same of vertices, (nv,): those nearer to the middle of all rock come first.
+
+        Of vertices at one place that of the block which comes first.
+        """
+        away = self._from_the_middle
+        return _places(np.lexsort((self.rank[self.vertex_block], _alike(away, away.max()))))
+
+    @kept_property
+    def _from_the_middle(self) -> Floats:
+        """Distance of each vertex from the middle of all rock at the start, m, (nv,)."""
+        start = self.block_start
+        mean = np.add.reduceat(self.vertices, start[:-1], axis=0) / np.diff(start)[:, None]
+        ground = np.array([rock.is_ground for rock in self.rocks], np.bool_)[self.block_rock]
+        weight = np.where(ground | ~ground.any(), self.area, 0.0)
+        return np.hypot(*(self.vertices - np.average(mean, axis=0, weights=weight)).T)
+
+    @kept_property
     def body(self) -> Ints:
         """Body of each block, shape (n,): a number that fixed blocks which are one share."""
         return np.arange(self.block_count) if self.outlines is None else self.outlines.body
@@ -536,3 +566,23 @@ class Model:
             f"{len(self.vertices)} vertices; rocks: {', '.join(r.name for r in self.rocks[:4])}; "
             f"joints: {', '.join(joint.name for joint in self.joint_table.joints[:4])})"
         )
+
+
+ALIKE = 1e-7
+"""Difference of sizes and places of blocks that is none, as a share: coordinates are rounded."""
+
+
+def _alike(values: Floats, size: float) -> Ints:
+    """Return numbers that ascend with values (n,), the same for those that hardly differ, (n,)."""
+    order = np.argsort(values, kind="stable")
+    apart = np.diff(values[order], prepend=values[order[:1]]) > ALIKE * size
+    found = np.empty(len(values), np.int64)
+    found[order] = np.cumsum(apart)
+    return found
+
+
+def _places(order: Ints) -> Ints:
+    """Return the place of each thing in an order (n,)."""
+    place = np.empty(len(order), np.int64)
+    place[order] = np.arange(len(order))
+    return place

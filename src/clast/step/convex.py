@@ -9,7 +9,8 @@ converges from anywhere.  Each iteration solves one assembled, symmetric positiv
 Where it takes long the interior point method takes over (minimise/interior_point.py).
 
 Parts that are not convex are taken out of the minimisation and repeated around it: the friction
-bound follows the normal force (``friction_updates``), and bonds that reach their strength are
+bound follows the normal force (``friction_updates``; in static steps to the end, by Newton's method
+on the equations of both, minimise/coupled.py), and bonds that reach their strength are
 broken before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the
 law has them, are renewed after convergence.
 
@@ -34,7 +35,7 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.asperities import Asperities, as_pressed, over_asperities
 from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, clipped, has_limits
-from clast.errors import StepOutcome
+from clast.errors import StepOutcome, StepRejected
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
     DiagonalTerms,
@@ -44,6 +45,7 @@ from clast.linear.system import (
     graph_of,
     with_ground,
 )
+from clast.minimise.coupled import CoupledNewton
 from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.fixed_point import Guesses
 from clast.minimise.newton import Newton, SolverContext, best_of
@@ -66,10 +68,17 @@ AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
 LANDING = 1e-3
 """Closing velocity from which a new contact is one that lands, in units of g h."""
-MOST_UPDATES = 30
-"""Times at most that the friction bounds of a static step are renewed until they agree."""
-AGREES = 0.002
-"""Share of the forces on each block which new bounds may bring out of balance where they agree."""
+MOST_UPDATES = 32
+"""Times at most that the friction bounds of a static step are renewed before it is cut."""
+AGREES = 1e-9
+"""Share of the forces on each block which may be out of balance where bounds agree with them."""
+NEARLY = 0.002
+"""The same where they may not come to agree, by cohesion that goes with the last normal force."""
+SHORT = 0.2
+"""Twice the fall of a free block in a step that is not cut for its friction, in units of
+max_displacement."""
+STANDARD_GRAVITY = 9.8
+"""Acceleration by which it falls where there is no gravity, m/s2."""
 
 DRIVEN = 1e-3
 """Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
@@ -140,7 +149,7 @@ class Convex:
             taken=taken,
             rows=rows,
             schedule=self.schedule(factor),
-            friction=self.friction(method),
+            friction=self.friction(context, contacts),
             tolerance=self.tolerated(context, potential),
             each=self.each_block(context, len(potential.springs)),
             work=SolverContext(factor=factor, counts=counts, stages=stages),
@@ -225,16 +234,28 @@ class Convex:
             floor=round_off(model, method, context.state, links),
         )
 
-    def friction(self, method: Method) -> FrictionLoop:
+    def friction(self, context: StepContext, contacts: Contacts) -> FrictionLoop:
         """Return how friction bounds are brought into accord with the normal forces.
 
         A static step may be as long as it likes, and a joint that slips in it has slipped for good:
-        by bounds that are not those of its forces blocks slide as far as the step lets them.
+        by bounds that are not those of its forces blocks slide as far as the step lets them.  Where
+        no accord is found it is cut, until blocks go no further than a step may; not where there
+        may be none, for cohesion without tensile strength goes with the last normal force.
         """
+        model, method = context.model, context.method
         once = FrictionLoop(updates=self.friction_updates)
         if method.dynamic_ratio > 0.0 or method.balance is None or self.friction_updates == 0:
             return once
-        return changed(once, updates=max(MOST_UPDATES, self.friction_updates), agrees=AGREES)
+        falls = (model.size_of_gravity or STANDARD_GRAVITY) * context.step**2
+        jumps = is_any((contacts.cohesion > 0.0) & (contacts.tensile_strength == 0.0))
+        refuses = falls > SHORT * method.max_displacement and not jumps
+        return changed(
+            once,
+            updates=max(MOST_UPDATES, self.friction_updates),
+            agrees=AGREES,
+            nearly=NEARLY if jumps else 0.0,
+            refuses=StepOutcome.NOT_CONVERGED if refuses else None,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,14 +271,12 @@ class FrictionLoop:
     sharper: float = 0.1
     """Energy left open at the next try, in units of that at the last, at most."""
     agrees: float = 0.0
-    """Share of the forces on each block that new bounds may bring out of balance where they agree;
-    0: they are renewed all ``updates`` times."""
-
-    def agree(self, each: EachBlock | None, potential: Potential, point: Point) -> bool:
-        """Return whether bounds just renewed agree with the forces at the point before."""
-        if each is None:
-            return False
-        return float(each.shares(potential, point).max(initial=0.0)) <= self.agrees
+    """Share of the forces on each block that may be out of balance where bounds agree with them; 0:
+    they are renewed all ``updates`` times."""
+    nearly: float = 0.0
+    """The same share with which bounds are kept that do not come to agree, 0 for none."""
+    refuses: StepOutcome | None = None
+    """How a step is rejected whose bounds do not come to agree; None: it is kept all the same."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -372,16 +391,28 @@ class Search:
     ) -> tuple[Potential, Contacts, Point]:
         """Return potential and contacts with friction bounds renewed, and the minimum before.
 
-        They are renewed ``updates`` times, or until they agree with the forces of the minimum that
-        they lead to.
+        They are renewed ``updates`` times, or until the equations are solved in which they follow
+        the forces.  Raises StepRejected where that is required and not reached.
         """
         guesses, begins = Guesses(), True
-        for left in reversed(range(updates)):
+        for renewed in range(1, updates + 1):
             given = contacts.friction_base
             potential, contacts, point = self.with_new_bounds(potential, contacts, point)
             if self.friction.agrees == 0.0:
                 continue
-            if left == 0 or self.friction.agree(self.each, potential, point):
+            # where it is not found from near by, it is not from a little further on, either
+            tried = renewed.bit_count() == 1 and (renewed <= 2 or self.friction.nearly == 0.0)
+            found = self.followed(potential, contacts, point) if tried else None
+            if found is not None:
+                contacts = changed(contacts, friction_base=found.forces.normal_force[self.rows])
+                potential = self.bound(potential, contacts)
+                return potential, contacts, potential.again(found)
+            if self.friction.nearly > 0.0 and self.each is not None:
+                if self.each.shares(potential, point).max(initial=0.0) <= self.friction.nearly:
+                    break
+            if renewed == updates:
+                if self.friction.refuses is not None:
+                    raise StepRejected(self.friction.refuses, "friction and normal forces")
                 break
             if not begins:  # the first bounds hold whatever comes
                 guesses = guesses.with_one(given, contacts.friction_base)
@@ -391,6 +422,15 @@ class Search:
                 point = potential.again(point)
             begins = False
         return potential, contacts, point
+
+    def followed(self, potential: Potential, contacts: Contacts, point: Point) -> Point | None:
+        """Return the solution near a point whose friction follows the normal forces, if found."""
+        if self.each is None:
+            return None
+        free = changed(contacts, friction_base=np.full(len(contacts), np.nan))
+        law = OfContacts(self.law, self.taken, free, self.rows, potential.springs)
+        newton = CoupledNewton(agrees=self.friction.agrees)
+        return newton.solve(changed(potential, law=law), point, self.each, self.work)
 
     def with_new_bounds(
         self, potential: Potential, contacts: Contacts, point: Point
@@ -472,7 +512,9 @@ class OfContacts:
         forces = self.springs.at(gap, slip)
         for name in ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness"):
             getattr(forces, name)[self.rows] = getattr(answer, name)
-        return forces
+        coupling = np.zeros(len(gap))
+        coupling[self.rows] = answer.coupling
+        return changed(forces, coupling=coupling)
 
     def energy(self, gap: Floats, slip: Floats) -> float:
         """Return the energy of all springs at gaps and slips (m,), m, in J/m."""

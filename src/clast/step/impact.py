@@ -156,14 +156,16 @@ def _struck(
     ``answers`` are the restitution of contacts (m,) and which carry (m,), ``flight`` velocities
     (n, 6) and accelerations (n, 2) of the blocks, ``limits`` those of ``impulses.ImpactLimits``.
     """
-    closing_contacts = _that_may_strike(contacts, *answers)
-    if not collisions.any_strikes(*flight, *closing_contacts, limits):
-        return unchanged
     model, frames, held = context.model, context.frames, context.held
+    struck, carries, some = _that_may_strike(contacts, *answers)
+    if not collisions.any_strikes(*flight, struck, carries, limits):
+        return unchanged
+    order = _in_order(model, contacts.vertex[some], contacts.edge[some])
+    struck, carries = tuple(one[order] for one in struck), carries[order]
     inertia = mobilities(model, frames, context.state), frames.mass_matrix
     if held is not None:
         inertia = held.heavy(*inertia)
-    after, shift, lost = collisions.strike(*flight, *inertia, *closing_contacts, limits)
+    after, shift, lost = collisions.strike(*flight, *inertia, struck, carries, limits)
     rate = gap_rate(contacts, after)
     return changed(
         unchanged,
@@ -177,8 +179,8 @@ def _struck(
 
 def _that_may_strike(
     contacts: Contacts, restitution: Floats, carries: Bools
-) -> tuple[tuple[Any, ...], Bools]:
-    """Return the arrays of ``impulses.Closing``, and which of its contacts carry.
+) -> tuple[tuple[Any, ...], Bools, Any]:
+    """Return the arrays of ``impulses.Closing``, which of its contacts carry, and its rows.
 
     Of vertices alone: a face that lands does so on its ends.
     """
@@ -191,7 +193,18 @@ def _that_may_strike(
         restitution[some],
         contacts.friction[some],
     )
-    return closing, carries[some]
+    return closing, carries[some], some
+
+
+def _in_order(model: Model, vertex: Ints, edge: Ints) -> Ints:
+    """Return an order of contacts (m,) that no numbering of blocks changes.
+
+    Impulses are found one after the other, and those of many contacts not to the last digit.
+    """
+    rank = model.vertex_rank
+    ends = rank.take(edge), rank.take(model.vertex_after.take(edge))
+    order: Ints = np.lexsort((np.maximum(*ends), np.minimum(*ends), rank.take(vertex)))
+    return order
 
 
 def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:

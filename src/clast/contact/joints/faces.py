@@ -12,8 +12,9 @@ crack that has begun carries more than sigma_t L^2/6, the moment that began it (
 
 A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
 are vertices: as blocks slide, its place and its share are those of the moment.  Of edges that lie
-flush the one of the block with the lower number has the point P, the other one Q; of edges at an
-angle, up to 30 degrees, the one whose vertex goes in deepest has P (decision 94).  Joints without
+flush the one of the block that comes first by size and place (``Model.rank``) has the point P, the
+other one Q; of edges at an angle, up to 30 degrees, the one whose vertex goes in deepest has P
+(decision 94).  Joints without
 stiffness and bond keep their corners alone, about which blocks then tip exactly.
 """
 
@@ -145,16 +146,17 @@ def _shared_edges(
     _edges_facing_each_other(ends, blocks, outlines, own, other)
     there = own >= 0
     own, other, which = own[there], other[there], np.repeat(some, 2)[there]
-    # the vertex that goes in deepest tells first
-    deepest = np.argsort(corners.gap[which], kind="stable")
+    # the vertex that goes in deepest tells first, where two do that of the block that comes first
+    rank = model.rank
+    deepest = np.lexsort((rank[corners.vertex_block[which]], corners.gap[which]))
     own, other, which = own[deepest], other[deepest], which[deepest]
-    low = corners.vertex_block[which] < corners.edge_block[which]
-    lower, higher = np.where(low, own, other), np.where(low, other, own)
-    _, at = np.unique(lower * len(vertices) + higher, return_index=True)
+    ahead = rank[corners.vertex_block[which]] < rank[corners.edge_block[which]]
+    leading, following = np.where(ahead, own, other), np.where(ahead, other, own)
+    _, at = np.unique(leading * len(vertices) + following, return_index=True)
     one, two = edges[0][own[at]], edges[0][other[at]]
     flush = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) <= SMALL_ANGLE
-    first = np.where(flush, lower[at], own[at])
-    second = np.where(flush, higher[at], other[at])
+    first = np.where(flush, leading[at], own[at])
+    second = np.where(flush, following[at], other[at])
     return first, second, corners.pair[which[at]]
 
 

@@ -122,7 +122,12 @@ def _placed(
         )
     polygons = np.array([shapely.Polygon(cut.polygon(k)) for k in range(count)])
     segment, block = tree.query(polygons, predicate="intersects")
-    common = shapely.area(shapely.intersection(polygons[segment], tree.geometries[block]))
+    # on a grid: where faces lie on each other but for rounding, GEOS may find all of a segment
+    common = shapely.area(
+        shapely.intersection(
+            polygons[segment], tree.geometries[block], grid_size=1e-6 * one.thickness
+        )
+    )
     deep = common > ROOM * shapely.area(polygons[segment])
     inside = tuple(names[k] for k in np.unique(block[deep]).tolist())
     if inside and one.stage is None:
