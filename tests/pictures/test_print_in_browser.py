@@ -60,8 +60,8 @@ def test_paper_keeps_angles_and_is_light(opened, bedding, size):
     said = page.inner_text("main").replace("\xa0", " ")
     assert "Colours: Rock; t = 20 ms" in said
     page.emulate_media(media="screen")
+    page.wait_for_selector("main[data-theme=dark]", timeout=20_000)
     settled(page)
-    assert page.get_attribute("main", "data-theme") == "dark"
     assert looks(page.screenshot())[0] == pytest.approx(DIP, abs=0.2)
     assert page.locator(".picture").count() == 0
     assert page.faults == []

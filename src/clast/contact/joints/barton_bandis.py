@@ -32,6 +32,8 @@ STEEPEST = np.radians(70.0)
 """Largest friction angle, rad (Barton 1976)."""
 ON_CURVE = 1e-9
 """Share of the strength by which a shear force may be below it and still be on the curve."""
+TOUCHES = 1e-8
+"""Closure that is none, in units of the slip at the peak: forces by rounding mobilise nothing."""
 NEAR_CURVE = 0.1
 """The same of a contact that went along the curve in the last step."""
 AHEAD = 0.02
@@ -164,7 +166,8 @@ def with_roughness(
     rises = (ahead > 0.0) & (peak - now > FLATTEST)
     bound, size = np.maximum(normal, 0.0) * now, np.abs(shear)
     went = (found["mode"][rows] == SLIDE) & (size >= (1.0 - NEAR_CURVE) * bound)
-    follows = rises & (normal > 0.0) & (went | (size >= (1.0 - ON_CURVE) * bound))
+    carries = normal > TOUCHES * stiffness * rough.peak_slip
+    follows = rises & carries & (went | (size >= (1.0 - ON_CURVE) * bound))
     begun = np.minimum(size, bound)
     ahead = np.where(rises, ahead, 1.0)
     along = (normal * rough.friction(way + ahead, angle) - begun) / ahead
