@@ -330,6 +330,11 @@ class Model:
         """Size of the acceleration of gravity, m/s2."""
         return float(np.hypot(*self.gravity))
 
+    @property
+    def usual_gravity(self) -> float:
+        """Acceleration by which falls and speeds are judged, m/s2: 9.8 where there is none."""
+        return self.size_of_gravity or 9.8
+
     @kept_property
     def edges_name_joints(self) -> bool:
         """Whether any edge says which joint it is."""

@@ -77,8 +77,6 @@ NEARLY = 0.002
 SHORT = 0.2
 """Twice the fall of a free block in a step that is not cut for its friction, in units of
 max_displacement."""
-STANDARD_GRAVITY = 9.8
-"""Acceleration by which it falls where there is no gravity, m/s2."""
 
 DRIVEN = 1e-3
 """Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
@@ -246,7 +244,7 @@ class Convex:
         once = FrictionLoop(updates=self.friction_updates)
         if method.dynamic_ratio > 0.0 or method.balance is None or self.friction_updates == 0:
             return once
-        falls = (model.size_of_gravity or STANDARD_GRAVITY) * context.step**2
+        falls = model.usual_gravity * context.step**2
         jumps = is_any((contacts.cohesion > 0.0) & (contacts.tensile_strength == 0.0))
         refuses = falls > SHORT * method.max_displacement and not jumps
         return changed(

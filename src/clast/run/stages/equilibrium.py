@@ -40,8 +40,6 @@ from clast.run.stages.balance import ForceSums, forces_of
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.step.method import Method, StepResult
 
-STANDARD_GRAVITY = 9.8
-"""Acceleration by which speeds are judged where there is no gravity, m/s2."""
 STRAIGHT = 0.9
 """Net movement, as a share of the way, above which a block moves on and does not tremble."""
 DYING = 0.5
@@ -94,12 +92,7 @@ class EquilibriumCheck:
     @cached_property
     def _limit(self) -> Floats:
         """Speed of each block that is none, m/s, shape (n,)."""
-        return self.stage.speed * np.sqrt(self._gravity * np.sqrt(self.model.area))
-
-    @cached_property
-    def _gravity(self) -> float:
-        """Acceleration by which speeds and forces are judged, m/s2."""
-        return float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
+        return self.stage.speed * np.sqrt(self.model.usual_gravity * np.sqrt(self.model.area))
 
     @cached_property
     def _free(self) -> Bools:
@@ -136,7 +129,8 @@ class EquilibriumCheck:
         )
         why = self._unrest(judged, states, sums, (way, step))
         idle = sums.unbalanced <= np.maximum(
-            CREEPING_FORCE * np.minimum(self.model.mass * self._gravity, sums.size), self._noise
+            CREEPING_FORCE * np.minimum(self.model.mass * self.model.usual_gravity, sums.size),
+            self._noise,
         )
         return replace(
             judged,
@@ -173,7 +167,7 @@ class EquilibriumCheck:
 
     def _moves_on(self, way: Floats, step: float) -> str:
         """Return which block a step without inertia to speak of would take along, "" for none."""
-        model, gravity = self.model, self._gravity
+        model, gravity = self.model, self.model.usual_gravity
         far = np.where(self._free, polygon.farthest(way, model.block_start), 0.0)
         force = model.mass * far / (self.method.integrator.theta * step**2)
         share = force / np.maximum(CREEPING_FORCE * model.mass * gravity, self._noise)

@@ -42,7 +42,7 @@ from clast.run.schedule import Schedule
 from clast.run.stages import failure_verdict
 from clast.run.stages.balance import out_of_balance
 from clast.run.stages.convergence import Convergence
-from clast.run.stages.equilibrium import STANDARD_GRAVITY, EquilibriumCheck
+from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.stage_position import Judgement, Position
 from clast.run.stages.transition import WELL_BELOW
 from clast.step.finish import LARGEST_TURN
@@ -370,8 +370,7 @@ class StaticPath:
     @property
     def _falls(self) -> float:
         """Time in which a free block falls by max_displacement, s."""
-        gravity = float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
-        return float(np.sqrt(2.0 * self.method.max_displacement / gravity))
+        return float(np.sqrt(2.0 * self.method.max_displacement / self.model.usual_gravity))
 
     def _way(self, before: State, after: State) -> Floats:
         """Return the movement of each block as ``Convergence`` has it, m, shape (n, 3)."""

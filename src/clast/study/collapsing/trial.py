@@ -28,7 +28,6 @@ from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.results.frame_samples import own_of_bolts
 from clast.run.simulate import simulate
-from clast.run.stages.equilibrium import STANDARD_GRAVITY
 from clast.run.stages.failure_verdict import Scales
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
@@ -305,8 +304,7 @@ def is_driven(start: Settled, run: Run) -> bool:
         float(moved(model, places[k], places[k + 1]).max()) / float(times[k + 1] - times[k])
         for k in range(2)
     ]
-    gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
-    least = AT_REST * gravity * start.method.integrator.theta * step
+    least = AT_REST * model.usual_gravity * start.method.integrator.theta * step
     return speeds[1] > least and speeds[1] >= STEADY * speeds[0]
 
 
