@@ -40,14 +40,14 @@ help:
 	@echo "make test-ci    run what CI runs; make test-release runs every test there is"
 	@echo "make digits     write hashes of short runs; once they are there, compare (minutes)"
 	@echo "make bench      time a wall and a heap of 1,000 blocks (BENCH_ARGS for others)"
-	@echo "make sizes      report lines and files by folder; make english counts words of docstrings"
+	@echo "make sizes      hold lines by folder against their budget; make english counts words"
 	@echo "make compile-cost   measure what each kernel costs to compile (minutes)"
 	@echo "make mutations  look whether core tests see a wrong sign (an hour)"
 	@echo "make format     format the code and sort its imports"
 	@echo "make lint       check format and style (ruff)"
 	@echo "make types      check types (mypy)"
 	@echo "make layers     check that imports point downwards (import-linter)"
-	@echo "make check      lint, types and layers"
+	@echo "make check      lint, types, layers and sizes"
 	@echo "make build      build the wheel into dist"
 	@echo "make clean      remove what was built; make distclean removes .venv too"
 	@echo ""
@@ -213,7 +213,7 @@ types: env-test
 layers: env-test
 	@$(BIN)/lint-imports --no-logo
 
-check: lint types layers
+check: lint types layers sizes
 
 build: env-test
 	@$(PIP) wheel --quiet --no-deps --wheel-dir dist .
