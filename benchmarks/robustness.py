@@ -266,7 +266,7 @@ averaged over the last half second, because an undamped wall on soft springs sti
 bond the load is not even, so the largest exceeds the mean; in columns it does not. From p = E up
 all penetrations are within 20 % of W/(n_c p) and all drifts below 0.05 mm. Columns are held only by
 friction at their feet; they stand because a corner that is flush with the adjacent face does not
-rest on it (docs/decisions/0020): before that change 990 bricks at p = E, h = 0.2 ms swayed by
+rest on it (decision 20): before that change 990 bricks at p = E, h = 0.2 ms swayed by
 0.16 mm and drifted by 0.05 mm. Softer walls bounce by millimetres and drift more. *Failed* counts
 steps that did not converge or in which a vertex passed through an edge, *cut* those in which a
 displacement or rotation exceeded the limit of a step. Wall times are for one thread beside other

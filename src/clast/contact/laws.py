@@ -249,7 +249,7 @@ class AugmentedLagrangian:
     """Stiffness of the shear spring, N/m per m; ``solves`` x ``normal_stiffness`` if not given.
 
     The solves make the contact that much stiffer in effect; a softer shear spring would mobilise
-    friction later than the normal force (docs/decisions/0015).
+    friction later than the normal force (decision 15).
     """
     solves: int = 4
     """Solves per step, at most."""

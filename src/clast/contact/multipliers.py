@@ -60,7 +60,7 @@ def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
     """Warn where multipliers that are carried over would make blocks swing up.
 
     They add up penetration from step to step; the time scheme damps that only where
-    n beta = n p h2/(2 m) is at least 1, m being the mass per contact (docs/decisions/0010).
+    n beta = n p h2/(2 m) is at least 1, m being the mass per contact (decision 10).
     """
     if not has_multipliers(law) or not law.carries or model.fixed.all():
         return ()

@@ -4,7 +4,7 @@ Blocks of a wall or of a jointed rock share edges and corners up to round-off, w
 overlays of polygons go wrong: the intersection of two polygons that touch to 1e-16 of their size
 may come back as one of the two.  So most pairs are separated by a line between them, and the others
 are overlaid on a grid that is far coarser than round-off and far finer than any overlap that
-matters. docs/decisions/0043 gives the measurements.
+matters. decision 43 gives the measurements.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ The ratio is that of the worst block: among ten thousand blocks at rest one that
 thousandth of all forces.  The forces are those that act, without damping, and so are out of balance
 where damping alone holds a speed.  Steps of a static run are short falls from rest: their speed is
 g h times the unbalanced share, and says little where the step is short; 5 finds blocks that slide
-on (decision 0056).
+on (decision 56).
 """
 
 from __future__ import annotations

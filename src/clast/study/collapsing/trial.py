@@ -1,6 +1,6 @@
 """One trial of a study of collapse: whether the blocks stand with a factor.
 
-Each trial is a static stage, a path of equilibria (docs/decisions/0070, 0083), that begins where
+Each trial is a static stage, a path of equilibria (decision 70, 0083), that begins where
 the blocks have come to rest without the factor, with displacements at zero.  Friction that contacts
 remember is capped to their reduced strength as the first step begins: the return mapping of
 Coulomb's law does it.
@@ -162,7 +162,7 @@ def in_short_steps(content: Content, model: Model) -> Content:
     """Return the tables of a case with steps that cannot leap past an equilibrium.
 
     No step moves a block by more than a share of the movement from which blocks fail
-    (docs/decisions/0186).
+    (decision 186).
     """
     longest = STRIDE * Scales.of(model).goes
     time = TimeTable.model_validate(content["time"])
