@@ -41,7 +41,7 @@ def snippets(document: str) -> list[str]:
 @pytest.fixture(scope="module")
 def hardening() -> Any:
     """The contact law of the how-to page."""
-    page = "docs/how-to/contact-law.md"
+    page = "docs/how-to/extend.md"
     return executed(snippets(page)[0], page)["Hardening"]
 
 

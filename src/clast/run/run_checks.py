@@ -200,7 +200,7 @@ class Watch:
             kinds = ", ".join(sorted({type(one).__name__ for one in others}))
             return (
                 f"work and ledger of an action of a script ({kinds}) do not agree with its forces; "
-                "see docs/how-to/action.md"
+                "see docs/how-to/extend.md"
             )
         tolerance = getattr(self.method.process, "tolerance", None)
         if tolerance is None:
