@@ -419,7 +419,7 @@ SCENES: dict[str, Scene] = {
         steps=100,
         process={
             "convex": {"friction_updates": 4, "tolerance": 1e-9},
-            "modified": {"friction": "implicit", "passes": 3},
+            "modified": {"passes": 3},
             "open-close": {"iterations": 12},
         },
     ),
@@ -444,7 +444,6 @@ SCENES: dict[str, Scene] = {
     "slope-cholesky": Built(
         build=lambda: slope(120), step=1e-3, steps=20, keys={"solver": "cholesky"}
     ),
-    "slope-scipy": Built(build=lambda: slope(120), step=1e-3, steps=12, keys={"solver": "scipy"}),
     "wall-400-1ms": Built(build=lambda: wall(20, 20), step=1e-3, steps=20, stiffness=AS_ROCK),
     "wall-400-5ms": Built(build=lambda: wall(20, 20), step=5e-3, steps=20, stiffness=AS_ROCK),
     "heap-300": Built(build=lambda: heap(300, 18), step=5e-3, steps=40),

@@ -10,12 +10,12 @@ import pytest
 
 from clast.case.case_file import Case, json_schema, load
 from clast.case.templates import INCLINE, TEMPLATES
+from clast.contact.laws import Carried
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.alternatives import Alternatives, Choice, class_at
 from clast.inputs.method import ALTERNATIVES, PROCESSES
 from clast.step.convex import Convex
-from clast.step.modified import ImplicitFriction, Modified
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -107,7 +107,7 @@ traction = [-5.0, 0.0]
         ("geometry.blocks.2.fixed=true", lambda case: case.geometry.blocks[1].fixed),
         ("fixed_point.2.at=[0, 10]", lambda case: case.fixed_point[1].at == (0.0, 10.0)),
         ("method.rotation=exact", lambda case: case.method_.rotation.name == "exact"),
-        ("method.solver.name=scipy", lambda case: case.method_.solver.name == "scipy"),
+        ("method.solver.name=pcg", lambda case: case.method_.solver.name == "pcg"),
         ("method.process.iterations=30", lambda case: case.method().process.iterations == 30),
     ],
 )
@@ -129,9 +129,10 @@ def test_settings_that_cannot_be(setting, phrase):
 
 
 def test_choices_nest():
-    settings = ["method.process=modified", "method.process.friction=implicit"]
+    law = "method.contact_law"
+    settings = [f"{law}=augmented-lagrangian", f"{law}.multipliers=carried"]
     case = Case.from_toml(INCLINE, settings)
-    assert case.method().process == Modified(friction=ImplicitFriction(), passes=1)
+    assert case.method().contact_law.multipliers == Carried()
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,9 @@ import pytest
 import clast
 from clast.case.api import usual_step
 from clast.case.case_file import Case
-from clast.contact.laws import Penalty
+from clast.contact.laws import Carried, Penalty
 from clast.errors import CaseError, ModelError
 from clast.step.convex import Convex
-from clast.step.modified import LaggedFriction
 
 
 def bytes_of(value: Any) -> Any:
@@ -215,12 +214,13 @@ def test_objects_are_taken_in_the_place_of_names():
     assert isinstance(method.process, Own)
     assert method.contact_law == Penalty(1e8)
     assert case.run().report.finished
-    nested = builder.case(process={"name": "modified", "friction": LaggedFriction()})
-    assert isinstance(nested.method().process.friction, LaggedFriction)
+    multipliers = {"name": "augmented-lagrangian", "multipliers": Carried()}
+    nested = builder.case(contact_law=multipliers)
+    assert isinstance(nested.method().contact_law.multipliers, Carried)
     assert "Own(inner=" in case.text
     with pytest.raises(CaseError, match="object of a script, which a case file cannot hold"):
         case.to_toml()
-    assert 'friction = "lagged"' in nested.to_toml()
+    assert 'multipliers = "carried"' in nested.to_toml()
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,7 @@ from scenes.command_line import without_compilation
 from scenes.refusals import refusal, some_of
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-INCLINE = templates.INCLINE.replace(
-    'process = "convex"', 'process = {name="modified", friction="lagged", passes=1}'
-)
+INCLINE = templates.INCLINE.replace('process = "convex"', 'process = {name="modified", passes=1}')
 CONTROL = {chr(code) for code in range(32)} - {"\n"}
 OLD_RESULT = HDF5_SIGNATURE + b"an older result"
 
@@ -141,7 +139,6 @@ TEXTS = {
         ["process.pass", "mean 'passes'"],
     ),
     "passes of zero": (changed("passes=1", "passes=0"), ["[method] process.passes", "1 or more"]),
-    "unknown friction": (changed('"lagged"', '"none"'), ["process.friction", "lagged, implicit"]),
     "negative stiffness": (
         changed("shear_stiffness=1e9", "shear_stiffness=-1"),
         ["[method] contact_law.shear_stiffness", "above 0"],
@@ -181,7 +178,7 @@ TEXTS = {
     "huge gravity": (changed("-9.8]", "-9.8e200]"), ["gravity 2", "too large", "m/s2"]),
     "huge velocity": (changed("[0,0,0]", "[1e200,0,0]"), ["velocity 1", "too large", "m/s"]),
     "tolerance of nothing": (
-        changed('name="modified", friction="lagged", passes=1', 'name="convex", tolerance=1e-300'),
+        changed('name="modified", passes=1', 'name="convex", tolerance=1e-300'),
         ["[method] process.tolerance", "too small to be intended"],
     ),
     "passes without end": (changed("passes=1", "passes=1000000000"), ["passes", "1000 or less"]),

@@ -17,7 +17,7 @@ from clast.inputs.declaring.alternatives import Choice
 from clast.inputs.method import ALTERNATIVES
 from clast.inputs.stages import StageTable, given_stages
 from clast.model.stages.stage import Stage
-from clast.step.modified import ImplicitFriction, LaggedFriction, Modified
+from clast.step.modified import Modified
 
 KEYS: dict[str, Any] = {"step": 1e-3, "end": 0.01}
 
@@ -31,15 +31,15 @@ def box() -> clast.ModelBuilder:
 
 
 @dataclass(frozen=True)
-class Own(LaggedFriction):
-    """Friction that no case file has a name for."""
+class Own(Modified):
+    """A process that no case file has a name for."""
 
 
 @pytest.mark.parametrize(
     ("key", "given"),
     [
         ("process", Modified()),
-        ("process", Modified(friction=ImplicitFriction(), passes=2)),
+        ("process", Modified(passes=2)),
         ("contact_law", Penalty(normal_stiffness=2e9)),
         ("contact_law", AugmentedLagrangian(normal_stiffness=1e9, multipliers=Carried())),
         ("damping", Rayleigh(mass=2.0)),
@@ -54,7 +54,7 @@ def test_an_object_of_clast_is_written_by_its_name(key: str, given: Any):
 
 @pytest.mark.parametrize("key", ["process", "damping"])
 def test_an_object_of_a_script_is_not_written(key: str):
-    given = {"process": Modified(friction=Own()), "damping": type("Mine", (Kinetic,), {})()}[key]
+    given = {"process": Own(), "damping": type("Mine", (Kinetic,), {})()}[key]
     case = box().case(**{key: given}, **KEYS)
     assert getattr(case.method(), key) == given
     where = {"process": r"\[method\] process", "damping": "damping"}[key]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from clast.compute.parallel import BLOCKS, CONTACTS
-from clast.linear.unsymmetric import sparse_matrix
 from clast.minimise.line_search import blocks_along, island_sums, slopes
 from clast.minimise.potential import MOMENTUM_SHARE
+from scenes.block_matrices import dense
 from scenes.potentials import at_rest, caught, some_of, strengthened
 from scenes.systems import box, heap, system, wall
 
@@ -26,7 +26,7 @@ def check_derivatives(potential, unknowns, rng, size):
     scale = np.abs(potential.gradient(unknowns) * way).sum() + np.abs(gained)
     assert gained == pytest.approx(slope, abs=2e-5 * scale)
     turned = potential.gradient(after) - potential.gradient(before)
-    matrix = sparse_matrix(potential.hessian(potential.at(unknowns))).toarray()
+    matrix = dense(potential.hessian(potential.at(unknowns)))
     wanted = 2.0 * (matrix @ way.ravel()).reshape(-1, 6) * free
     assert turned == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
 

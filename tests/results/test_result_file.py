@@ -240,11 +240,10 @@ def test_summary_says_how_the_run_was_made(tmp_path: Path):
     assert rows["version"] == rows["versions"]["clast"]
     assert rows["about"]["process"] == {
         "name": "modified",
-        "friction": "lagged-friction",
         "passes": 2,
     }
     said = texts(results.about)
-    assert said["process"] == "modified (friction lagged-friction, passes 2)"
+    assert said["process"] == "modified (passes 2)"
     assert said["p"] == "2e+08 N/m per m"
     assert said["h"] == "0.001 s, to 0.002 s"
     assert said["rocks"].startswith("rock: E = 5e+10 Pa")

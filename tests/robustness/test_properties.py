@@ -14,11 +14,12 @@ from clast.contact.laws import Penalty
 from clast.inputs.builder import InputBuilder
 from clast.linear.factor import Factorisation
 from clast.linear.pattern import Patterns
+from clast.linear.solvers import Direct
 from clast.linear.system import BlockSystem
-from clast.linear.unsymmetric import Scipy, sparse_matrix
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.method import Method
+from scenes.block_matrices import dense
 from scenes.systems import (
     GRAVITY,
     Floats,
@@ -61,7 +62,7 @@ class Scene:
     def method(self, unit: float = 1.0, **changes: object) -> Method:
         """Return the method in a unit of length of ``unit`` m."""
         length = 1.0 / unit
-        usual = by_convex(self.share * 5e9, solver=Scipy())
+        usual = by_convex(self.share * 5e9, solver=Direct())
         scaled = replace(
             usual,
             critdis=usual.critdis * length,
@@ -124,12 +125,12 @@ class Looking:
     seen: list[int]
 
     def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
-        matrix = sparse_matrix(system).toarray()
+        matrix = dense(system)
         assert np.abs(matrix - matrix.T).max() <= 1e-12 * np.abs(matrix).max()
         scale = 1.0 / np.sqrt(np.diag(matrix))
         np.linalg.cholesky(scale[:, None] * matrix * scale)
         self.seen.append(len(matrix))
-        return Scipy().factor(system, patterns)
+        return Direct().factor(system, patterns)
 
 
 @FEW

@@ -21,8 +21,7 @@ from clast.contact.laws import Penalty
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.inputs.builder import InputBuilder
-from clast.linear.solvers import Automatic
-from clast.linear.unsymmetric import Scipy
+from clast.linear.solvers import Automatic, Direct
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State, initial_state
 from clast.results import Run
@@ -170,7 +169,7 @@ def method(**changes: object) -> Method:
         corner_rule=Bisector(),
         rotation=Sine(),
         integrator=ConstantAcceleration(),
-        solver=Scipy(),
+        solver=Direct(),
         fixed_point_stiffness=1e11,
         critdis=0.005,
         max_displacement=0.01,

@@ -7,12 +7,12 @@ import pytest
 
 from clast.contact.contacts import ContactResponse
 from clast.step.convex import Convex
-from clast.step.modified import ImplicitFriction, Modified
+from clast.step.modified import Modified
 from scenes.systems import at_start, box, centroids, incline, march, method, slide, system
 
 PROCESSES = {
     "lagged": Modified(),
-    "implicit": Modified(friction=ImplicitFriction(), passes=3),
+    "three passes": Modified(passes=3),
     "convex": Convex(),
 }
 TIME, STEP = 0.3, 2e-3

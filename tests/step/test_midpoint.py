@@ -19,7 +19,7 @@ from clast.run.simulate import simulate
 from clast.step.convex import Convex
 from clast.step.integration import BackwardEuler, ConstantAcceleration, Midpoint
 from clast.step.method import Method
-from clast.step.modified import ImplicitFriction, Modified
+from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
 from clast.verification.problems.blocks import floating
 from clast.verification.problems.method import resumed_run
@@ -28,7 +28,7 @@ from clast.verification.variants import MIDPOINT
 
 PROCESSES = {
     "convex": Convex(),
-    "modified": Modified(friction=ImplicitFriction(), passes=4),
+    "modified": Modified(passes=4),
     "open-close": OpenClose(),
 }
 YOUNG = 2e9

@@ -14,7 +14,7 @@ from clast.model.state import ContactMemory
 from clast.step.convex import Convex
 from clast.step.finish import reject_tunnelled
 from clast.step.integration import BackwardEuler, ConstantAcceleration
-from clast.step.modified import ImplicitFriction, Modified, search_of_modified
+from clast.step.modified import Modified, search_of_modified
 from clast.step.open_close import OpenClose
 from scenes.systems import (
     GRAVITY,
@@ -37,7 +37,7 @@ from scenes.systems import (
 PROCESSES = {
     "modified": Modified(),
     "passes": Modified(passes=4),
-    "implicit": Modified(friction=ImplicitFriction(), passes=2),
+    "two passes": Modified(passes=2),
     "open-close": OpenClose(),
     "convex": Convex(),
 }

@@ -23,10 +23,6 @@ PROCESSES = {
     "convex": "clast.step.convex:Convex",
     "open-close": "clast.step.open_close:OpenClose",
 }
-FRICTIONS = {
-    "lagged": "clast.step.modified:LaggedFriction",
-    "implicit": "clast.step.modified:ImplicitFriction",
-}
 CONTACT_LAWS = {
     "penalty": "clast.contact.laws:Penalty",
     "augmented-lagrangian": "clast.contact.laws:AugmentedLagrangian",
@@ -53,13 +49,11 @@ SOLVERS = {
     "auto": "clast.linear.solvers:Automatic",
     "cholesky": "clast.linear.solvers:Direct",
     "pcg": "clast.linear.solvers:PCG",
-    "scipy": "clast.linear.unsymmetric:Scipy",
 }
 
 ALTERNATIVES = Alternatives(
     classes={
         "process": PROCESSES,
-        "friction": FRICTIONS,
         "contact_law": CONTACT_LAWS,
         "multipliers": MULTIPLIERS,
         "corner_rule": CORNER_RULES,
@@ -82,7 +76,6 @@ ALTERNATIVES = Alternatives(
     automatic=frozenset({"normal_stiffness"}),
     needs={
         "process": ("step", "advice", "stiffness"),
-        "friction": ("enter",),
         "contact_law": ("respond", "normal_stiffness"),
         "multipliers": ("first", "carries"),
         "corner_rule": ("choose",),

@@ -120,52 +120,6 @@ def assemble(base, fixed, pairs, graph, springs):
     return own, upper
 
 
-@kernel()
-def add_unsymmetric(matrix, contacts, rows, response):
-    """Add contacts whose friction follows the normal force in the solve to K, in place.
-
-    With rows n = (n_i, n_j) and t = (t_i, t_j) of a contact, the normal force is N = N0 - k_n n.d
-    and the shear force T = T0 - k_s t.d + c (N - N0): K gets k_n (n + c t) n^T + k_s t t^T.
-    ``matrix`` are the diagonal blocks, K_ij of each pair (lower index first) and K_ji;
-    ``contacts`` the pair, vertex_block and edge_block of each contact, and ``response`` its k_n,
-    k_s and c.
-    """
-    diagonal, upper, lower = matrix
-    pair, vertex_block, edge_block = contacts
-    normal_stiffness, shear_stiffness, coupling = response
-    n = np.empty((2, 6))
-    t = np.empty((2, 6))
-    for c in range(len(pair)):
-        i, j, q = vertex_block[c], edge_block[c], pair[c]
-        first = 0 if i < j else 1
-        for k in range(6):
-            n[first, k], n[1 - first, k] = rows[c, 0, k], rows[c, 1, k]
-            t[first, k], t[1 - first, k] = rows[c, 2, k], rows[c, 3, k]
-        low, high = min(i, j), max(i, j)
-        kn, ks, cross = normal_stiffness[c], shear_stiffness[c], coupling[c]
-        for a in range(6):
-            left0 = kn * (n[0, a] + cross * t[0, a])
-            left1 = kn * (n[1, a] + cross * t[1, a])
-            for b in range(6):
-                diagonal[low, a, b] += left0 * n[0, b] + ks * t[0, a] * t[0, b]
-                diagonal[high, a, b] += left1 * n[1, b] + ks * t[1, a] * t[1, b]
-                upper[q, a, b] += left0 * n[1, b] + ks * t[0, a] * t[1, b]
-                lower[q, a, b] += left1 * n[0, b] + ks * t[1, a] * t[0, b]
-
-
-@kernel()
-def hold_blocks(matrix, pairs, fixed):
-    """Remove the degrees of freedom of fixed blocks: their equations become d = 0, in place."""
-    diagonal, upper, lower = matrix
-    for b in range(len(fixed)):
-        if fixed[b]:
-            _hold(b, diagonal, diagonal)
-    for q in range(len(pairs)):
-        if fixed[pairs[q, 0]] or fixed[pairs[q, 1]]:
-            upper[q] = 0.0
-            lower[q] = 0.0
-
-
 @shared(CONTACTS)
 def _motions(first, last, ends, arms, displacement, normal, tangent):
     """Write n.d and t.d of each contact."""

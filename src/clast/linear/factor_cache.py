@@ -8,7 +8,7 @@ from clast.compute import chunks as shares
 from clast.linear.factor import Factorisation, LinearSolver
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import Automatic, IteratedMatrix
-from clast.linear.system import BlockSystem, Stiffnesses
+from clast.linear.system import BlockSystem, LinearisedForces
 from clast.model.model import Floats, Ints
 
 
@@ -31,14 +31,14 @@ class FactorOfStep:
         self.factorised = 0
         self.solved = 0
 
-    def solve(self, system: BlockSystem, response: Stiffnesses) -> Floats:
+    def solve(self, system: BlockSystem, response: LinearisedForces) -> Floats:
         """Return d (n, 6) of a system that was assembled with ``response``."""
         return self._factor_of(system, response).solve(system.force)
 
     def nearer(
         self,
         system: BlockSystem,
-        response: Stiffnesses,
+        response: LinearisedForces,
         guess: Floats | None,
         tolerance: float,
     ) -> Floats:
@@ -51,9 +51,9 @@ class FactorOfStep:
             return factor.nearer(system.force, guess, max(tolerance, factor.tolerance))
         return factor.solve(system.force)
 
-    def _factor_of(self, system: BlockSystem, response: Stiffnesses) -> Factorisation:
+    def _factor_of(self, system: BlockSystem, response: LinearisedForces) -> Factorisation:
         """Return the matrix made ready, or the last one where no stiffness has changed."""
-        stiffness = (response.normal_stiffness, response.shear_stiffness, response.coupling)
+        stiffness = (response.normal_stiffness, response.shear_stiffness)
         same = len(self._stiffness) == len(stiffness) and all(
             one is other or bool(shares.alike(one, other))
             for one, other in zip(stiffness, self._stiffness, strict=True)

@@ -13,7 +13,6 @@ from clast.linear import block_matrix, coarse_space, ldlt, pcg
 from clast.linear.factor import Factorisation, LinearSolver
 from clast.linear.pattern import Patterns, exact_pattern, strips_of, without_fill
 from clast.linear.system import BlockSystem
-from clast.linear.unsymmetric import Scipy
 from clast.model.model import Bools, Floats
 
 
@@ -34,12 +33,10 @@ class ExactFactor:
 
 @dataclass(frozen=True)
 class Direct:
-    """Block LDL^T for symmetric systems, SuperLU for others."""
+    """Block LDL^T."""
 
     def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the factorised matrix; raises StepRejected where it is singular."""
-        if not system.symmetric:
-            return Scipy().factor(system, patterns)
         pattern = patterns.of(system, exact_pattern)
         factor, bad = ldlt.exact(pattern, system.diagonal, system.upper)
         if bad >= 0:
@@ -102,7 +99,7 @@ MARGIN = 0.5
 
 
 class IteratedMatrix:
-    """A symmetric system that is solved by iteration, and exactly where all attempts stall."""
+    """A system that is solved by iteration, and exactly where all attempts stall."""
 
     def __init__(
         self,
@@ -197,7 +194,7 @@ class IteratedMatrix:
 
 @dataclass(frozen=True)
 class Iteration:
-    """Conjugate gradients by given attempts, one after the other, for symmetric systems."""
+    """Conjugate gradients by given attempts, one after the other."""
 
     tolerance: float
     """Reduction of the residual that ends the iteration."""
@@ -212,12 +209,11 @@ class Iteration:
 
 @dataclass(frozen=True)
 class PCG:
-    """Preconditioned conjugate gradients, for symmetric systems.
+    """Preconditioned conjugate gradients.
 
     By a factor without fill, and a coarse space of aggregates where inertia does not hold its own
     against the contacts.  Where that stalls a safer factor is made, and where that stalls, too, the
-    system is factorised with all fill; unsymmetric ones (friction solved inside the step) are
-    factorised anyway.
+    system is factorised with all fill.
     """
 
     tolerance: float = 1e-8
@@ -233,8 +229,6 @@ class PCG:
 
     def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular."""
-        if not system.symmetric:
-            return Scipy().factor(system, patterns)
         coupled = np.asarray(block_matrix.coupled_pairs(system.upper))
         most, safe_trial = self.iterations, max(TRIED, self.iterations // TENTH)
         attempts: tuple[Attempt, ...] = (

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from clast.contact.clipped_spring import Springs
-from clast.contact.contacts import Contacts
+from clast.contact.clipped_spring import Forces, Springs
+from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
@@ -19,6 +19,10 @@ Rows = tuple[Ints, Ints, Ints]
 """Right (n + 1,), left (n + 1,) and listed (q,) of pairs (linear/block_matrix.py)."""
 Graph = tuple[Ints, Ints, Ints, Ints]
 """First contact of each pair (q + 1,), then the Rows of the pairs."""
+PairedLinks = Contacts | Springs
+"""Links between points of two blocks, in the order of the pairs of blocks."""
+LinearisedForces = ContactResponse | Forces
+"""Forces of links, linearised (see ContactResponse)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,38 +44,9 @@ def with_ground(values: Any, ground: Any = 0) -> Any:
     return np.concatenate([values, np.full_like(values[:1], ground)])
 
 
-class LinearisedForces(Protocol):
-    """Forces of links between blocks, linearised (see ContactResponse); each of shape (m,)."""
-
-    @property
-    def normal_force(self) -> Floats:
-        """N, N/m."""
-        ...
-
-    @property
-    def shear_force(self) -> Floats:
-        """T, N/m."""
-        ...
-
-    @property
-    def normal_stiffness(self) -> Floats:
-        """-dN/dgap, N/m per m."""
-        ...
-
-    @property
-    def shear_stiffness(self) -> Floats:
-        """-dT/dslip, N/m per m."""
-        ...
-
-    @property
-    def coupling(self) -> Floats:
-        """dT/dN."""
-        ...
-
-
 @dataclass(frozen=True, kw_only=True)
 class BlockSystem:
-    """6 x 6 blocks of K and the right-hand side; pairs (i, j) with i < j, sorted."""
+    """6 x 6 blocks of symmetric K and the right-hand side; pairs (i, j) with i < j, sorted."""
 
     diagonal: Floats
     """K_ii, shape (n, 6, 6)."""
@@ -81,8 +56,6 @@ class BlockSystem:
     """Which pairs each block belongs to."""
     upper: Floats
     """K_ij, shape (q, 6, 6)."""
-    unsymmetric: Floats | None = None
-    """K_ji, shape (q, 6, 6), where it is not the transpose of K_ij: friction solved in the step."""
     fixed: Bools
     """Blocks whose equations read d = 0 and which are coupled to none, shape (n,)."""
     force: Floats
@@ -90,18 +63,8 @@ class BlockSystem:
     centroid: Floats
     """Where the blocks are, m, shape (n, 2)."""
 
-    @property
-    def lower(self) -> Floats:
-        """K_ji, shape (q, 6, 6)."""
-        return self.upper.transpose(0, 2, 1) if self.unsymmetric is None else self.unsymmetric
 
-    @property
-    def symmetric(self) -> bool:
-        """True where K_ji is the transpose of K_ij."""
-        return self.unsymmetric is None
-
-
-def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
+def graph_of(contacts: PairedLinks, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
     graph: Graph = assembly.graph(max(count, contacts.ground + 1), contacts.pairs, contacts.pair)
     return graph
@@ -114,54 +77,6 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
     return inverse
-
-
-class PairedLinks(Protocol):
-    """Links between points of two blocks, as contacts are, in the order of the pairs of blocks."""
-
-    @property
-    def vertex_block(self) -> Ints:
-        """Block of the first point, shape (m,)."""
-        ...
-
-    @property
-    def edge_block(self) -> Ints:
-        """Block of the other point, shape (m,)."""
-        ...
-
-    @property
-    def arms(self) -> Floats:
-        """Their rows in the equations (contact/jacobian.py)."""
-        ...
-
-    @property
-    def pairs(self) -> Ints:
-        """Pairs of blocks (lower, higher) that share links, sorted, shape (q, 2)."""
-        ...
-
-    @property
-    def ground(self) -> int:
-        """Number of blocks, which is that of the ground where links hold on to it, else -1."""
-        ...
-
-
-class Stiffnesses(Protocol):
-    """How stiff the springs of links are."""
-
-    @property
-    def normal_stiffness(self) -> Floats:
-        """-dN/dgap, N/m per m, shape (m,)."""
-        ...
-
-    @property
-    def shear_stiffness(self) -> Floats:
-        """-dT/dslip, N/m per m, shape (m,)."""
-        ...
-
-    @property
-    def coupling(self) -> Floats:
-        """dT/dN, shape (m,), or (0,) where it is 0."""
-        ...
 
 
 def contact_motions(contacts: PairedLinks, displacement: Floats) -> tuple[Floats, Floats]:
@@ -196,7 +111,7 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 def with_contact_forces(
     force: Floats,
-    contacts: Contacts | Springs,
+    contacts: PairedLinks,
     graph: Graph,
     fixed: Bools,
     normal: Floats,
@@ -228,40 +143,10 @@ def with_ground_for(
     return terms, with_ground(fixed, True)
 
 
-def _unsymmetric_system(
-    base: DiagonalTerms,
-    contacts: Contacts | Springs,
-    response: LinearisedForces,
-    force: Floats,
-    fixed: Bools,
-    graph: Graph,
-) -> BlockSystem:
-    """Return the system of contacts some of whose friction follows the normal force."""
-    shape = len(contacts.pairs), 6, 6
-    matrix = base.diagonal.copy(), np.zeros(shape), np.zeros(shape)
-    assembly.add_unsymmetric(
-        matrix,
-        (contacts.pair, contacts.vertex_block, contacts.edge_block),
-        contacts.rows,
-        (response.normal_stiffness, response.shear_stiffness, response.coupling),
-    )
-    assembly.hold_blocks(matrix, contacts.pairs, fixed)
-    return BlockSystem(
-        diagonal=matrix[0],
-        pairs=contacts.pairs,
-        rows=graph[1:],
-        upper=matrix[1],
-        unsymmetric=matrix[2],
-        fixed=fixed,
-        force=force,
-        centroid=base.centroid,
-    )
-
-
 def symmetric_system(
     base: DiagonalTerms,
     contacts: PairedLinks,
-    response: Stiffnesses,
+    response: LinearisedForces,
     force: Floats,
     fixed: Bools,
     graph: Graph,
@@ -291,7 +176,7 @@ def symmetric_system(
 
 def assemble(
     base: DiagonalTerms,
-    contacts: Contacts | Springs,
+    contacts: PairedLinks,
     response: LinearisedForces,
     gap: Floats,
     slip: Floats,
@@ -307,12 +192,7 @@ def assemble(
     # N(d) = N - k_n (gap0 + n.d - gap), so at d = 0:
     offset = contacts.gap - gap
     normal_load = response.normal_force - response.normal_stiffness * offset
-    shear_load = (
-        response.shear_force
-        + response.shear_stiffness * slip
-        + response.coupling * (normal_load - response.normal_force)
-    )
+    shear_load = response.shear_force + response.shear_stiffness * slip
     graph = graph_of(contacts, len(fixed))
     force = with_contact_forces(base.force, contacts, graph, fixed, normal_load, shear_load)
-    system = _unsymmetric_system if response.coupling.any() else symmetric_system
-    return system(base, contacts, response, force, fixed, graph)
+    return symmetric_system(base, contacts, response, force, fixed, graph)

@@ -7,8 +7,8 @@ and the model; (15) and (17), the step size and the next step, to ``clast.run.si
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import ClassVar, Protocol
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,32 +40,6 @@ THROWN = (
 """Remedy where contacts do not settle in one pass."""
 
 
-class Friction(Protocol):
-    """How sliding friction enters the equations."""
-
-    def enter(self, response: ContactResponse) -> ContactResponse:
-        """Return the response as it goes into the equations."""
-        ...
-
-
-@dataclass(frozen=True)
-class LaggedFriction:
-    """Sliding friction is a known force mu N with N from the last evaluation (the paper)."""
-
-    def enter(self, response: ContactResponse) -> ContactResponse:
-        """Return the response with the friction of sliding contacts independent of N."""
-        return replace(response, coupling=np.zeros(len(response.coupling)))
-
-
-@dataclass(frozen=True)
-class ImplicitFriction:
-    """Sliding friction mu N with N of the end of the step; the equations become unsymmetric."""
-
-    def enter(self, response: ContactResponse) -> ContactResponse:
-        """Return the response as it is: friction follows N inside the solve."""
-        return response
-
-
 @dataclass(frozen=True, kw_only=True)
 class PassResult:
     """The result of a solve."""
@@ -90,8 +64,6 @@ class PassResult:
 class Modified:
     """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with the last result."""
 
-    friction: Friction = field(default_factory=LaggedFriction)
-    """Sliding friction, lagged (the paper's) or inside the solve."""
     passes: int = 1
     """Assemblies and solves per step, at most."""
 
@@ -130,7 +102,7 @@ class Modified:
             while True:
                 stages("law")
                 # (10) springs where a vertex has invaded, friction from spring or as a force
-                entered = self.friction.enter(answer(law, contacts, *seen, taken))
+                entered = answer(law, contacts, *seen, taken)
                 stages("assembly")
                 # (11) the equations of all blocks; (12) one solve, more where supports yield
                 held = LinearContacts(contacts=contacts, response=entered, seen=seen)
@@ -230,12 +202,7 @@ def forces_in_equations(
     of the solution; N may be tensile: that is the price of one pass without checking.
     """
     normal = response.normal_force - response.normal_stiffness * (end_gap - gap)
-    shear = (
-        response.shear_force
-        - response.shear_stiffness * (end_slip - slip)
-        + response.coupling * (normal - response.normal_force)
-    )
-    return normal, shear
+    return normal, response.shear_force - response.shear_stiffness * (end_slip - slip)
 
 
 def search_of_modified(method: Method) -> SearchDistance:
@@ -346,8 +313,6 @@ def _stability_of_springs(
 
 __all__ = [
     "STABILITY_LIMIT",
-    "ImplicitFriction",
-    "LaggedFriction",
     "Modified",
     "bearable_stiffness",
     "forces_in_equations",

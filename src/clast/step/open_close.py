@@ -17,7 +17,7 @@ gives the modes of the next.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -100,7 +100,7 @@ class OpenClose:
         while tried < self.iterations:
             tried, passes = tried + 1, passes + 1
             stages("law")
-            entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
+            entered = answer(law, contacts, *seen, taken)
             stages("assembly")
             held = LinearContacts(contacts=contacts, response=entered, seen=seen)
             unknowns, at = solved(context, base, factor, held, at)
@@ -157,8 +157,3 @@ def have_settled(before: ContactResponse, after: ContactResponse) -> bool:
     force = np.maximum(np.abs(before.normal_force), np.abs(after.normal_force))
     counts = force > NEGLIGIBLE * force.max(initial=0.0)
     return bool(np.all((before.mode == after.mode) | ~counts))
-
-
-def as_springs_and_forces(response: ContactResponse) -> ContactResponse:
-    """Return the response with sliding friction as a known force, as Shi's equations hold it."""
-    return replace(response, coupling=np.zeros(len(response.coupling)))

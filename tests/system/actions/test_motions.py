@@ -19,7 +19,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "convex": {},
     "open-close": {"process": "open-close"},
     "modified": {
-        "process": {"name": "modified", "friction": "implicit", "passes": 6},
+        "process": {"name": "modified", "passes": 6},
         "contact_law": STIFF,
     },
     "augmented": {"contact_law": "augmented-lagrangian"},

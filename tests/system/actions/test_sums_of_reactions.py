@@ -36,7 +36,7 @@ PROCESSES = {
     "convex": ['method.process="convex"', 'method.contact_law="penalty"'],
     "open-close": ['method.process="open-close"', 'method.contact_law="augmented-lagrangian"'],
     # one pass throws what the servo of the shear box presses
-    "modified": ['method.process={name="modified", friction="implicit", passes=8}'],
+    "modified": ['method.process={name="modified", passes=8}'],
 }
 
 

@@ -230,7 +230,7 @@ joint.bedding = {friction_angle = 30.0}
 damping = {mass = 1.0, stiffness = 1e-5}
 repair = {tolerance = 1e-3}
 [method]
-process = {name = "modified", friction = "lagged", passes = 2}
+process = {name = "modified", passes = 2}
 contact_law = {name = "augmented-lagrangian", normal_stiffness = 1e9, solves = 4, \
 multipliers = "carried"}
 corner_rule = "shi"

@@ -159,7 +159,7 @@ class _Line:
         opening, slip = contact_motions(held.contacts, way)
         kn, ks = response.normal_stiffness, response.shear_stiffness
         of_blocks = np.einsum("ni,nij,nj->n", way, base.diagonal, way)
-        of_contacts = kn * opening**2 + ks * slip**2 + response.coupling * kn * opening * slip
+        of_contacts = kn * opening**2 + ks * slip**2
         curvature = float(of_blocks.sum() + of_contacts.sum())
 
         def slope(share: float) -> float:
@@ -177,20 +177,9 @@ class _Line:
         return 0.5 * (low + high)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _JoinedForces:
-    """Forces of all links, in the order of their table; see ContactResponse."""
-
-    normal_force: Floats
-    shear_force: Floats
-    normal_stiffness: Floats
-    shear_stiffness: Floats
-    coupling: Floats
-
-
 def _coupled_system(
     context: StepContext, base: DiagonalTerms, held: LinearContacts, at: Floats
-) -> tuple[BlockSystem, ContactResponse | _JoinedForces]:
+) -> tuple[BlockSystem, ContactResponse | Forces]:
     """Return the system of a solve, and the forces in it.
 
     The springs of the step are at the displacements ``at`` (n, 6).
@@ -207,12 +196,11 @@ def _coupled_system(
     def joined(one: Floats, other: Floats) -> Floats:
         return _joined(len(table), (of_contacts, one), (of_springs, other))
 
-    bearing = _JoinedForces(
+    bearing = Forces(
         normal_force=joined(response.normal_force, bear.normal_force),
         shear_force=joined(response.shear_force, bear.shear_force),
         normal_stiffness=joined(response.normal_stiffness, bear.normal_stiffness),
         shear_stiffness=joined(response.shear_stiffness, bear.shear_stiffness),
-        coupling=joined(response.coupling, np.zeros(len(springs))),
     )
     # a link's slip in the equations counts from the start of the step, a spring's from its own
     own = gap, slip - springs.slip
