@@ -8,18 +8,15 @@ import pytest
 
 from clast import rockmass
 from clast.actions.action import ActionResult
-from clast.actions.relaxation import no_forces
 from clast.case.api import ModelBuilder
 from clast.contact.clipped_spring import clipped_from, table
 from clast.model.state import Ledger
-from clast.results.checkpoints.encode import MOVED, put_together, taken_apart
 from clast.rockmass import BlockRepair
 
 EARLIER = [
     ("clast.rockmass", "Mender", "BlockRepair"),
     ("clast.rockmass", "Report", "CutReport"),
     ("clast.inputs.builder", "ModelBuilder", "InputBuilder"),
-    ("clast.results.frames", "gone_in_frame", "absent_in_frame"),
     ("clast.actions.action", "Share", "Contribution"),
     ("clast.actions.action", "Done", "ActionResult"),
     ("clast.actions.action", "Telling", "ReportsEvents"),
@@ -56,12 +53,6 @@ def test_a_builder_without_earlier_names_warns_of_nothing():
         assert builder == builder
 
 
-@pytest.mark.parametrize("present", MOVED.values())
-def test_classes_that_older_checkpoints_name_are_there(present: str):
-    module, _, name = present.partition(":")
-    assert isinstance(getattr(importlib.import_module(module), name), type)
-
-
 def test_arms_of_springs_and_states_of_actions_are_known_by_their_earlier_names():
     one = np.ones(1)
     given = {
@@ -86,7 +77,7 @@ def test_arms_of_springs_and_states_of_actions_are_known_by_their_earlier_names(
         table(**given)
 
 
-def test_absent_blocks_are_known_as_gone_to_scripts_and_older_checkpoints():
+def test_absent_blocks_are_known_as_gone_to_scripts():
     builder = ModelBuilder()
     builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
     builder.add_joint(friction_angle=30.0)
@@ -94,7 +85,3 @@ def test_absent_blocks_are_known_as_gone_to_scripts_and_older_checkpoints():
     model = builder.build()
     with pytest.warns(DeprecationWarning, match="gone is called absent now"):
         assert model.gone is model.absent
-    arrays: list[np.ndarray] = []
-    written = taken_apart(no_forces(np.array([True, False])), arrays)
-    written["with"]["gone"] = written["with"].pop("absent")
-    assert put_together(written, arrays, {}).absent.tolist() == [True, False]

@@ -25,8 +25,8 @@ HEAD = """\
 
 Written by `make reference` from the schema by which clast writes, checks and reads result files. A
 file is HDF5; its group `/VTKHDF` is a temporal VTKHDF grid that ParaView opens. Units are SI per
-metre of thickness, stresses tension-positive in the order xx, yy, xy. "Since" says with what a
-dataset came; files of older versions lack it and stay readable.
+metre of thickness, stresses tension-positive in the order xx, yy, xy. Datasets of supports are only
+there where a model has these supports.
 
 In Python `run.table("energy")` is a table with a row per instant or step, `run.table("history",
 "A")` that of a measured point; `run.field("stress")` is a field, `run.contacts(5)` are the contacts
@@ -44,14 +44,13 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def of_columns(columns: Iterable[Column], meanings: dict[str, str]) -> str:
     """Return the table of some columns; ``meanings`` say more of some."""
     return table(
-        ("column", "type", "unit", "meaning", "since"),
+        ("column", "type", "unit", "meaning"),
         [
             (
                 f"`{one.name}`",
                 one.kind + (f" ({', '.join(one.parts)})" if one.parts else ""),
                 one.unit or "-",
                 _meaning(one, meanings.get(one.name, "")),
-                one.since or "-",
             )
             for one in columns
         ],
@@ -68,17 +67,14 @@ def of_table(one: TableSchema) -> str:
     """Return the section of a table."""
     meanings = field_docstrings(Ledger) if one is schema.ENERGY else {}
     place = f"{one.of.path}/NAME" if one.of is not None and one.of.path else one.name
-    since = f" Since: {one.since}." if one.since else ""
     rows = "any number of rows per frame" if one.per is Per.FRAME else f"a row per {one.per.value}"
-    return (
-        f"## /{place}\n\n{one.meaning} Table, {rows}.{since}\n\n{of_columns(one.timed, meanings)}"
-    )
+    return f"## /{place}\n\n{one.meaning} Table, {rows}.\n\n{of_columns(one.timed, meanings)}"
 
 
 def page() -> str:
     """Return the page as Markdown."""
     fields = table(
-        ("array", "row of", "components", "meaning", "written", "since"),
+        ("array", "row of", "components", "meaning", "written"),
         [
             (
                 f"`{one.place}`",
@@ -86,15 +82,11 @@ def page() -> str:
                 ", ".join(one.parts) or "-",
                 one.about,
                 "once" if one.per is Per.RUN else "each frame",
-                one.since or "-",
             )
             for one in schema.FIELDS
         ],
     )
-    model = table(
-        ("dataset", "meaning", "since"),
-        [(f"`{one.name}`", one.meaning, one.since or "-") for one in schema.MODEL],
-    )
+    model = table(("dataset", "meaning"), [(f"`{one.name}`", one.meaning) for one in schema.MODEL])
     parts = [
         f"## /VTKHDF\n\nArrays of all frames, one frame after the other.\n\n{fields}",
         f"## /frames\n\nA row per frame.\n\n{of_columns(schema.FRAMES, {})}",

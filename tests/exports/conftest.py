@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from clast.results import Results, read_results
-from scenes.first_version import crafted, of_the_first_version
 from scenes.recorded_run import record, three_blocks
 
 
@@ -17,10 +14,3 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Results:
     path = tmp_path_factory.mktemp("written") / "three.vtkhdf"
     record(three_blocks(), path)
     return read_results(path)
-
-
-@pytest.fixture
-def old(written: Results, tmp_path: Path) -> Results:
-    """The same as the first version wrote it, without joints."""
-    crafted(written.path, tmp_path / "old.vtkhdf", of_the_first_version)
-    return read_results(tmp_path / "old.vtkhdf")

@@ -105,14 +105,6 @@ def test_a_run_in_memory_gives_the_same_tables(folder: Path, tmp_path: Path):
         assert (tmp_path / "kept" / file).read_bytes() == (folder / file).read_bytes()
 
 
-def test_results_without_joints_have_tables_without_them(old: Results, tmp_path: Path):
-    write_csv(old, tmp_path / "old", [1])
-    for name in ("vertices", "contacts"):
-        rows = rows_of(tmp_path / "old", name)
-        assert len(rows) > 0
-        assert "joint" not in rows[0]
-
-
 def alone() -> Run:
     """A block whose name needs quotes, without contacts and measured points."""
     builder = InputBuilder(title="alone")

@@ -82,13 +82,6 @@ def test_all_frames_have_one_scale(written: Results, tmp_path: Path):
     assert [len(lines_on(one, "CONTACTS")) for one in drawings] == [0, 2, 2, 2, 2]
 
 
-def test_results_without_joints_have_drawings_without_them(old: Results, tmp_path: Path):
-    write_dxf(old, tmp_path / "old.dxf")
-    layers = {layer.dxf.name for layer in drawing(tmp_path / "old.dxf").layers}
-    assert {"granite", "marl", "CONTACTS"} <= layers
-    assert not any(name.startswith("JOINTS") for name in layers)
-
-
 def test_a_rock_called_as_the_layer_of_contacts_is_refused(tmp_path: Path):
     builder = InputBuilder(title="one block")
     builder.add_rock("CONTACTS", young=5e9, poisson=0.2, density=2500.0)

@@ -93,11 +93,6 @@ def test_a_run_in_memory_gives_the_same_files(written: Results, tmp_path: Path):
         assert texts[0] == texts[1]
 
 
-def test_results_without_joints_have_meshes_without_them(old: Results, tmp_path: Path):
-    (path,) = write_vtu(old, tmp_path / "old.vtu", [1])
-    assert "PointData/edge_joint" not in arrays_in(path)
-
-
 def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path):
     def refused(path: Path, frames: list[int] | None, said: str) -> None:
         before = sorted(tmp_path.iterdir())

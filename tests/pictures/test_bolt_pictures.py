@@ -10,14 +10,9 @@ from clast.results import FrameBolts
 
 
 def bolts() -> FrameBolts:
-    return FrameBolts(
-        name=("a", "b", "c", "d", "e"),
-        points=np.zeros((10, 2)),
-        bolt=np.repeat(np.arange(5), 2),
-        force=np.array([2e4, 1e4, 0.0, 0.0, 0.0]),
-        elongation=np.zeros(5),
-        state=np.array([1, 2, 3, 0, 4]),
-    )
+    force, state = np.array([2e4, 1e4, 0.0, 0.0, 0.0]), np.array([1, 2, 3, 0, 4])
+    row = {"force": force, "elongation": np.zeros(5), "state": state}
+    return FrameBolts(("a", "b", "c", "d", "e"), np.zeros((10, 2)), np.repeat(np.arange(5), 2), row)
 
 
 def test_the_legend_tells_states_and_largest_forces():

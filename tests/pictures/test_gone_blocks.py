@@ -15,7 +15,6 @@ from clast.pictures import canvas
 from clast.pictures.plot import plot_results
 from clast.results import Results, RunRecorder, read_results
 from clast.results.frames import absent_in_frame
-from scenes.first_version import crafted, of_the_first_version
 from scenes.recorded_run import moved, report, three_blocks
 
 GONE = np.array([False, True, False])
@@ -92,14 +91,6 @@ def test_meshes_mark_them(dug: Results, tmp_path):
     text = (tmp_path / "dug.vtu").read_text()
     values = text.split('Name="gone"')[1].split(">\n")[1].split("</")[0].split()
     assert [float(value) for value in values] == [0.0, 1.0, 0.0]
-
-
-def test_files_of_before_have_no_gone_blocks(dug: Results, tmp_path):
-    crafted(dug.path, tmp_path / "old.vtkhdf", of_the_first_version)
-    old = read_results(tmp_path / "old.vtkhdf")
-    assert "gone" not in old.field_names
-    assert not absent_in_frame(old, -1).any()
-    plot_results(old, tmp_path / "old.png", contacts=False)
 
 
 def test_a_lining_that_comes_later_is_neither_there_nor_excavated(sprayed, monkeypatch):

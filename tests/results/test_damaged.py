@@ -19,8 +19,7 @@ from typer.testing import CliRunner
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import open_file, read_results, summary
-from clast.results.provenance import texts
-from scenes.first_version import crafted, of_the_first_version, replaced
+from scenes.crafted_files import crafted, replaced
 from scenes.recorded_run import record, three_blocks
 
 
@@ -36,8 +35,7 @@ def everything(path: Path) -> None:
     """Read all that can be asked of a result file."""
     results = read_results(path)
     summary(results)
-    if results.joints is not None:
-        assert results.edge_joint.max() < len(results.joint_name)
+    assert results.edge_joint.max() < len(results.joint_name)
     for frame in range(len(results.times)):
         results.vertices(frame)
         results.contacts(frame)
@@ -131,7 +129,7 @@ def test_files_without_their_end(good: Path, tmp_path: Path):
         refused(path)
 
 
-# --- made up: of the first layout, which has no checksums ----------------------------------------
+# --- made up, with checksums that fit ----------------------------------------------------------
 
 
 def cell(place: str, column: str | None, row: int, value: float) -> Callable[[Any], None]:
@@ -269,35 +267,6 @@ def test_a_report_with_a_stage_is_read(good: Path, tmp_path: Path):
     crafted(good, path, report_with(stages=[STAGE]))
     (stage,) = read_results(path).stages
     assert (stage.name, stage.mover.block, stage.steps) == ("a", "b", 3)
-
-
-def test_joints_of_a_file_without_them_are_asked_for_in_vain(good: Path, tmp_path: Path):
-    path = tmp_path / "out.vtkhdf"
-    crafted(good, path, of_the_first_version)
-    results = read_results(path)
-    contacts = results.contacts(1)
-    assert len(contacts) == 2
-    assert "joint" not in contacts
-    questions = (
-        lambda: results.joint_name,
-        lambda: results.edge_joint,
-        lambda: contacts.joint,
-    )
-    for question in questions:
-        with pytest.raises(CaseError, match="without the joints") as caught:
-            question()
-        assert caught.value.remedy == "run the case again"
-
-
-def test_a_file_of_the_first_layout_is_read(good: Path, tmp_path: Path):
-    path = tmp_path / "out.vtkhdf"
-    crafted(good, path, of_the_first_version)
-    everything(path)
-    assert texts(read_results(path).about) == {}
-    np.testing.assert_array_equal(
-        read_results(path).history("left/right").displacement,
-        read_results(good).history("left/right").displacement,
-    )
 
 
 def test_tables_with_more_columns_are_read(good: Path, tmp_path: Path):

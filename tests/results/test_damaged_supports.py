@@ -14,7 +14,7 @@ import clast
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import read_results, summary
-from scenes.first_version import crafted, replaced
+from scenes.crafted_files import crafted, replaced
 
 
 def supported() -> clast.ModelBuilder:

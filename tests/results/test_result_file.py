@@ -212,7 +212,7 @@ def test_file_of_a_run_that_still_goes_on(tmp_path: Path):
 
 def test_same_run_gives_the_same_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     # all but the identity, by which its checkpoints know it
-    monkeypatch.setattr("clast.results.checkpoints.lineage.uuid4", lambda: UUID(int=1))
+    monkeypatch.setattr("clast.results.checkpoints.checkpoint.uuid4", lambda: UUID(int=1))
     for name in ("a", "b"):
         record(three_blocks(), tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
@@ -393,10 +393,11 @@ def test_foreign_hdf5(tmp_path: Path):
         read_results(path)
 
 
-def test_file_of_a_newer_layout(recorded: Recorded):
+@pytest.mark.parametrize(("layout", "words"), [(99, "newer version"), (1, "older version")])
+def test_file_of_another_layout(recorded: Recorded, layout: int, words: str):
     with h5py.File(recorded.run.output, "r+") as file:
-        file["model"].attrs["format"] = 99
-    with pytest.raises(CaseError, match="newer version"):
+        file["model"].attrs["format"] = layout
+    with pytest.raises(CaseError, match=words):
         read_results(recorded.run.output)
 
 

@@ -54,14 +54,6 @@ def test_a_table_is_asked_for_by_its_name(falls: clast.Run):
         _ = falls.table("steps").speed
 
 
-def test_names_of_before_still_give_the_rows(falls: clast.Run):
-    with pytest.warns(DeprecationWarning, match="tables"):
-        rows = falls.step_rows  # type: ignore[attr-defined]
-    assert rows is falls.tables["steps"]
-    with pytest.raises(AttributeError, match="no attribute 'steprows'"):
-        _ = falls.steprows  # type: ignore[attr-defined]
-
-
 def test_every_entry_of_the_ledger_is_of_one_kind():
     assert {about["kind"] for about in LEDGER.values()} == set(Kind)
     together = [entries_of(kind) for kind in Kind]

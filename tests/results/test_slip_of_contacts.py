@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-from numpy.lib.recfunctions import drop_fields
 
 import clast
-from clast.errors import CaseError
 from clast.pictures.joints.joint_values import JOINT_FIELDS, faces_worn
 from clast.results import read_results
-from clast.results.result_tables import FrameContacts
 
 
 def pushed(tmp_path, name="a.vtkhdf", joint=None, **keys):
@@ -108,17 +105,3 @@ def test_what_rests_uses_a_share_of_its_strength():
     assert contacts.strength.sum() == pytest.approx(strength, rel=1e-6)
     (face,) = JOINT_FIELDS["utilisation"].faces(run, -1).value
     assert face == pytest.approx(100.0 * weight * np.sin(alpha) / strength, rel=1e-4)
-
-
-def test_older_results_do_not_have_it(tmp_path):
-    contacts = pushed(tmp_path).contacts(-1)
-    dropped = ["opening", "slip", "strength"]
-    older = FrameContacts(drop_fields(contacts.rows, dropped), np.array([0, 4, 8]))
-    for name, what in (
-        ("opening", "opening and slip of contacts"),
-        ("slip", "opening and slip of contacts"),
-        ("strength", "shear strengths of contacts"),
-    ):
-        with pytest.raises(CaseError, match=f"without {what}"):
-            getattr(older, name)
-    assert len(older.normal_force)

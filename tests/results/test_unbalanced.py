@@ -1,4 +1,4 @@
-"""The unbalanced force of steps: kept in stages, and found again in files, also in earlier ones."""
+"""The unbalanced force of steps: kept in stages, and found again in files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pytest
 import clast
 from clast.pictures.histories import plot_histories
 from clast.pictures.page.page_curves import curves_of
-from clast.results.result_tables import as_rows
 
 STAGES = [
     clast.Stage(name="rest", dynamic_ratio=0.0),
@@ -55,15 +54,3 @@ def test_runs_without_stages_have_none(tmp_path: Path):
     run = clast.simulate(brick(), step=1e-3, end=5e-3, output=tmp_path / "brick.vtkhdf")
     assert np.isnan(run.steps["unbalanced"]).all()
     assert all(one["name"] != "Unbalanced force" for one in curves_of(run))
-
-
-def test_rows_of_before_go_on_without_it(staged: clast.Run):
-    rows = staged.steps.rows
-    names = [name for name in rows.dtype.names or () if name != "unbalanced"]
-    before = np.zeros(len(rows), [(name, rows.dtype[name]) for name in names])
-    for name in names:
-        before[name] = rows[name]
-    whole = as_rows(before, rows.dtype)
-    assert np.isnan(whole["unbalanced"]).all()
-    for name in names:
-        np.testing.assert_array_equal(whole[name], rows[name])

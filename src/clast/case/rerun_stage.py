@@ -10,10 +10,9 @@ from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.model.model import Model
 from clast.model.state import State
-from clast.results.checkpoints.checkpoint import Checkpoint
+from clast.results.checkpoints.checkpoint import Checkpoint, belongs
 from clast.results.checkpoints.checkpoint_files import checkpoint_path, damaged, read_checkpoint
 from clast.results.checkpoints.fingerprints import SHAPE, digest
-from clast.results.checkpoints.lineage import belongs
 from clast.results.checkpoints.record_checks import is_file_name
 
 if TYPE_CHECKING:

@@ -25,9 +25,8 @@ from clast.results.checkpoints.checkpoint_files import (
     read_checkpoint,
 )
 from clast.results.checkpoints.encode import classes_near
-from clast.results.checkpoints.fingerprints import digest, fingerprints
+from clast.results.checkpoints.fingerprints import digest, fingerprints, print_of_text_in
 from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
-from clast.results.checkpoints.regular_files import print_of_text_in
 from clast.results.checkpoints.reopen import taken_over
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Source
-from clast.results.checkpoints.fingerprints import fingerprints
-from clast.results.checkpoints.regular_files import print_of, print_of_text
+from clast.results.checkpoints.fingerprints import fingerprints, print_of, print_of_text
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule

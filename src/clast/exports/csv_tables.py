@@ -82,8 +82,6 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
     for one in OVER_TIME:
         if one.of is not None and not results.names_of(one):
             yield one.csv or one.name, one.without
-        elif results.lacks(one):
-            yield one.csv or one.name, f"it is from an older version of clast, without {one.since}"
     if not results.stages:
         yield "stages", "it has no stages, or did not come to its end"
     if not results.events:

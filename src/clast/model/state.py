@@ -126,12 +126,9 @@ class Kind(Enum):
     """The remainder that the others fail to explain."""
 
 
-def entry(kind: Kind, since: str = "") -> Any:
-    """Return an entry of the ledger, J/m, of a kind.
-
-    ``since`` is the version of clast that introduced it, "" where it was there from the beginning.
-    """
-    return field(default=0.0, metadata={"kind": kind, "since": since})
+def entry(kind: Kind) -> Any:
+    """Return an entry of the ledger, J/m, of a kind."""
+    return field(default=0.0, metadata={"kind": kind})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,29 +151,29 @@ class Ledger:
     """Energy in the normal and shear contact springs."""
     fixed_points: float = entry(Kind.STORED)
     """Energy in the springs of the fixed points."""
-    bolts: float = entry(Kind.STORED, since="rock bolts")
+    bolts: float = entry(Kind.STORED)
     """Elastic energy in the bolts."""
-    links: float = entry(Kind.STORED, since="links")
+    links: float = entry(Kind.STORED)
     """Elastic energy in the links."""
     loads: float = entry(Kind.BROUGHT)
     """Work done by loads and pressures and by the ground motion."""
-    water: float = entry(Kind.BROUGHT, since="water")
+    water: float = entry(Kind.BROUGHT)
     """Work done by water."""
-    motions: float = entry(Kind.BROUGHT, since="prescribed motions")
+    motions: float = entry(Kind.BROUGHT)
     """Work done by prescribed motions and their servos."""
     friction: float = entry(Kind.LOST)
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
-    impacts: float = entry(Kind.LOST, since="impacts")
+    impacts: float = entry(Kind.LOST)
     """Energy lost in impacts: by restitution, and by friction within them."""
-    yielding: float = entry(Kind.LOST, since="rock bolts")
+    yielding: float = entry(Kind.LOST)
     """Work lost in bolts and links that yield or break, >= 0."""
-    damping: float = entry(Kind.LOST, since="damping")
+    damping: float = entry(Kind.LOST)
     """Energy taken by damping, >= 0."""
-    boundary: float = entry(Kind.LOST, since="viscous boundaries")
+    boundary: float = entry(Kind.LOST)
     """Energy that left through viscous boundaries, less that which came in through them."""
-    removed: float = entry(Kind.LOST, since="excavated blocks")
+    removed: float = entry(Kind.LOST)
     """Energy that was taken out with blocks, or by resets, when stages began."""
-    actions: float = entry(Kind.STORED, since="actions of one's own")
+    actions: float = entry(Kind.STORED)
     """Energy that further actions store, and their losses."""
     numerical: float = entry(Kind.NUMERICAL)
     """Energy removed by the time integration (positive) or brought in by it (negative)."""
@@ -205,7 +202,7 @@ class Ledger:
 
 
 LEDGER: dict[str, Mapping[str, Any]] = {one.name: one.metadata for one in fields(Ledger)}
-"""Entries of a ledger: name -> kind and since."""
+"""Entries of a ledger: name -> kind."""
 LEDGER_ENTRIES = tuple(LEDGER)
 """Their names."""
 _entries = attrgetter(*LEDGER_ENTRIES)

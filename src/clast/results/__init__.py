@@ -6,9 +6,8 @@ A run writes through ``RunRecorder``, which gives a ``Run``; a file is read agai
 
 from __future__ import annotations
 
-from clast.results.frames import Frame
 from clast.results.recorder import RunRecorder
-from clast.results.recording import Recording, Run
+from clast.results.recording import Frame, Recording, Run
 from clast.results.result_reader import Results, read_results, summary
 from clast.results.result_tables import (
     BlockHistory,

@@ -16,8 +16,8 @@ from clast.step.method import StepResult
 
 SLIDES = 1
 """Mode of a contact that slides."""
-TOGETHER = 1e-9
-"""Contacts whose distances from a place differ by this share of the model are at one place."""
+SAME_PLACE = 1e-9
+"""Difference of distances of contacts at one place, fraction of the size of the model."""
 NONE = np.array([0.0, 0.0, *[np.nan] * 6, 0.0])
 """Row of a place or a joint without contacts."""
 
@@ -29,15 +29,15 @@ def contact_rows(model: Model) -> Callable[[StepResult, float, float], tuple[Any
 
     def row(result: StepResult, step: float, unbalanced: float) -> tuple[Any, ...]:
         contacts = result.contacts
-        found = np.tile(NONE, (len(measured.name), 1))
+        rows = np.tile(NONE, (len(measured.name), 1))
         for k, (at, joint) in enumerate(zip(measured.at, measured.joint, strict=True)):
             if joint >= 0:
-                own = np.flatnonzero(contacts.joint == joint)
+                chosen = np.flatnonzero(contacts.joint == joint)
             else:
-                own = nearest(model, result, at, TOGETHER * size)
-            if len(own):
-                found[k] = sums(model, result, own)
-        return result.state.time, *found.T
+                chosen = nearest(model, result, at, SAME_PLACE * size)
+            if len(chosen):
+                rows[k] = sums(model, result, chosen)
+        return result.state.time, *rows.T
 
     return row
 
@@ -56,21 +56,20 @@ def nearest(model: Model, result: StepResult, at: Floats, apart: float) -> Ints:
     return near[[int(result.response.normal_force[near].argmax())]]
 
 
-def sums(model: Model, result: StepResult, own: Ints) -> Floats:
-    """Return a row of some contacts: forces per length, mean and extremes, share that slides."""
+def sums(model: Model, result: StepResult, rows: Ints) -> Floats:
+    """Return a row of some contacts: forces per length, mean and extremes, fraction that slides."""
     contacts, response = result.contacts, result.response
-    length = contacts.length[own]
-    weight = length if length.sum() > 0.0 else np.ones(len(own))
+    length = contacts.length[rows]
+    weight = length if length.sum() > 0.0 else np.ones(len(rows))
     whole = weight.sum()
-    opening, slip = opening_and_slip(model, result.state, contacts, own)
-    slides = (response.mode[own] == SLIDES) & (response.normal_force[own] > 0.0)
-    ways = [
+    slides = (response.mode[rows] == SLIDES) & (response.normal_force[rows] > 0.0)
+    movements = [
         value
-        for way in (opening, slip)
-        for value in (float(weight @ way) / whole, way.min(), way.max())
+        for movement in opening_and_slip(model, result.state, contacts, rows)
+        for value in (float(weight @ movement) / whole, movement.min(), movement.max())
     ]
-    normal, shear = response.normal_force[own].sum(), response.shear_force[own].sum()
-    return np.array([normal / whole, shear / whole, *ways, weight[slides].sum() / whole])
+    normal, shear = response.normal_force[rows].sum(), response.shear_force[rows].sum()
+    return np.array([normal / whole, shear / whole, *movements, weight[slides].sum() / whole])
 
 
 def opening_and_slip(
@@ -93,28 +92,27 @@ def shear_strengths(contacts: Contacts, response: ContactResponse, rows: Ints) -
 
 
 def worn(model: Model, state: State, result: tuple[Contacts, Bools], rows: Ints) -> Floats:
-    """Return which share of their strength some contacts have lost at the end of the step, (k,).
+    """Return the fraction of their strength that contacts have lost at the end of the step, (k,).
 
     ``result`` are the contacts, and which of them are bonded by then, (m,).
     """
     contacts, bonded = result
-    begun = {"slide_length": contacts.slide_length}
-    (slid,) = _kept(model, state, contacts, rows, begun)
+    (slid,) = _kept(model, state, contacts, rows, {"slide_length": contacts.slide_length})
     return strength_lost(model.joint_table, contacts.joint[rows], slid, bonded[rows])
 
 
 def _kept(
-    model: Model, state: State, contacts: Contacts, rows: Ints, begun: dict[str, Floats]
+    model: Model, state: State, contacts: Contacts, rows: Ints, starts: dict[str, Floats]
 ) -> list[Floats]:
-    """Return numbers of some contacts that the memory has, (k,) each, others as they ``begun``."""
+    """Return numbers of contacts in the memory, (k,) each, of others those of ``starts``."""
     memory, count = state.memory, len(model.vertices)
-    own = contacts.vertex[rows], contacts.edge[rows], contacts.point[rows]
-    key, known = contact_keys(*own, count), memory.keys(count)
+    pair = contacts.vertex[rows], contacts.edge[rows], contacts.point[rows]
+    key, known = contact_keys(*pair, count), memory.keys(count)
     at = np.minimum(np.searchsorted(known, key), max(0, len(known) - 1))
-    found = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
+    remembered = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
     return [
-        np.where(found, getattr(memory, name)[at] if len(known) else 0.0, first[rows])
-        for name, first in begun.items()
+        np.where(remembered, getattr(memory, name)[at] if len(known) else 0.0, first[rows])
+        for name, first in starts.items()
     ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from operator import attrgetter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECT
 from clast.step.method import StepResult
 
 _ledger_entries = attrgetter(*LEDGER_ENTRIES)
+RowOf = Callable[[State], tuple[Any, ...]]
+"""Returns the row of an instant, its entries in the order of the columns."""
 
 
 class FrameFields:
@@ -50,6 +52,7 @@ class FrameFields:
         model = self._model
         _, centroid, _ = polygon.moments(state.vertices, model.block_start)
         sigma_1, sigma_3 = principal_stresses(state.stress)
+        absent = absent_in(state)
         return {
             "Points": with_z(state.vertices + model.origin),
             "PointData/displacement": with_z(state.vertices - self._vertices),
@@ -60,13 +63,8 @@ class FrameFields:
             "CellData/sigma_1": sigma_1,
             "CellData/sigma_3": sigma_3,
             "CellData/max_shear": 0.5 * (sigma_1 - sigma_3),
-            "CellData/gone": self._absent(state),
+            "CellData/gone": np.asarray(model.absent if absent is None else absent, np.float64),
         }
-
-    def _absent(self, state: State) -> Floats:
-        """Return 1 for blocks that are not there, else 0, (n,)."""
-        absent = absent_in(state)
-        return np.asarray(self._model.absent if absent is None else absent, np.float64)
 
     def contacts(self, state: State, contacts: Contacts, response: ContactResponse) -> NDArray[Any]:
         """Return a row for every contact that carries a force."""
@@ -106,164 +104,124 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
     return mean + radius, mean - radius
 
 
-def own_of_bolts(model: Model, state: State) -> BoltStates:
+def bolt_states(model: Model, state: State) -> BoltStates:
     """Return the states of the springs of the bolts, at the start of a run as well."""
-    own = [one for one in state.actions if isinstance(one, BoltStates)]
-    return own[0] if own else Bolting().begin(model)
+    states = [one for one in state.actions if isinstance(one, BoltStates)]
+    return states[0] if states else Bolting().begin(model)
 
 
-class Tracker(Protocol):
-    """Gives the rows of a table."""
-
-    def row(self, state: State) -> tuple[Any, ...]:
-        """Return the row of an instant, its entries in the order of the columns."""
-        ...
+def ledger_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time and every entry of the ledger."""
+    return lambda state: (state.time, *_ledger_entries(state.ledger))
 
 
-class LedgerTracker:
-    """Follows the energy ledger."""
+def bolt_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time, force, elongation and state (k,) of each bolt's worst spring."""
+    bolts, count = model.bolts, len(model.bolts)
 
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        pass
-
-    def row(self, state: State) -> tuple[float, ...]:
-        """Return time and every entry of the ledger."""
-        return state.time, *_ledger_entries(state.ledger)
-
-
-class BoltTracker:
-    """Follows the bolts of a model through its states."""
-
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        self._model = model
-        self._count = len(model.bolts)
-
-    def row(self, state: State) -> tuple[float, Floats, Floats, Ints]:
-        """Return time, and force, elongation and state (k,) of each bolt: of its worst spring."""
-        bolts, count = self._model.bolts, self._count
-        own, owner = own_of_bolts(self._model, state), bolts.of_spring
+    def row(state: State) -> tuple[Any, ...]:
+        springs, owner = bolt_states(model, state), bolts.of_spring
         force, elongation, worst = np.zeros(count), np.zeros(count), np.zeros(count, np.int64)
-        stretched = own.elongation(bolts)
-        order = np.argsort(np.abs(own.force), kind="stable")  # the largest is written last
-        force[owner[order]] = own.force[order]
-        elongation[owner[order]] = stretched[order]
-        np.maximum.at(worst, owner, own.state)
+        order = np.argsort(np.abs(springs.force), kind="stable")  # the largest is written last
+        force[owner[order]] = springs.force[order]
+        elongation[owner[order]] = springs.elongation(bolts)[order]
+        np.maximum.at(worst, owner, springs.state)
         return state.time, force, elongation, worst
 
+    return row
 
-class PointTracker:
-    """Follows the measured points of a model through its states.
 
-    Their displacements and rotations count from ``reference``, or from the start of the run.
+def point_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time, displacement, velocity (k, 2), rotation (k,) of the points.
+
+    Displacements and rotations count from ``reference``, or from the start of the run.
     """
+    points, total = model.measured_points, len(model.material_points.block)
+    rows = slice(total - len(points.block), total)
+    start = points.at if reference is None else reference.points[rows]
+    turned = None if reference is None else reference.rotation[points.block]
+    # Centroids are wanted of the points' blocks only: their vertices, block after block.
+    blocks, outline = np.unique(points.block, return_inverse=True)
+    outlines = [np.arange(model.block_start[b], model.block_start[b + 1]) for b in blocks]
+    vertices = np.concatenate([np.zeros(0, np.int64), *outlines])
+    outline_start = np.cumsum([0, *map(len, outlines)])
 
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        points = model.measured_points
-        total = len(model.material_points.block)
-        self._rows = slice(total - len(points.block), total)
-        self._start = points.at if reference is None else reference.points[self._rows]
-        self._block = points.block
-        self._rotation = None if reference is None else reference.rotation[points.block]
-        self._rotations = np.zeros(len(points.block))
-        # Centroids are wanted of the points' blocks only: their vertices, block after block.
-        blocks, self._outline = np.unique(points.block, return_inverse=True)
-        outlines = [np.arange(model.block_start[b], model.block_start[b + 1]) for b in blocks]
-        self._vertices = np.concatenate([np.zeros(0, np.int64), *outlines])
-        self._outline_start = np.cumsum([0, *map(len, outlines)])
-
-    def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
-        """Return time and displacement (k, 2), velocity (k, 2), rotation (k,) of the points."""
-        at = state.points[self._rows]
+    def row(state: State) -> tuple[Any, ...]:
+        at = state.points[rows]
         if not len(at):
-            return state.time, at, at, self._rotations
-        _, centroid, _ = polygon.moments(state.vertices[self._vertices], self._outline_start)
-        velocity = point_velocity(at - centroid[self._outline], state.velocity[self._block])
-        rotation = counted(state.rotation[self._block], self._rotation)
-        return state.time, at - self._start, velocity, rotation
+            return state.time, at, at, np.zeros(0)
+        _, centroid, _ = polygon.moments(state.vertices[vertices], outline_start)
+        velocity = point_velocity(at - centroid[outline], state.velocity[points.block])
+        return state.time, at - start, velocity, counted(state.rotation[points.block], turned)
+
+    return row
 
 
 ACROSS = np.array([1.0, -1.0])
 """Signs of (y, x) of a vector that is turned by a quarter, clockwise."""
 
 
-class ReactionTracker:
-    """Follows the reactions of a model through its states."""
+def reaction_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time, force (k, 2), moment (k,), point of application (k, 2)."""
+    about = model.reactions.about
 
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        self._about = model.reactions.about
-        self._origin = model.origin
-
-    def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
-        """Return time, and force (k, 2), moment (k,) and point of application (k, 2) of each."""
-        found = state.reactions if state.reactions.size else np.zeros((len(self._about), 3))
-        force, moment = found[:, :2], found[:, 2]
+    def row(state: State) -> tuple[Any, ...]:
+        reactions = state.reactions if state.reactions.size else np.zeros((len(about), 3))
+        force, moment = reactions[:, :2], reactions[:, 2]
         square = np.add.reduce(force**2, axis=1)
         ratio = np.empty(square.shape)
         ratio.fill(np.nan)
         np.divide(moment, square, out=ratio, where=square > 0.0)
         arm = force[:, ::-1] * ACROSS * ratio[:, None]
-        return state.time, force, moment, self._about + self._origin + arm
+        return state.time, force, moment, about + model.origin + arm
+
+    return row
 
 
-class LinkTracker:
-    """Follows the links of a model through its states."""
+def link_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time, force (k, 2), moment (k,) and state (k,) of each link."""
+    actions = model.actions
 
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        self._model = model
+    def row(state: State) -> tuple[Any, ...]:
+        states = state.actions[-len(actions) :] or [one.begin(model) for one in actions]
+        pairs = [pair for pair in zip(actions, states, strict=True) if hasattr(pair[0], "borne")]
+        forces = np.concatenate([one.borne(held) for one, held in pairs])
+        condition = np.concatenate([one.condition(held) for one, held in pairs])
+        return state.time, forces[:, :2], forces[:, 2], condition
 
-    def row(self, state: State) -> tuple[float, Floats, Floats, Ints]:
-        """Return time, and force (k, 2), moment (k,) and state (k,) of each link."""
-        actions = self._model.actions
-        own = state.actions[-len(actions) :] or [one.begin(self._model) for one in actions]
-        pairs = [
-            (one, mine) for one, mine in zip(actions, own, strict=True) if hasattr(one, "borne")
-        ]
-        borne = np.concatenate([one.borne(mine) for one, mine in pairs])
-        condition = np.concatenate([one.condition(mine) for one, mine in pairs])
-        return state.time, borne[:, :2], borne[:, 2], condition
+    return row
 
 
-class LiningTracker:
-    """Follows the linings of a model through its states."""
+def lining_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time, N, Q, M, utilisation and state (k,) of each joint."""
+    linings, number = linings_of(model)
 
-    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
-        self._model = model
-        self._linings, self._number = linings_of(model)
-
-    def row(self, state: State) -> tuple[float, Floats, Floats, Floats, Floats, Ints]:
-        """Return time, and N, Q, M, utilisation and state (k,) of each joint."""
-        linings = self._linings
+    def row(state: State) -> tuple[Any, ...]:
         if linings is None:
-            none = np.zeros(0)
-            return state.time, none, none, none, none, np.zeros(0, np.int64)
-        place = self._number - len(self._model.actions)
-        own = state.actions[place] if state.actions else linings.begin(self._model)
-        used = linings.utilisation(own)
-        return state.time, *linings.forces(own).T, used, linings.condition(own)
+            return state.time, *np.zeros((4, 0)), np.zeros(0, np.int64)
+        place = number - len(model.actions)
+        joints = state.actions[place] if state.actions else linings.begin(model)
+        used = linings.utilisation(joints)
+        return state.time, *linings.forces(joints).T, used, linings.condition(joints)
+
+    return row
 
 
-ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
-    "energy": LedgerTracker,
-    "history": PointTracker,
-    "bolts": BoltTracker,
-    "reactions": ReactionTracker,
-    "links": LinkTracker,
-    "linings": LiningTracker,
+ROWS: dict[str, Callable[[Model, ReferenceState | None], RowOf]] = {
+    "energy": ledger_rows,
+    "history": point_rows,
+    "bolts": bolt_rows,
+    "reactions": reaction_rows,
+    "links": link_rows,
+    "linings": lining_rows,
 }
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 
 
 def step_row(result: StepResult, step: float, unbalanced: float) -> tuple[float, ...]:
     """Return the row of an accepted step of length ``step``, s, with its unbalanced force."""
-    return (
-        result.state.time,
-        step,
-        result.passes,
-        len(result.contacts),
-        result.penetration,
-        result.travel,
-        unbalanced,
-    )
+    contacts, penetration = len(result.contacts), result.penetration
+    return result.state.time, step, result.passes, contacts, penetration, result.travel, unbalanced
 
 
 STEP_ROWS: dict[str, Callable[[Model], Callable[[StepResult, float, float], tuple[Any, ...]]]] = {
@@ -300,7 +258,7 @@ class FramesInMemory:
         self._bytes = 0
         self._limit = limit
         self.left_out_from: float | None = None
-        """Time from which frames found no room, s; the last is kept all the same."""
+        """Time from which frames are dropped, s; the last is kept all the same."""
 
     def count_from(self, fields: FrameFields) -> None:
         """Make ``fields`` compute the requested fields of the frames that follow."""

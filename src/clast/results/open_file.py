@@ -6,7 +6,7 @@ import os
 import stat
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO, TypeVar
+from typing import Any, TypeVar
 
 from clast.errors import CaseError
 from clast.results import locks
@@ -72,8 +72,8 @@ def is_result_file(path: Path) -> bool:
         return False
 
 
-def check_ours(file: Any) -> int:
-    """Return the version of a file's layout; raises CaseError where clast does not know it."""
+def check_ours(file: Any) -> None:
+    """Raise CaseError for a file that clast has not written, or in a layout of another version."""
     if not _has_our_mark(file):
         raise CaseError(
             "is an HDF5 file, but not a clast result file",
@@ -85,9 +85,11 @@ def check_ours(file: Any) -> int:
             f"was written by a newer version of clast (layout {layout}, this one knows {FORMAT})",
             remedy="update clast",
         )
-    if layout < 1:
-        raise MalformedError(f"there is no layout {layout}")
-    return layout
+    if layout < FORMAT:
+        raise CaseError(
+            f"was written by an older version of clast (layout {layout}, this one knows {FORMAT})",
+            remedy=AGAIN,
+        )
 
 
 def _has_our_mark(file: Any) -> bool:
@@ -98,15 +100,18 @@ def _answer(path: Path, question: Callable[[Any], Answer], whole: int) -> Answer
     import h5py
 
     with open(path, "rb", buffering=0) as file, locks.reading(file):
-        checked = _checked(file)
+        # as a journal at its end wants it to be
+        journal = read_journal(file)
+        checked = CheckedFile(file, *(journal or (file.seek(0, os.SEEK_END),)))
         try:
             # What a newer clast has written, or another program, is said before what is broken.
             with h5py.File(checked, "r") as content:
-                sums_wanted = _has_our_mark(content) and check_ours(content) > 1
-                if sums_wanted and checked.sums is None:
-                    raise MalformedError("its checksums are missing")
-                if sums_wanted and os.fstat(file.fileno()).st_size <= whole:
-                    checked.check_all()
+                if _has_our_mark(content):
+                    check_ours(content)
+                    if checked.sums is None:
+                        raise MalformedError("its checksums are missing")
+                    if os.fstat(file.fileno()).st_size <= whole:
+                        checked.check_all()
                 answer = question(content)
         except CaseError:
             raise
@@ -117,14 +122,6 @@ def _answer(path: Path, question: Callable[[Any], Answer], whole: int) -> Answer
         if checked.damage:
             raise DamagedPageError(checked.damage)
         return answer
-
-
-def _checked(file: BinaryIO) -> CheckedFile:
-    """Return the file as a journal at its end wants it to be."""
-    journal = read_journal(file)
-    if journal is None:
-        return CheckedFile(file, file.seek(0, os.SEEK_END))
-    return CheckedFile(file, *journal)
 
 
 def _without_frames(error: Exception) -> Exception:

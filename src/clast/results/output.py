@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import os
 import stat
 from pathlib import Path
@@ -99,7 +98,6 @@ def claimed(path: Path) -> BinaryIO:
                 file.close()
                 raise _in_use(path)
     file.truncate(0)
-    _clear(path)
     return file
 
 
@@ -155,23 +153,3 @@ def _is_at(file: BinaryIO, path: Path) -> bool:
         return os.path.samestat(os.fstat(file.fileno()), path.stat())
     except FileNotFoundError:
         return False
-
-
-def _clear(path: Path) -> None:
-    """Remove the files of runs of clast 0.1 that were killed at their start."""
-    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        process = left.name.split(".")[-2]
-        if process.isdecimal() and not _is_alive(int(process)):
-            left.unlink(missing_ok=True)
-
-
-def _is_alive(process: int) -> bool:
-    if os.name != "posix":
-        return True  # elsewhere the question would end it
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True

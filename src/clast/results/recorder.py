@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.errors import CaseError, ResultsLost, RunStopped
-from clast.model.model import Floats, Model
+from clast.errors import ResultsLost, RunStopped
+from clast.model.model import Model
 from clast.model.stages.reference import ReferenceState
 from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.reopen import rows_after
-from clast.results.frames import FrameStore
 from clast.results.recording import Run, parts_of
 from clast.results.result_tables import GrowingTable, no_contacts
 from clast.results.run_report import Report
@@ -102,11 +100,11 @@ class RunRecorder:
         from clast.results.frame_samples import ROWS, STEP_ROWS
 
         names = [one.name for one in self._kinds]
-        self._trackers = {
-            name: made(self._model, reference) for name, made in ROWS.items() if name in names
+        self._instant_rows = {
+            name: rows(self._model, reference) for name, rows in ROWS.items() if name in names
         }
         self._step_rows = {
-            name: row(self._model) for name, row in STEP_ROWS.items() if name in names
+            name: rows(self._model) for name, rows in STEP_ROWS.items() if name in names
         }
 
     @property
@@ -145,7 +143,7 @@ class RunRecorder:
         self._framed = RecordMark(
             frames=recorded.frames,
             frame=recorded.frame[0].item(),
-            counts=self._counts_after(recorded.frame),
+            counts=rows_after(recorded.frame, self._model),
         )
 
     def enter(self, stage: int, reference: ReferenceState | None) -> None:
@@ -251,7 +249,7 @@ class RunRecorder:
 
         Raises RunStopped, with the recording in its ``run``, where they cannot be written.
         """
-        report = replace(report, notes=(*report.notes, *self._said_of_bolts()))
+        report = replace(report, notes=(*report.notes, *self._bolt_notes()))
         if self._recorded is not None:
             report = replace(report, wall_seconds=report.wall_seconds + self._recorded.wall)
         try:
@@ -270,60 +268,33 @@ class RunRecorder:
         return self._run(report)
 
     def _run(self, report: Report) -> Run:
-        path = self._file.path if self._file else None
-        times = np.array(self._frame_times) if self._kept is None else self._kept.times
-        if self._kept is None:
-            opened = partial(frames_in_file, path or Path(), self._model.title, times)
-        else:
-            opened = partial(frames_at_hand, self._kept)
         return Run(
             model=self._model,
             state=self.state,
-            output=path,
+            output=self._file.path if self._file else None,
             checkpoint=self.checkpoint,
             report=report,
-            times=times,
+            times=np.array(self._frame_times) if self._kept is None else self._kept.times,
             tables={name: table.rows for name, table in self._tables.items()},
-            open_frames=opened,
+            frames=self._kept,
             begins=self._begins,
             **parts_of(self._model),
         )
 
     def _record(self, state: State) -> None:
         self._state = state
-        for name, tracker in self._trackers.items():
-            self._tables[name].append(tracker.row(state))
+        for name, row in self._instant_rows.items():
+            self._tables[name].append(row(state))
 
-    def _said_of_bolts(self) -> tuple[str, ...]:
+    def _bolt_notes(self) -> tuple[str, ...]:
         """Return which bolts yielded or broke, and when."""
         if not len(self._model.bolts) or self._state is None:
             return ()
         from clast.actions.bolts.bolt_events import story_of
-        from clast.results.frame_samples import own_of_bolts
+        from clast.results.frame_samples import bolt_states
 
-        return story_of(own_of_bolts(self._model, self._state), self._model)
+        return story_of(bolt_states(self._model, self._state), self._model)
 
     def _counts(self) -> dict[str, int]:
         """Return how many rows each table has."""
         return {name: len(table) for name, table in self._tables.items()}
-
-    def _counts_after(self, last: NDArray[Any]) -> dict[str, int]:
-        """Return how many rows each table had after the frame with this row, shape (1,)."""
-        return rows_after(last, self._model)
-
-
-def frames_at_hand(frames: FrameStore) -> FrameStore:
-    """Return frames that are in memory."""
-    return frames
-
-
-def frames_in_file(path: Path, title: str, times: Floats) -> FrameStore:
-    """Return the frames of a run in its file; raises CaseError where that now holds another run."""
-    from clast.results.result_reader import read_results
-
-    results = read_results(path)
-    if results.title != title or not np.array_equal(results.times, times):
-        raise CaseError(
-            "now holds another run", where=str(path), remedy="keep the results of each run"
-        )
-    return results

@@ -3,36 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast import thumbnails
+from clast import spelling, thumbnails
+from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.state import State
 from clast.model.supports.lining_joints import LiningJoints
+from clast.model.supports.link_lines import LinkLines
 from clast.model.water.water import Water
-from clast.results.frames import (
-    ABSENT,
-    VERTICES,
-    Frame,
-    FrameStore,
-    block_of,
-    bolts_of,
-    contacts_of,
-    field_of,
-    frame_number,
-    frame_of,
-    unknown_name,
-)
+from clast.results.frames import ABSENT, VERTICES, FrameStore
 from clast.results.provenance import version_of
 from clast.results.result_tables import (
     BlockHistory,
@@ -44,11 +33,11 @@ from clast.results.result_tables import (
     LiningHistory,
     PointHistory,
     ReactionHistory,
-    no_joints,
 )
 from clast.results.run_report import Report
 from clast.results.schema import (
     BOLT_TABLE,
+    COMPONENTS,
     CONTACT_TABLE,
     ENERGY,
     HISTORY,
@@ -59,10 +48,61 @@ from clast.results.schema import (
     STEPS,
     TableSchema,
 )
-from clast.results.supports_record import SupportsRecord, supported_by
 
 NOTEBOOK = "clast.pictures.notebook"
 """Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
+BLOCK_ROW = np.dtype(
+    [
+        ("time", "f8"),
+        ("displacement", "f8", 2),
+        ("velocity", "f8", 2),
+        ("rotation", "f8"),
+        ("stress", "f8", 3),
+    ]
+)
+"""One block in one frame."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SupportsRecord:
+    """The blocks of reactions, and the links of a run."""
+
+    of_block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Reaction and block that it holds or moves, shape (b, 2)."""
+    links: LinkLines = field(default_factory=LinkLines)
+    """The links, where they were at the start."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """One instant of a run as it was recorded; n blocks, nv vertices."""
+
+    number: int
+    """Its number, from 0."""
+    time: float
+    """Time, s."""
+    recording: Recording = field(repr=False)
+    """The run."""
+
+    @property
+    def stage(self) -> str:
+        """Name of its stage, "" where the run has no stages."""
+        stages = self.recording.frame_stages
+        return stages[self.number] if stages else ""
+
+    @property
+    def vertices(self) -> Floats:
+        """Vertices, m, shape (nv, 2)."""
+        return self.recording.vertices(self.number)
+
+    def field(self, name: str) -> NDArray[Any]:
+        """Return a field of the blocks, shape (n,), (n, 2) or (n, 3)."""
+        return self.recording.field(name, self.number)
+
+    @property
+    def contacts(self) -> FrameContacts:
+        """The contacts that carry a force, as a table."""
+        return self.recording.contacts(self.number)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,8 +129,9 @@ class BoltLines:
 class Recording:
     """The records of a run; n blocks, nv vertices.  Coordinates are the user's.
 
-    A run just made (``Run``) and a result file (``Results``) are recordings: each says where its
-    frames (``_frames``) and the rows of its tables (``_rows``) are.
+    Frames are numbered from 0, negative numbers count from the end.  Nothing is interpolated.
+    A run just made (``Run``) and a result file (``Results``) are recordings: each has a place of
+    its frames (``_frames``) and of its rows of tables (``_rows``).
     """
 
     title: str
@@ -111,8 +152,8 @@ class Recording:
     """Name of each measured point."""
     point_start: Floats
     """Where each measured point was at the start, m, shape (k, 2)."""
-    joints: EdgeJoints | None = field(default=None, repr=False)
-    """The joints; None for files of older versions."""
+    joints: EdgeJoints = field(repr=False)
+    """The joints."""
     measured_contact_name: tuple[str, ...] = ()
     """Name of each measured contact."""
     bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
@@ -177,23 +218,16 @@ class Recording:
 
     @property
     def joint_name(self) -> tuple[str, ...]:
-        """Name of each joint.  Raises CaseError for files of older versions."""
-        return self._known_joints.name
+        """Name of each joint."""
+        return self.joints.name
 
     @property
     def edge_joint(self) -> Ints:
         """Joint index of the edge from each vertex to the next, shape (nv,).
 
-        -1: none of its own; its contacts take that of their blocks or rocks, or the default.
-        Raises CaseError for files of older versions.
+        -1: none; its contacts take that of their blocks or rocks, or the default.
         """
-        return self._known_joints.edge
-
-    @property
-    def _known_joints(self) -> EdgeJoints:
-        if self.joints is None:
-            raise no_joints(self.name)
-        return self.joints
+        return self.joints.edge
 
     @property
     def field_names(self) -> tuple[str, ...]:
@@ -208,15 +242,36 @@ class Recording:
         displacement_x and so on; "vertices" is (frames, nv, 2), m.  Raises CaseError for a field or
         a frame that does not exist.
         """
-        return field_of(self._frames, name, frame)
+        known = (*self.field_names, *COMPONENTS, VERTICES)
+        if name not in known:
+            raise unknown_name("field", name, known)
+        if name in COMPONENTS:
+            whole, part = COMPONENTS[name]
+            return self.field(whole, frame)[..., part]
+        count = int(self.block_start[-1]) if name == VERTICES else len(self.block_name)
+        if frame is None:
+            return self._frames.series(name, range(len(self.times)), 0, count)
+        number = self._number(frame)
+        one: NDArray[Any] = self._frames.series(name, range(number, number + 1), 0, count)[0]
+        return one
 
     def vertices(self, frame: int = -1) -> Floats:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
-        return field_of(self._frames, VERTICES, frame)
+        return self.field(VERTICES, frame)
 
     def contacts(self, frame: int = -1) -> FrameContacts:
         """Return the contacts of a frame that carry a force, as a table."""
-        return contacts_of(self._frames, frame)
+        return FrameContacts(self._frames.contact_rows(self._number(frame)), self.block_start)
+
+    def _number(self, frame: int) -> int:
+        """Return a frame's number counted from 0; negative ones count from the end."""
+        count = len(self.times)
+        if not -count <= frame < count:
+            raise CaseError(
+                f"there is no frame {frame}",
+                remedy=f"there are {count} frames: 0 to {count - 1}, or -1 for the last",
+            )
+        return frame % count
 
     def frame(
         self, number: int = -1, *, at: float | None = None, stage: str | None = None
@@ -226,14 +281,38 @@ class Recording:
         That is the last one of the stage.  Raises CaseError for a number or a time that lies
         outside of the run, and for a stage that does not exist.
         """
-        return frame_of(self._frames, number, at, stage)
+        times = self.times
+        if stage is not None:
+            stages = self.frame_stages
+            if stage not in stages:
+                raise unknown_name("stage", stage, tuple(dict.fromkeys(stages)))
+            number = len(stages) - 1 - stages[::-1].index(stage)
+        if at is not None:
+            slack = 1e-9 * max(float(np.ptp(times)), abs(at))
+            if not times[0] - slack <= at <= times[-1] + slack:
+                raise CaseError(
+                    f"there is no frame at t = {at:g} s",
+                    remedy=f"the frames lie between {times[0]:g} and {times[-1]:g} s",
+                )
+            number = int(np.abs(times - at).argmin())
+        number = self._number(number)
+        return Frame(number=number, time=float(times[number]), recording=self)
 
     def block(self, name: str) -> BlockHistory:
         """Return how the block ``name`` moved, a row per frame, as a table.
 
         Raises CaseError for a block that does not exist.
         """
-        return block_of(self._frames, name, self.block_name)
+        if name not in self.block_name:
+            raise unknown_name("block", name, self.block_name)
+        number, frames = self.block_name.index(name), range(len(self.times))
+        rows = np.zeros(len(frames), BLOCK_ROW)
+        rows["time"] = self.times
+        for field_name in (BLOCK_ROW.names or ())[1:]:
+            rows[field_name] = self._frames.series(field_name, frames, number, number + 1)[:, 0]
+        first, past = (int(end) for end in self.block_start[number : number + 2])
+        vertices = self._frames.series(VERTICES, frames, first, past)
+        return BlockHistory(rows, name, number, vertices, self.frame_stages)
 
     def table(self, name: str, of: str | None = None) -> Columns:
         """Return a table with a row per instant or step: "energy", "steps", "history", "bolts", ...
@@ -246,12 +325,8 @@ class Recording:
             raise unknown_name("table", name, tuple(known))
         return Columns(self._rows_called(known[name], of), known[name], of or "")
 
-    def lacks(self, table: TableSchema) -> bool:
-        """Return whether it was recorded without a table, by an earlier clast."""
-        return False
-
     def names_of(self, table: TableSchema) -> tuple[str, ...]:
-        """Return the names of the things that a table tells of; none where it tells of the run."""
+        """Return the names of the things of a table; none for a table of the run."""
         if table.of is None:
             return ()
         names: tuple[str, ...] = getattr(self, f"{table.of.name}_name")
@@ -331,11 +406,12 @@ class Recording:
         if name not in self.lining_name:
             raise unknown_name("lining", name, self.lining_name)
         joints = self.lining_joints
-        own = joints.of(name)
+        places = joints.of(name)
         every = self._rows(LINING_TABLE)
-        rows = [LINING_TABLE.one(every, int(k)) for k in own]
-        section = joints.section[own] if len(joints.section) else joints.section
-        return LiningHistory(joints.along[own], joints.face[own], section, rows)
+        rows = [LINING_TABLE.one(every, int(k)) for k in places]
+        return LiningHistory(
+            joints.along[places], joints.face[places], joints.section[places], rows
+        )
 
     @property
     def lined(self) -> Bools:
@@ -345,25 +421,28 @@ class Recording:
 
     def awaited(self, frame: int) -> Bools:
         """Return which blocks have not come by a frame: linings of later stages, shape (n,)."""
-        return np.asarray(frame_number(self._frames, frame) < self._comes)
+        return np.asarray(self._number(frame) < self._comes)
 
     @cached_property
     def _comes(self) -> Ints:
         """First frame of segments of linings, the number of frames for none; 0 for rock, (n,)."""
-        found = np.zeros(len(self.block_name), np.int64)
+        comes = np.zeros(len(self.block_name), np.int64)
         lined = np.flatnonzero(self.lined)
-        if len(lined) and ABSENT in self.field_names:
+        if len(lined):
             frames, first = range(len(self.times)), int(lined[0])
             rows = self._frames.series(ABSENT, frames, first, int(lined[-1]) + 1)
             absent = rows[:, lined - first] != 0.0
-            found[lined] = np.where(absent.all(axis=0), len(frames), absent.argmin(axis=0))
-        return found
+            comes[lined] = np.where(absent.all(axis=0), len(frames), absent.argmin(axis=0))
+        return comes
 
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""
-        lines = self.bolt_lines
-        rows = self._rows(BOLT_TABLE) if lines.name else np.zeros(0)
-        return bolts_of(self._frames, frame, lines.name, lines.point, rows)
+        lines, number = self.bolt_lines, self._number(frame)
+        if not lines.name:
+            return FrameBolts((), np.zeros((0, 2)), lines.point, None)
+        rows = self._rows(BOLT_TABLE)
+        row = rows[int(np.abs(rows["time"] - self.times[number]).argmin())]
+        return FrameBolts(lines.name, self._frames.bolt_points(number), lines.point, row)
 
     @property
     def energy(self) -> Columns:
@@ -398,7 +477,7 @@ class Recording:
         as "energy", have one per instant or step, those of points and bolts with their names.
         Raises CaseError where pandas is not installed.
         """
-        from clast.results.libraries.frames_of_pandas import to_pandas
+        from clast.results.libraries import to_pandas
 
         return to_pandas(self)
 
@@ -408,13 +487,13 @@ class Recording:
         Its dimensions are frame, block, vertex, instant, point, bolt, and the components.  Raises
         CaseError where xarray is not installed.
         """
-        from clast.results.libraries.dataset_of_xarray import to_xarray
+        from clast.results.libraries import to_xarray
 
         return to_xarray(self)
 
     def _repr_html_(self) -> str:
         last = len(self.times) - 1
-        moved = np.hypot(*field_of(self._frames, "displacement", last).T)
+        moved = np.hypot(*self.field("displacement", last).T)
         drawing = thumbnails.blocks(self.vertices(last), self.block_start, self.fixed, moved)
         outcome = self.report.outcome if self.report else "the run did not end, or goes on"
         rows: list[tuple[str, object]] = [
@@ -447,20 +526,11 @@ def parts_of(model: Model) -> dict[str, Any]:
         "reaction_name": model.reactions.name,
         "link_name": model.links,
         "lining_joints": model.lining_joints,
-        "supported": supported_by(model),
+        "supported": SupportsRecord(of_block=model.reactions.of_block, links=model.link_lines),
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,
     }
-
-
-EARLIER = {
-    "point_rows": "history",
-    "bolt_rows": "bolts",
-    "energy_rows": "energy",
-    "step_rows": "steps",
-}
-"""Names that rows of tables had as attributes of a run."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -480,8 +550,8 @@ class Run(Recording):
     """Result file, or None where nothing was written."""
     tables: Mapping[str, NDArray[Any]]
     """Rows of each table with a row per instant or step (``clast.results.schema``)."""
-    open_frames: Callable[[], FrameStore]
-    """Returns where its frames are: in memory, or in the file, which is opened then."""
+    frames: FrameStore | None = None
+    """Its frames in memory; None where they are in the file, which is opened for them."""
     ended_by: int = 0
     """Number of the signal that ended the run early, 0 where none did."""
     checkpoint: Path | None = None
@@ -513,20 +583,17 @@ class Run(Recording):
 
     @cached_property
     def _frames(self) -> FrameStore:
-        return self.open_frames()
+        if self.frames is not None:
+            return self.frames
+        from clast.results.result_reader import read_results
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> NDArray[Any]:
-            """Return rows by the names that they had before ``tables``."""
-            if name not in EARLIER:
-                raise AttributeError(f"Run has no attribute '{name}'")
-            warnings.warn(
-                f'Run.{name} will go: use run.tables["{EARLIER[name]}"]',
-                DeprecationWarning,
-                stacklevel=2,
+        path = self.output or Path()
+        results = read_results(path)
+        if results.title != self.title or not np.array_equal(results.times, self.times):
+            raise CaseError(
+                "now holds another run", where=str(path), remedy="keep the results of each run"
             )
-            return self.tables[EARLIER[name]]
+        return results
 
     def __repr__(self) -> str:
         end = "finished" if self.report.finished else "not finished"
@@ -536,3 +603,9 @@ class Run(Recording):
             f"{self.state.time:.6g} s after {self.report.steps} steps\n"
             f"    {where}; measured points: {', '.join(self.point_name[:4]) or 'none'})"
         )
+
+
+def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:
+    """Return the error for a name that does not exist, with the nearest one that does."""
+    name = str(name)
+    return CaseError(f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind))

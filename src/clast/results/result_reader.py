@@ -17,13 +17,11 @@ from clast.results import validate
 from clast.results.frames import VERTICES, FrameStore, absent_in_frame
 from clast.results.open_file import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
-from clast.results.recording import EdgeJoints, Recording
-from clast.results.result_tables import no_joints
+from clast.results.recording import Recording
 from clast.results.schema import (
     BOLT_STATES,
     BOLTS,
     CONTACTS,
-    FORMAT,
     KIND_FIELDS,
     LINING_JOINTS,
     LINK_STATES,
@@ -34,7 +32,6 @@ from clast.results.schema import (
     REACTIONS,
     TableSchema,
 )
-from clast.results.supports_record import supported_in
 
 LARGEST = 1e150
 """No place and no force is that large."""
@@ -54,15 +51,10 @@ class Results(Recording):
     """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
     """Version of clast and of the libraries it uses."""
-    layout: int = FORMAT
-    """Version of the file's layout."""
     frame_stages: tuple[str, ...] = ()
     """Name of the stage of each frame; empty where the run has no stages."""
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
-
-    missing: frozenset[str] = field(default=frozenset(), repr=False)
-    """Names of tables that an earlier clast did not write."""
 
     @property
     def file(self) -> Path:
@@ -77,12 +69,6 @@ class Results(Recording):
     @property
     def _frames(self) -> FrameStore:
         return self
-
-    @property
-    def _known_joints(self) -> EdgeJoints:
-        if self.joints is None:
-            raise no_joints(str(self.path))
-        return self.joints
 
     @cached_property
     def field_names(self) -> tuple[str, ...]:
@@ -110,21 +96,11 @@ class Results(Recording):
         first = ends[frame - 1] if frame else 0
         rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
         for column in CONTACTS.columns:
-            if column.checked and column.name in (rows.dtype.names or ()):
+            if column.checked:
                 self._check_sound(rows[column.name][None], column.checked, [frame])
-        self._check_joints(rows, frame)
+        if ((rows["joint"] < 0) | (rows["joint"] >= len(self.joints.name))).any():
+            raise self._damaged(f"frame {frame} has contacts along joints that do not exist")
         return rows
-
-    def _check_joints(self, rows: NDArray[Any], frame: int) -> None:
-        """Raise CaseError where contacts lie along joints that do not exist."""
-        if self.joints is None or not len(rows) or "joint" not in (rows.dtype.names or ()):
-            return
-        if rows["joint"].min() < 0 or rows["joint"].max() >= len(self.joints.name):
-            raise CaseError(
-                f"is damaged: frame {frame} has contacts along joints that do not exist",
-                where=str(self.path),
-                remedy=AGAIN,
-            )
 
     def bolt_points(self, frame: int) -> Floats:
         """Return the points of the bolts in a frame, m, shape (q, 2)."""
@@ -134,51 +110,33 @@ class Results(Recording):
         self._check_sound(points[None], "bolts", [frame])
         return points
 
-    def lacks(self, table: TableSchema) -> bool:
-        """Return whether an earlier clast wrote the file, without this table."""
-        return table.name in self.missing
+    def _damaged(self, fault: str) -> CaseError:
+        return CaseError(f"is damaged: {fault}", where=str(self.path), remedy=AGAIN)
 
     def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
         """Raise CaseError where values (frames, ...) are not numbers, or cannot be squared."""
         sound = (np.abs(values) < LARGEST).reshape(len(values), -1).all(axis=1)
         if not sound.all():
-            raise CaseError(
-                f"is damaged: frame {frames[int(np.argmin(sound))]} has {what} that are not "
-                "numbers",
-                where=str(self.path),
-                remedy=AGAIN,
-            )
+            frame = frames[int(np.argmin(sound))]
+            raise self._damaged(f"frame {frame} has {what} that are not numbers")
 
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
-        if table.name in self.missing:
-            raise CaseError(
-                f"these results are from an older version of clast, without {table.since}",
-                where=str(self.path),
-                remedy="run the case again",
-            )
         # Until the run is finished only what belongs to whole frames is sure to be there.
         end = None if self.report else self.frame_rows[table.counter][-1]
-        places = table.places(self.names_of(table), self.layout)
-        apart = index is not None and table.of is not None and bool(table.of.path)
-        place = places[index if index is not None and apart else 0]
+        place = table.places(self.names_of(table))[index if index and table.apart else 0]
         rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
         self._check_rows(table, rows)
-        return rows if index is None or apart else table.one(rows, index)
+        return rows if index is None or table.apart else table.one(rows, index)
 
     def _check_rows(self, table: TableSchema, rows: NDArray[Any]) -> None:
         """Raise CaseError where a table has NaN where none may be, or states without names."""
-        there = set(rows.dtype.names or ())
-        for column in (one for one in table.timed if one.name in there):
+        for column in table.timed:
             values = rows[column.name]
             what = "" if column.may_be_nan or np.isfinite(values).all() else "are not numbers"
             if column.words and ((values < 0) | (values >= len(column.words))).any():
                 what = "do not exist"
             if what:
-                raise CaseError(
-                    f"is damaged: /{table.name} has values of '{column.name}' that {what}",
-                    where=str(self.path),
-                    remedy=AGAIN,
-                )
+                raise self._damaged(f"/{table.name} has values of '{column.name}' that {what}")
 
     def __repr__(self) -> str:
         points = ", ".join(self.point_name[:4])
@@ -202,22 +160,22 @@ def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
 
 
 def _results(path: Path, file: Any) -> Results:
-    layout = check_ours(file)
+    check_ours(file)
     blocks, frames = validate.blocks_of(file), validate.frames_of(file)
     validate.check_arrays(file, frames, blocks)
     validate.check_grid(file, frames, blocks)
     points, bolts = validate.points_of(file), validate.bolts_of(file, frames)
-    measured = validate.measured_contacts_of(file)
-    reactions, links = (validate.names_in(file, one) for one in (REACTIONS, LINKS))
+    measured, reactions, links = (
+        validate.names_in(file, one) for one in (MEASURED_CONTACTS, REACTIONS, LINKS)
+    )
     things = {POINTS: points[0], BOLTS: bolts.name, MEASURED_CONTACTS: measured}
     lined = validate.lining_joints_of(file, blocks)
     things |= {REACTIONS: reactions, LINKS: links, LINING_JOINTS: lined.name}
-    validate.check_tables(file, frames, things, layout)
+    validate.check_tables(file, frames, things)
     about, prefix = file["model"].attrs, "version of "
     made = validate.about_of(file)
     return Results(
         path=path,
-        layout=layout,
         title=str(about["title"]),
         case_text=validate.text(file, "model/case"),
         about=made,
@@ -238,7 +196,7 @@ def _results(path: Path, file: Any) -> Results:
         reaction_name=reactions,
         link_name=links,
         lining_joints=lined,
-        supported=supported_in(file, len(blocks.name), len(reactions), links),
+        supported=validate.supports_of(file, len(blocks.name), len(reactions), links),
         measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),
@@ -248,7 +206,6 @@ def _results(path: Path, file: Any) -> Results:
         report=validate.report_of(file),
         frame_stages=validate.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,
-        missing=validate.missing_tables(file),
     )
 
 
@@ -273,15 +230,26 @@ def summary(results: Results) -> dict[str, Any]:
         "excavated_blocks": int((absent_in_frame(results, -1) & ~results.awaited(-1)).sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
-        "joints": list(results.joints.name) if results.joints else [],
+        "joints": list(results.joints.name),
         "stages": list(results.about.get("stages", ())),
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),
-        "bolts": _count_bolts(results),
+        "bolts": _states(results.bolts(-1).state, BOLT_STATES),
         "linings": {name: _extremes(results, name) for name in results.lining_name},
-        "links": _count_links(results),
-        "measured_points": {name: _last_row(results, name) for name in results.point_name},
+        "links": _states(
+            [results.link(name)["state"][-1] for name in results.link_name], LINK_STATES
+        ),
+        "measured_points": {
+            name: {
+                "displacement": history.displacement[-1].tolist(),
+                "velocity": history.velocity[-1].tolist(),
+                "rotation": float(history.rotation[-1]),
+            }
+            for name, history in zip(
+                results.point_name, map(results.history, results.point_name), strict=True
+            )
+        },
         "energy": {name: float(values[-1]) for name, values in results.energy.items()},
         "report": report.as_dict() if report else None,
     }
@@ -290,37 +258,22 @@ def summary(results: Results) -> dict[str, Any]:
 def _extremes(results: Results, name: str) -> dict[str, float | None]:
     """Return the extremes along a lining at the end, in N/m and N, None without strengths."""
     lining = results.lining(name)
-    found: dict[str, float | None] = {}
+    extremes: dict[str, float | None] = {}
     for column in ("normal_force", "shear_force", "moment"):
         values = getattr(lining, column)[-1]
-        found[f"least_{column}"], found[f"largest_{column}"] = (
-            float(values.min()),
-            float(values.max()),
-        )
+        extremes |= {
+            f"least_{column}": float(values.min()),
+            f"largest_{column}": float(values.max()),
+        }
     used = lining.utilisation[-1]
-    found["utilisation"] = None if np.isnan(used).all() else float(np.nanmax(used))
-    return found
+    extremes["utilisation"] = None if np.isnan(used).all() else float(np.nanmax(used))
+    return extremes
 
 
-def _count_bolts(results: Results) -> dict[str, int]:
-    """Return how many bolts are in which state at the end."""
-    state = results.bolts(-1).state
-    return {name: int(np.sum(state == k)) for k, name in enumerate(BOLT_STATES) if k in state}
-
-
-def _count_links(results: Results) -> dict[str, int]:
-    """Return how many links are in which state at the end."""
-    state = [int(results.link(name)["state"][-1]) for name in results.link_name]
-    return {name: state.count(k) for k, name in enumerate(LINK_STATES) if k in state}
-
-
-def _last_row(results: Results, name: str) -> dict[str, Any]:
-    history = results.history(name)
-    return {
-        "displacement": history.displacement[-1].tolist(),
-        "velocity": history.velocity[-1].tolist(),
-        "rotation": float(history.rotation[-1]),
-    }
+def _states(state: Any, words: Sequence[str]) -> dict[str, int]:
+    """Return how many bolts or links are in which state."""
+    counts = np.bincount(np.asarray(state, np.int64), minlength=len(words))
+    return {name: int(n) for name, n in zip(words, counts, strict=True) if n}
 
 
 def stretches(dataset: Any, first: int, apart: int, shape: tuple[int, int]) -> NDArray[Any]:
@@ -334,12 +287,12 @@ def stretches(dataset: Any, first: int, apart: int, shape: tuple[int, int]) -> N
     times, rows = shape
     tail = dataset.shape[1:]
     once = times if apart else min(times, 1)
-    found = np.empty((once * rows, *tail), dataset.dtype)
-    if found.size:
+    values = np.empty((once * rows, *tail), dataset.dtype)
+    if values.size:
         space, zeros, ones = dataset.id.get_space(), (0,) * len(tail), (1,) * len(tail)
         count, stride = (once, *ones), (max(apart, rows), *ones)
         space.select_hyperslab((first, *zeros), count, stride, (rows, *tail))
-        kind = h5py.h5t.py_create(found.dtype)
-        dataset.id.read(h5py.h5s.create_simple(found.shape), space, found, kind)
-    found = found.reshape(once, rows, *tail)
-    return found if apart else np.repeat(found, times, axis=0)
+        kind = h5py.h5t.py_create(values.dtype)
+        dataset.id.read(h5py.h5s.create_simple(values.shape), space, values, kind)
+    values = values.reshape(once, rows, *tail)
+    return values if apart else np.repeat(values, times, axis=0)

@@ -18,8 +18,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
-from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.checkpoints.lineage import extended, read_lineage, write_lineage
+from clast.results.checkpoints.checkpoint import Recorded, extended, read_lineage, write_lineage
 from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
@@ -55,7 +54,7 @@ FILE_FORMAT = ("v108", "v108")
 IN_ONE_PAGE = {"alignment_threshold": 128, "alignment_interval": 512}
 PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 LARGE = 64
-"""Rows that a frame must have for a chunk of its own."""
+"""Rows that get a chunk for themselves: of a frame, or of an array of the model."""
 CHECKED = {"fletcher32": True}
 
 
@@ -229,34 +228,28 @@ class ResultFile:
         return {name: table.since(self._saved[name]) for name, table in tables.items()}
 
     def _read_tables(self) -> dict[str, NDArray[Any]]:
-        """Return all rows of each table in the file: those that ``_put_tables`` has put there."""
-        return {one.name: self._read_table(one) for one in OVER_TIME}
-
-    def _read_table(self, one: TableSchema) -> NDArray[Any]:
-        """Return all rows of a table, none where it is not kept."""
-        rows = one.rows(one.count(self._model))
-        if not one.is_kept(self._model):
-            return np.zeros(0, rows)
-        if one.of is None or not one.of.path:
-            whole: NDArray[Any] = self._file[one.name][()]
-            return whole
-        time = self._file[ENERGY.name]["time"]
-        found = np.zeros(len(time), rows)
-        found["time"] = time
-        for index, place in enumerate(one.places(one.of.names(self._model))):
-            one.put_one(found, index, self._file[place][()])
-        return found
+        """Return all rows of each table: those that ``_put_tables`` has put there."""
+        tables = {}
+        for one in OVER_TIME:
+            rows = one.rows(one.count(self._model))
+            if one.apart and one.of:
+                time = self._file[ENERGY.name]["time"]
+                tables[one.name] = np.zeros(len(time), rows)
+                tables[one.name]["time"] = time
+                for index, place in enumerate(one.places(one.of.names(self._model))):
+                    one.put_one(tables[one.name], index, self._file[place][()])
+            else:
+                kept = one.is_kept(self._model)
+                tables[one.name] = self._file[one.name][()] if kept else np.zeros(0, rows)
+        return tables
 
     def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
         for one in OVER_TIME:
             if not one.is_kept(self._model):
                 continue
             first, rows = self._saved[one.name], new[one.name]
-            if one.of is None or not one.of.path:
-                self._column(one.name).put(first, rows)
-                continue
-            for index, place in enumerate(one.places(one.of.names(self._model))):
-                self._column(place).put(first, one.one(rows, index))
+            for index, place in enumerate(one.places(one.of.names(self._model) if one.of else ())):
+                self._column(place).put(first, one.one(rows, index) if one.apart else rows)
 
 
 def reopened(path: Path, model: Model, recorded: Recorded) -> JournalledFile:
@@ -358,7 +351,7 @@ def _write_table(file: Any, one: TableSchema, model: Model) -> None:
     if one.of is None:
         batch = min(CHUNK_ROWS, max(LARGE, 8 * model.block_count)) if one.per is Per.FRAME else 1
         _growing(file, one.name, dtype=one.row, batch=batch)
-    elif one.of.path:
+    elif one.apart:
         for place in one.places(one.of.names(model)):
             _growing(file, place, dtype=one.row)
     else:
@@ -389,10 +382,7 @@ def _write_grid(grid: Any, model: Model) -> None:
     _fixed(grid, "CellData/fixed", (model.fixed & ~model.lined).astype(np.uint8))
     for one in FIELDS:
         grid[one.place].attrs["about"] = one.about
-    _make_room_for_steps(grid.create_group("Steps"), model)
-
-
-def _make_room_for_steps(steps: Any, model: Model) -> None:
+    steps = grid.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(0)
     _growing(steps, "Values")
     for name, entry in _step_offsets(model, np.zeros(0, np.int64)).items():
@@ -413,35 +403,31 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     group.attrs["plane"] = model.plane.name
     group.attrs["gravity"] = model.gravity
     group.attrs["origin"] = model.origin
-    for package, number in _versions().items():
+    versions = {"Python": platform.python_version(), "HDF5": h5py.version.hdf5_version}
+    versions |= {name: version_of(name) for name in ("clast", "numpy", "numba", "scipy", "h5py")}
+    for package, number in versions.items():
         group.attrs[f"version of {package}"] = number
     write_source(group, model, case_text, about)
     for one in MODEL:
         if one.of is not None and not one.of.names(model):
             continue
-        value = one.value(model)
-        if one.texts:
-            group.create_dataset(one.name, data=list(value), dtype=h5py.string_dtype())
-        elif one.packed:
-            _fixed(group, one.name, value)
+        values = one.values(model)
+        if not one.kind:
+            group.create_dataset(one.name, data=list(values), dtype=h5py.string_dtype())
+        elif len(values) >= LARGE:
+            _fixed(group, one.name, values)
         else:
-            group[one.name] = value
+            group[one.name] = values
     write_water(group, model.water)
 
 
 def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
     """Write the text of the case and its settings, in the place of the earlier ones."""
-    told = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
-    for name, text in {"case": case_text, "about": told}.items():
+    settings = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
+    for name, text in {"case": case_text, "about": settings}.items():
         if name not in group or group[name].asstr()[()] != text:
             group.pop(name, None)
             group[name] = text
-
-
-def _versions() -> dict[str, str]:
-    found = {"Python": platform.python_version(), "HDF5": h5py.version.hdf5_version}
-    packages = ("clast", "numpy", "numba", "scipy", "h5py")
-    return found | {package: version_of(package) for package in packages}
 
 
 def _growing(

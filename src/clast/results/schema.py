@@ -1,4 +1,4 @@
-"""The schema of a result file: each of its datasets once, with row, unit, meaning and version.
+"""The schema of a result file: each of its datasets once, with row, unit and meaning.
 
 The file is HDF5, with the blocks as VTKHDF so that ParaView opens it:
 
@@ -13,10 +13,10 @@ The file is HDF5, with the blocks as VTKHDF so that ParaView opens it:
     /model         the case file's text, how it is simulated (about, JSON), versions, and ``MODEL``
     /report        how the run went; only in a file that was finished
 
-Who records, writes, checks, reads and exports walks it, and so does docs/reference/result-file.md.
+Recording, writing, checking, reading, exports and docs/reference/result-file.md walk it.
 Where a new field, column or table goes is told in docs/decisions/0104-one-schema-of-results.md.
 
-The attribute ``runs`` of the file says which runs have written it (``checkpoints.lineage``).
+The attribute ``runs`` of the file says which runs have written it (``checkpoints.checkpoint``).
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
 reached the file; a process killed at any moment leaves all frames before readable.  Behind the end
@@ -32,7 +32,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -42,14 +42,11 @@ from clast.model.model import Model
 from clast.model.state import LEDGER
 
 FORMAT = 2
-"""Version of the layout outside of /VTKHDF: 1 had no checksums."""
+"""Version of the layout outside of /VTKHDF; files of other layouts are not read."""
 VTKHDF_VERSION = (2, 2)
 """The first version that blesses groups of one's own beside /VTKHDF."""
 POLYGON = 7
 """VTK's number for a polygonal cell."""
-SLIP = "opening and slip of contacts"
-WORN = "the strength that contacts have lost"
-STRENGTH = "shear strengths of contacts"
 CHUNK_BYTES = 2048
 """Bytes that small things share a chunk of the file with."""
 CHUNK_ROWS = 512
@@ -70,30 +67,27 @@ class Per(Enum):
     STEP = "step"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Column:
     """A column of a table."""
 
     name: str
-    meaning: str
-    unit: str = ""
+    unit: str
     """SI unit, "" for numbers without one."""
+    meaning: str
     parts: tuple[str, ...] = ()
     """Components, () for a scalar."""
     kind: str = "f8"
     """numpy's name of its type."""
-    since: str = ""
-    """Version of clast that introduced it; "" where it was there from the beginning."""
     words: tuple[str, ...] = ()
     """Meanings of its numbers, from 0 on; () where they are quantities."""
     checked: str = ""
     """Its name where its numbers are found damaged; "": they are not checked."""
     may_be_nan: bool = False
-    """Whether NaN is a value."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of its components as columns of their own, its own name for a scalar."""
+        """Names of its components as separate columns, its name for a scalar."""
         return tuple(f"{self.name}_{part}" for part in self.parts) or (self.name,)
 
     def entry(self, *rows: int) -> tuple[Any, ...]:
@@ -103,53 +97,29 @@ class Column:
         return (self.name, self.kind, shape) if shape else (self.name, self.kind)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Things:
     """The things of which a table has a row each, at every instant."""
 
     name: str
-    """Its singular; a recording has their names as ``NAME_name``."""
+    """Their singular; a recording has their names as ``NAME_name``."""
     meaning: str
-    """Its name for users."""
+    """Their name for users."""
     names: Callable[[Model], tuple[str, ...]]
     """Returns the names of those of a model."""
-    since: str = ""
-    """As for a column: older files have none of them."""
     path: str = ""
     """Group with a dataset for each, named after it; "": one dataset has wide rows of all."""
 
 
-POINTS = Things(
-    name="point",
-    meaning="measured point",
-    names=lambda model: model.measured_points.name,
-    path="history",
-)
-REACTIONS = Things(
-    name="reaction",
-    meaning="reaction",
-    since="reactions",
-    names=lambda model: model.reactions.name,
-)
-LINKS = Things(name="link", meaning="link", since="links", names=lambda model: model.links)
-BOLTS = Things(
-    name="bolt", meaning="bolt", since="rock bolts", names=lambda model: model.bolts.name
-)
-LINING_JOINTS = Things(
-    name="lining_joint",
-    meaning="joint of a lining",
-    since="linings",
-    names=lambda model: model.lining_joints.name,
-)
-
+POINTS = Things("point", "measured point", lambda m: m.measured_points.name, "history")
+REACTIONS = Things("reaction", "reaction", lambda m: m.reactions.name)
+LINKS = Things("link", "link", lambda m: m.links)
+BOLTS = Things("bolt", "bolt", lambda m: m.bolts.name)
+LINING_JOINTS = Things("lining_joint", "joint of a lining", lambda m: m.lining_joints.name)
 MEASURED_CONTACTS = Things(
-    name="measured_contact",
-    meaning="measured contact",
-    since="measured contacts",
-    names=lambda model: model.measured_contacts.name,
+    "measured_contact", "measured contact", lambda m: m.measured_contacts.name
 )
-
-TIME = Column(name="time", unit="s", meaning="time")
+TIME = Column("time", "s", "time")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,10 +134,8 @@ class TableSchema:
     """Its columns behind the time; those of a frame have none."""
     of: Things | None = None
     """The things with a row at each instant; None: a single row."""
-    since: str = ""
-    """As for a column; such a table is only there where there is something to tell."""
     csv: str = ""
-    """Name of its CSV file, its own name if empty."""
+    """Name of its CSV file, its name if empty."""
     without: str = ""
     """The message where there are none of its things."""
     drawn: tuple[str, ...] = ()
@@ -195,8 +163,13 @@ class TableSchema:
 
     @property
     def counter(self) -> str:
-        """Column of /frames that says how many rows there are until a frame."""
+        """Column of /frames that counts its rows until a frame."""
         return {Per.INSTANT: "instants", Per.STEP: "steps"}.get(self.per, self.name)
+
+    @property
+    def apart(self) -> bool:
+        """Whether each of its things has a dataset."""
+        return self.of is not None and self.of.path != ""
 
     def rows(self, count: int) -> np.dtype[Any]:
         """Return one row of all ``count`` things, as it is in memory."""
@@ -205,31 +178,24 @@ class TableSchema:
         return np.dtype([TIME.entry(), *(one.entry(count) for one in self.columns)])
 
     def count(self, model: Model) -> int:
-        """Return of how many things of a model it tells."""
+        """Return the number of its things in a model."""
         return 1 if self.of is None else len(self.of.names(model))
 
-    @property
-    def may_be_missing(self) -> bool:
-        """Whether files with its things may lack it."""
-        return self.since != (self.of.since if self.of else "")
-
     def is_kept(self, model: Model) -> bool:
-        """Return whether there is anything to be told of a model."""
-        return not self.since or self.count(model) > 0
+        """Return whether the run of a model has the table."""
+        return self.apart or self.count(model) > 0
 
-    def places(self, names: tuple[str, ...], layout: int = FORMAT) -> tuple[str, ...]:
+    def places(self, names: tuple[str, ...]) -> tuple[str, ...]:
         """Return where it is in a file of things with these names."""
-        if self.of is None or not self.of.path:
-            return (self.name,)
-        return tuple(history_path(name, layout) for name in names)
+        return tuple(map(history_path, names)) if self.apart else (self.name,)
 
     def one(self, rows: NDArray[Any], index: int) -> NDArray[Any]:
         """Return the rows of one thing from those of all."""
-        found = np.zeros(len(rows), self.row)
-        found["time"] = rows["time"]
+        single = np.zeros(len(rows), self.row)
+        single["time"] = rows["time"]
         for column in self.columns:
-            found[column.name] = rows[column.name][:, index]
-        return found
+            single[column.name] = rows[column.name][:, index]
+        return single
 
     def put_one(self, rows: NDArray[Any], index: int, of_one: NDArray[Any]) -> None:
         """Write the rows of one thing into those of all."""
@@ -242,10 +208,7 @@ ENERGY = TableSchema(
     meaning="Energy ledger, J per metre of thickness; sums since the start, except stored energy.",
     per=Per.INSTANT,
     drawn=("kinetic", "elastic", "gravity", "friction"),
-    columns=tuple(
-        Column(name=name, unit="J/m", meaning=about["kind"].value, since=about["since"])
-        for name, about in LEDGER.items()
-    ),
+    columns=tuple(Column(name, "J/m", about["kind"].value) for name, about in LEDGER.items()),
 )
 STEPS = TableSchema(
     name="steps",
@@ -253,15 +216,15 @@ STEPS = TableSchema(
     per=Per.STEP,
     drawn=("penetration",),
     columns=(
-        Column(name="step", unit="s", meaning="length of the step"),
-        Column(name="passes", kind="i8", meaning="assemblies and solves"),
-        Column(name="contacts", kind="i8", meaning="contacts of the step"),
-        Column(name="penetration", unit="m", meaning="largest penetration at its end"),
-        Column(name="travel", unit="m", meaning="largest movement of a vertex"),
+        Column("step", "s", "length of the step"),
+        Column("passes", "", "assemblies and solves", kind="i8"),
+        Column("contacts", "", "contacts of the step", kind="i8"),
+        Column("penetration", "m", "largest penetration at its end"),
+        Column("travel", "m", "largest movement of a vertex"),
         Column(
-            name="unbalanced",
-            meaning="largest unbalanced force of a block over all forces on it; NaN: no stages",
-            since="the unbalanced force of steps",
+            "unbalanced",
+            "",
+            "largest unbalanced force of a block over all forces on it; NaN: no stages",
             may_be_nan=True,
         ),
     ),
@@ -275,9 +238,9 @@ HISTORY = TableSchema(
     without="no measured points are recorded",
     drawn=("displacement_x", "displacement_y"),
     columns=(
-        Column(name="displacement", parts=PLANE, unit="m", meaning="since the start, or a reset"),
-        Column(name="velocity", parts=PLANE, unit="m/s", meaning="velocity"),
-        Column(name="rotation", unit="rad", meaning="of its block since then, counter-clockwise"),
+        Column("displacement", "m", "since the start, or a reset", PLANE),
+        Column("velocity", "m/s", "velocity", PLANE),
+        Column("rotation", "rad", "of its block since then, counter-clockwise"),
     ),
 )
 BOLT_STATES = ("not installed", "intact", "yielded", "broken", "lost")
@@ -287,18 +250,17 @@ BOLT_TABLE = TableSchema(
     meaning="Rock bolts: in each row force, elongation and state of all.",
     per=Per.INSTANT,
     of=BOLTS,
-    since="rock bolts",
     without="there are no bolts",
     drawn=("force",),
     columns=(
-        Column(name="force", unit="N/m", meaning="force, tension positive"),
+        Column("force", "N/m", "force, tension positive"),
         Column(
-            name="elongation",
-            unit="m",
-            meaning="beyond its length without force when it was installed",
+            "elongation",
+            "m",
+            "beyond its length without force when it was installed",
             may_be_nan=True,
         ),
-        Column(name="state", kind="i8", meaning="state", words=BOLT_STATES),
+        Column("state", "", "state", kind="i8", words=BOLT_STATES),
     ),
 )
 REACTION_TABLE = TableSchema(
@@ -306,17 +268,16 @@ REACTION_TABLE = TableSchema(
     meaning="Reactions of supports: fixed blocks and points, moved blocks, viscous edges.",
     per=Per.INSTANT,
     of=REACTIONS,
-    since="reactions",
     without="nothing is held or moved",
     drawn=("force_x", "force_y"),
     columns=(
-        Column(name="force", parts=PLANE, unit="N/m", meaning="force of the support on the blocks"),
-        Column(name="moment", unit="N m/m", meaning="its moment about the point of the reaction"),
+        Column("force", "N/m", "force of the support on the blocks", PLANE),
+        Column("moment", "N m/m", "its moment about the point of the reaction"),
         Column(
-            name="position",
-            parts=PLANE,
-            unit="m",
-            meaning="point of its line of action nearest to that point, NaN without a force",
+            "position",
+            "m",
+            "point of its line of action nearest to that point, NaN without a force",
+            PLANE,
             may_be_nan=True,
         ),
     ),
@@ -328,18 +289,12 @@ LINK_TABLE = TableSchema(
     meaning="Links between blocks: in each row force, moment and state of all.",
     per=Per.INSTANT,
     of=LINKS,
-    since="links",
     without="there are no links",
     drawn=("force_along", "force_across"),
     columns=(
-        Column(
-            name="force",
-            parts=LINK,
-            unit="N/m",
-            meaning="force on the first block, along and across the link",
-        ),
-        Column(name="moment", unit="N m/m", meaning="moment on the first block, counter-clockwise"),
-        Column(name="state", kind="i8", meaning="state", words=LINK_STATES),
+        Column("force", "N/m", "force on the first block, along and across the link", LINK),
+        Column("moment", "N m/m", "moment on the first block, counter-clockwise"),
+        Column("state", "", "state", kind="i8", words=LINK_STATES),
     ),
 )
 LINING_STATES = ("not installed", "intact", "cracked", "yielded", "lost")
@@ -349,25 +304,19 @@ LINING_TABLE = TableSchema(
     meaning="Linings: in each row forces, moment and state of the joints of all.",
     per=Per.INSTANT,
     of=LINING_JOINTS,
-    since="linings",
     without="there are no linings",
     drawn=("normal_force",),
     columns=(
-        Column(name="normal_force", unit="N/m", meaning="normal force N, tension positive"),
+        Column("normal_force", "N/m", "normal force N, tension positive"),
+        Column("shear_force", "N/m", "shear force Q, to the left on what lies before the joint"),
+        Column("moment", "N m/m", "moment M, positive where it stretches the left"),
         Column(
-            name="shear_force",
-            unit="N/m",
-            meaning="shear force Q, to the left on what lies before the joint",
-        ),
-        Column(
-            name="moment", unit="N m/m", meaning="moment M, positive where it stretches the left"
-        ),
-        Column(
-            name="utilisation",
-            meaning="share of the strength of the section, 1 on its curve; NaN without strengths",
+            "utilisation",
+            "",
+            "share of the strength of the section, 1 on its curve; NaN without strengths",
             may_be_nan=True,
         ),
-        Column(name="state", kind="i8", meaning="state", words=LINING_STATES),
+        Column("state", "", "state", kind="i8", words=LINING_STATES),
     ),
 )
 CONTACTS = TableSchema(
@@ -375,74 +324,48 @@ CONTACTS = TableSchema(
     meaning="Contacts that carry a force, frame after frame.",
     per=Per.FRAME,
     columns=(
+        Column("position", "m", "invading vertex", PLANE, checked="contacts"),
+        Column("normal", "", "outward unit normal of the edge", PLANE, checked="normals"),
         Column(
-            name="position", parts=PLANE, unit="m", meaning="invading vertex", checked="contacts"
+            "normal_force", "N/m", "normal force, compression positive", checked="normal forces"
         ),
         Column(
-            name="normal", parts=PLANE, meaning="outward unit normal of the edge", checked="normals"
-        ),
-        Column(
-            name="normal_force",
-            unit="N/m",
-            meaning="normal force, compression positive",
-            checked="normal forces",
-        ),
-        Column(
-            name="shear_force",
-            unit="N/m",
-            meaning="shear force on the vertex along the direction of the edge",
+            "shear_force",
+            "N/m",
+            "shear force on the vertex along the direction of the edge",
             checked="shear forces",
         ),
-        Column(name="vertex", kind="i8", meaning="number of the vertex, from 0"),
-        Column(name="edge", kind="i8", meaning="first vertex of the entrance edge"),
-        Column(name="mode", kind="i8", meaning="mode", words=("open", "slide", "lock")),
-        Column(
-            name="joint",
-            kind="i8",
-            meaning="joint that it lies along: index into joint_name",
-            since="the joints of edges and contacts",
-        ),
-        Column(name="opening", unit="m", meaning="gap, negative where pressed", since=SLIP),
-        Column(
-            name="slip", unit="m", meaning="along the edge since the contact was made", since=SLIP
-        ),
-        Column(
-            name="worn",
-            meaning="share of the strength lost: 0 at the peak, 1 at the residual one",
-            since=WORN,
-        ),
-        Column(
-            name="strength",
-            unit="N/m",
-            meaning="shear strength N tan(phi) + c L, which sliding contacts carry",
-            since=STRENGTH,
-        ),
+        Column("vertex", "", "number of the vertex, from 0", kind="i8"),
+        Column("edge", "", "first vertex of the entrance edge", kind="i8"),
+        Column("mode", "", "mode", kind="i8", words=("open", "slide", "lock")),
+        Column("joint", "", "joint that it lies along: index into joint_name", kind="i8"),
+        Column("opening", "m", "gap, negative where pressed"),
+        Column("slip", "m", "along the edge since the contact was made"),
+        Column("worn", "", "share of the strength lost: 0 at the peak, 1 at the residual one"),
+        Column("strength", "N/m", "shear strength N tan(phi) + c L, which sliding contacts carry"),
     ),
 )
-
 CONTACT_TABLE = TableSchema(
     name="measured_contacts",
     meaning="Measured contacts; those of a joint with the mean over its length.",
     per=Per.STEP,
     of=MEASURED_CONTACTS,
-    since="measured contacts",
     without="no contacts are measured",
     drawn=("normal", "shear"),
     columns=(
-        Column(name="normal", unit="Pa", meaning="normal force per length, compression positive"),
-        Column(name="shear", unit="Pa", meaning="shear force per length, signed as the slip"),
-        *(
-            Column(name=name, unit="m", meaning=meaning, may_be_nan=True)
-            for name, meaning in (
-                ("opening", "gap, negative where pressed; NaN without a contact"),
-                ("opening_least", "smallest gap"),
-                ("opening_most", "largest gap"),
-                ("slip", "slip since the contact was made; NaN without a contact"),
-                ("slip_least", "smallest slip"),
-                ("slip_most", "largest slip"),
-            )
+        Column("normal", "Pa", "normal force per length, compression positive"),
+        Column("shear", "Pa", "shear force per length, signed as the slip"),
+        Column(
+            "opening", "m", "gap, negative where pressed; NaN without a contact", may_be_nan=True
         ),
-        Column(name="sliding", meaning="share of the length that slides, 0 to 1"),
+        Column("opening_least", "m", "smallest gap", may_be_nan=True),
+        Column("opening_most", "m", "largest gap", may_be_nan=True),
+        Column(
+            "slip", "m", "slip since the contact was made; NaN without a contact", may_be_nan=True
+        ),
+        Column("slip_least", "m", "smallest slip", may_be_nan=True),
+        Column("slip_most", "m", "largest slip", may_be_nan=True),
+        Column("sliding", "", "share of the length that slides, 0 to 1"),
     ),
 )
 
@@ -462,9 +385,9 @@ OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
 FRAMES = (
     TIME,
-    Column(name="steps", kind="i8", meaning="rows of /steps until then"),
-    Column(name="instants", kind="i8", meaning="rows of tables with a row per instant until then"),
-    Column(name="contacts", kind="i8", meaning="rows of /contacts until then"),
+    Column("steps", "", "rows of /steps until then", kind="i8"),
+    Column("instants", "", "rows of tables with a row per instant until then", kind="i8"),
+    Column("contacts", "", "rows of /contacts until then", kind="i8"),
 )
 """Columns of /frames."""
 FRAME_ROW = np.dtype([one.entry() for one in FRAMES])
@@ -474,22 +397,20 @@ BOLT_POINTS = "bolt_points"
 """Points that the bolts lie along, m, frame after frame."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Field:
     """An array of /VTKHDF with a row per vertex or block."""
 
     place: str
     """Its place there: Points, PointData/NAME for vertices, CellData/NAME for blocks."""
-    meaning: str
-    unit: str = ""
+    unit: str
     """SI unit, "" for numbers without one."""
+    meaning: str
     parts: tuple[str, ...] = ()
     """Components, () for a scalar; VTK wants vectors with a third one, which is zero."""
     component: str = ""
-    """Name of the components before their part, its own name if empty."""
+    """Name of the components before their part, its name if empty."""
     per: Per = Per.FRAME
-    since: str = ""
-    """As for a column."""
 
     @property
     def name(self) -> str:
@@ -513,51 +434,29 @@ class Field:
 
 
 FIELDS = (
-    Field(place="Points", parts=PLANE, meaning="vertices", unit="m"),
+    Field("Points", "m", "vertices", PLANE),
     Field(
-        place="PointData/displacement",
-        parts=PLANE,
-        meaning="displacement of the vertex since the start or a reset",
-        unit="m",
+        "PointData/displacement",
+        "m",
+        "displacement of the vertex since the start or a reset",
+        PLANE,
     ),
     Field(
-        place="CellData/displacement",
-        parts=PLANE,
-        meaning="displacement of the centroid since the start or a reset",
-        unit="m",
+        "CellData/displacement",
+        "m",
+        "displacement of the centroid since the start or a reset",
+        PLANE,
     ),
-    Field(place="CellData/velocity", parts=PLANE, meaning="velocity of the centroid", unit="m/s"),
-    Field(
-        place="CellData/rotation",
-        meaning="rotation since the start or a reset, counter-clockwise",
-        unit="rad",
-    ),
-    Field(
-        place="CellData/stress",
-        parts=TENSOR,
-        component="sigma",
-        meaning="stress (xx, yy, xy), tension positive",
-        unit="Pa",
-    ),
-    Field(
-        place="CellData/sigma_1",
-        meaning="largest principal stress in the plane, tension positive",
-        unit="Pa",
-    ),
-    Field(
-        place="CellData/sigma_3",
-        meaning="smallest principal stress in the plane, tension positive",
-        unit="Pa",
-    ),
-    Field(place="CellData/max_shear", meaning="largest shear stress in the plane", unit="Pa"),
-    Field(
-        place="CellData/gone",
-        meaning="1 where the block has been excavated, else 0",
-        since="excavated blocks",
-    ),
-    Field(place="CellData/block", per=Per.RUN, meaning="number of the block, from 0"),
-    Field(place="CellData/rock", per=Per.RUN, meaning="number of the rock, from 0"),
-    Field(place="CellData/fixed", per=Per.RUN, meaning="1 where the block cannot move"),
+    Field("CellData/velocity", "m/s", "velocity of the centroid", PLANE),
+    Field("CellData/rotation", "rad", "rotation since the start or a reset, counter-clockwise"),
+    Field("CellData/stress", "Pa", "stress (xx, yy, xy), tension positive", TENSOR, "sigma"),
+    Field("CellData/sigma_1", "Pa", "largest principal stress in the plane, tension positive"),
+    Field("CellData/sigma_3", "Pa", "smallest principal stress in the plane, tension positive"),
+    Field("CellData/max_shear", "Pa", "largest shear stress in the plane"),
+    Field("CellData/gone", "", "1 where the block has been excavated, else 0"),
+    Field("CellData/block", "", "number of the block, from 0", per=Per.RUN),
+    Field("CellData/rock", "", "number of the rock, from 0", per=Per.RUN),
+    Field("CellData/fixed", "", "1 where the block cannot move", per=Per.RUN),
 )
 """All arrays of vertices and blocks, in the order in which a file is begun."""
 MOVING_FIELDS = tuple(one for one in FIELDS if one.per is Per.FRAME)
@@ -581,191 +480,150 @@ OFFSETS = ("NumberOfParts", "PartOffsets", "CellOffsets", "PointOffsets", MOVING
 """Datasets of offsets in /VTKHDF/Steps, written a chunk of frames at a time."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class OfModel:
     """A dataset of /model, written once."""
 
     name: str
+    value: str | Callable[[Model], Any]
+    """Place of its values in the model, or what returns them: texts, or an array."""
     meaning: str
-    value: Callable[[Model], Any]
-    """Returns the values to write: texts, or an array."""
-    since: str = ""
-    """As for a column."""
     of: Things | None = None
     """Only written where there are any of these; None: always."""
-    texts: bool = False
-    packed: bool = True
-    """Whether its numbers are compressed."""
+    kind: str = ""
+    """Kinds of its numbers (numpy's letters); "" for texts."""
+    shape: tuple[int, ...] = ()
+    """Shape of a row."""
 
-
-def _of_lines(key: str, model: Model) -> Any:
-    """Return an array of the links that stand at a point."""
-    return getattr(model.link_lines, key)
+    def values(self, model: Model) -> Any:
+        """Return the values to write."""
+        return attrgetter(self.value)(model) if isinstance(self.value, str) else self.value(model)
 
 
 MODEL = (
+    OfModel("block_name", "block_name", "name of each block"),
+    OfModel("rock_name", lambda m: [rock.name for rock in m.rocks], "name of each rock"),
     OfModel(
-        name="block_name", texts=True, value=lambda m: m.block_name, meaning="name of each block"
+        "joint_name",
+        lambda m: [joint.name for joint in m.joint_table.joints],
+        "name of each joint, the default first",
+    ),
+    OfModel("point_name", "measured_points.name", "name of each measured point"),
+    OfModel(
+        "point_start",
+        lambda m: m.measured_points.at + m.origin,
+        "where each measured point was at the start, m",
+        kind="f",
+        shape=(2,),
     ),
     OfModel(
-        name="rock_name",
-        texts=True,
-        value=lambda m: [rock.name for rock in m.rocks],
-        meaning="name of each rock",
+        "block_start",
+        "block_start",
+        "first vertex of each block; the last entry is the number of vertices",
+        kind="iu",
+    ),
+    OfModel("block_rock", "block_rock", "rock of each block", kind="iu"),
+    OfModel("fixed", lambda m: m.fixed & ~m.lined, "true where a block cannot move", kind="biu"),
+    OfModel(
+        "edge_joint",
+        "edge_joint",
+        "joint of the edge from each vertex to the next; -1: none of its own",
+        kind="i",
     ),
     OfModel(
-        name="joint_name",
-        texts=True,
-        value=lambda m: [joint.name for joint in m.joint_table.joints],
-        meaning="name of each joint, the default first",
-        since="the joints of edges and contacts",
+        "measured_contact_name",
+        "measured_contacts.name",
+        "name of each measured contact",
+        MEASURED_CONTACTS,
+    ),
+    OfModel("bolt_name", "bolts.name", "name of each bolt", BOLTS),
+    OfModel("bolt_kind", "bolts.kind", "kind of each bolt", BOLTS),
+    OfModel("reaction_name", "reactions.name", "name of each reaction", REACTIONS),
+    OfModel(
+        "reaction_about",
+        lambda m: m.reactions.about + m.origin,
+        "point that the moment of each reaction is about, m",
+        REACTIONS,
+        "f",
+        (2,),
     ),
     OfModel(
-        name="point_name",
-        texts=True,
-        value=lambda m: m.measured_points.name,
-        meaning="name of each measured point",
+        "reaction_of_block",
+        "reactions.of_block",
+        "reaction, and a block that it holds or moves, in each row",
+        REACTIONS,
+        "iu",
+        (2,),
     ),
     OfModel(
-        name="point_start",
-        packed=False,
-        value=lambda m: m.measured_points.at + m.origin,
-        meaning="where each measured point was at the start, m",
+        "link_line",
+        lambda m: np.array([m.links.index(name) for name in m.link_lines.name], np.int64),
+        "which of the links each of those with a place is",
+        LINKS,
+        "iu",
     ),
     OfModel(
-        name="block_start",
-        value=lambda m: m.block_start,
-        meaning="first vertex of each block; the last entry is the number of vertices",
+        "link_block",
+        "link_lines.block",
+        "the two blocks of each link with a place, -1 the ground",
+        LINKS,
+        "iu",
+        (2,),
     ),
-    OfModel(name="block_rock", value=lambda m: m.block_rock, meaning="rock of each block"),
+    OfModel("link_at", "link_lines.at", "its point at the start, m", LINKS, "f", (2,)),
     OfModel(
-        name="fixed", value=lambda m: m.fixed & ~m.lined, meaning="true where a block cannot move"
-    ),
-    OfModel(
-        name="edge_joint",
-        value=lambda m: m.edge_joint,
-        meaning="joint of the edge from each vertex to the next; -1: none of its own",
-        since="the joints of edges and contacts",
-    ),
-    OfModel(
-        name="measured_contact_name",
-        of=MEASURED_CONTACTS,
-        texts=True,
-        value=lambda m: m.measured_contacts.name,
-        meaning="name of each measured contact",
-        since="measured contacts",
+        "link_along",
+        "link_lines.along",
+        "unit vector of its direction at the start",
+        LINKS,
+        "f",
+        (2,),
     ),
     OfModel(
-        name="bolt_name",
-        of=BOLTS,
-        texts=True,
-        value=lambda m: m.bolts.name,
-        meaning="name of each bolt",
-        since="rock bolts",
+        "link_holds",
+        "link_lines.holds",
+        "along, across, rotation: 0 free, 1 spring or dashpot, 2 rigid",
+        LINKS,
+        "iu",
+        (3,),
+    ),
+    OfModel("link_name", "links", "name of each link", LINKS),
+    OfModel(
+        "lining_joint_name",
+        "lining_joints.name",
+        "name of each joint of a lining: that of the lining, a slash and its number",
+        LINING_JOINTS,
     ),
     OfModel(
-        name="bolt_kind",
-        of=BOLTS,
-        texts=True,
-        value=lambda m: m.bolts.kind,
-        meaning="kind of each bolt",
-        since="rock bolts",
+        "lining_along",
+        "lining_joints.along",
+        "where each joint is along the middle of its lining, m",
+        LINING_JOINTS,
+        "f",
     ),
     OfModel(
-        name="reaction_name",
-        of=REACTIONS,
-        texts=True,
-        value=lambda m: m.reactions.name,
-        meaning="name of each reaction",
-        since="reactions",
+        "lining_face",
+        "lining_joints.face",
+        "vertices of the segment beside each joint: outside, and inside",
+        LINING_JOINTS,
+        "iu",
+        (2,),
     ),
     OfModel(
-        name="reaction_about",
-        of=REACTIONS,
-        packed=False,
-        value=lambda m: m.reactions.about + m.origin,
-        meaning="point that the moment of each reaction is about, m",
-        since="reactions",
-    ),
-    OfModel(
-        name="reaction_of_block",
-        of=REACTIONS,
-        packed=False,
-        value=lambda m: m.reactions.of_block,
-        meaning="reaction, and a block that it holds or moves, in each row",
-        since="the blocks of reactions",
-    ),
-    OfModel(
-        name="link_line",
-        of=LINKS,
-        packed=False,
-        value=lambda m: np.array([m.links.index(name) for name in m.link_lines.name], np.int64),
-        meaning="which of the links each of those with a place is",
-        since="the places of links",
-    ),
-    *(
-        OfModel(
-            name=f"link_{key}",
-            of=LINKS,
-            packed=False,
-            value=partial(_of_lines, key),
-            meaning=meaning,
-            since="the places of links",
-        )
-        for key, meaning in (
-            ("block", "the two blocks of each link with a place, -1 the ground"),
-            ("at", "its point at the start, m"),
-            ("along", "unit vector of its direction at the start"),
-            ("holds", "along, across, rotation: 0 free, 1 spring or dashpot, 2 rigid"),
-        )
-    ),
-    OfModel(
-        name="link_name",
-        of=LINKS,
-        texts=True,
-        value=lambda m: m.links,
-        meaning="name of each link",
-        since="links",
-    ),
-    OfModel(
-        name="lining_joint_name",
-        of=LINING_JOINTS,
-        texts=True,
-        value=lambda m: m.lining_joints.name,
-        meaning="name of each joint of a lining: that of the lining, a slash and its number",
-        since="linings",
-    ),
-    OfModel(
-        name="lining_along",
-        of=LINING_JOINTS,
-        packed=False,
-        value=lambda m: m.lining_joints.along,
-        meaning="where each joint is along the middle of its lining, m",
-        since="linings",
-    ),
-    OfModel(
-        name="lining_face",
-        of=LINING_JOINTS,
-        packed=False,
-        value=lambda m: m.lining_joints.face,
-        meaning="vertices of the segment beside each joint: outside, and inside",
-        since="linings",
-    ),
-    OfModel(
-        name="lining_section",
-        of=LINING_JOINTS,
-        packed=False,
-        value=lambda m: m.lining_joints.section,
-        meaning="thickness, m, tensile and compressive strength, Pa, infinite for none, of each "
+        "lining_section",
+        "lining_joints.section",
+        "thickness, m, tensile and compressive strength, Pa, infinite for none, of each "
         "joint of a lining",
-        since="the sections of linings",
+        LINING_JOINTS,
+        "f",
+        (3,),
     ),
     OfModel(
-        name="bolt_of_point",
-        of=BOLTS,
-        value=lambda m: m.bolts.bolt,
-        meaning="bolt of each of the points that bolts lie along",
-        since="rock bolts",
+        "bolt_of_point",
+        "bolts.bolt",
+        "bolt of each of the points that bolts lie along",
+        BOLTS,
+        "iu",
     ),
 )
 """Datasets of the model beside its source and its water (``clast.results.water_record``)."""
@@ -775,10 +633,8 @@ MODEL = (
 SPECIAL = str.maketrans({sign: f"%{ord(sign):02X}" for sign in "%/"})
 
 
-def history_path(name: str, layout: int = FORMAT) -> str:
+def history_path(name: str) -> str:
     """Return where the history of a measured point is."""
-    if layout == 1:
-        return f"history/{name.replace('/', '∕')}"
     # HDF5 takes "." for the group itself, and "" for nothing; ".." is the group above for others
     dots = name.replace(".", "%2E") if set(name) <= {"."} else name.translate(SPECIAL)
     return f"history/{dots or '%'}"

@@ -19,23 +19,22 @@ from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import Event, Mover, StageRecord
 from clast.model.state import Ledger
 from clast.model.supports.lining_joints import LiningJoints
+from clast.model.supports.link_lines import GROUND, RIGID, LinkLines
 from clast.model.water.water import Water
 from clast.results.open_file import MalformedError
 from clast.results.provenance import about_in
-from clast.results.recording import BoltLines, EdgeJoints
+from clast.results.recording import BoltLines, EdgeJoints, SupportsRecord
 from clast.results.run_report import Report, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
-    CONTACTS,
-    ENERGY,
     FRAME_ROW,
     FRAME_STAGE,
     KIND_FIELDS,
     LINING_JOINTS,
+    MODEL,
     MOVING_FIELDS,
-    OVER_TIME,
     POLYGON,
-    TableSchema,
+    TABLES,
     Things,
 )
 from clast.results.water_record import waters_in
@@ -59,37 +58,29 @@ class StoredBlocks:
 
 def blocks_of(file: Any) -> StoredBlocks:
     """Return the blocks of a file; raises MalformedError."""
-    start = _whole(file, "model/block_start", "iu")
-    rock = _whole(file, "model/block_rock", "iu")
-    fixed = _whole(file, "model/fixed", "biu")
+    start, rock = of_model(file, "block_start"), of_model(file, "block_rock")
+    fixed = of_model(file, "fixed")
     name, rock_name = names(file, "model/block_name"), names(file, "model/rock_name")
     count = len(start) - 1
-    if count < 1 or start[0] != 0 or (np.diff(start.astype(np.int64)) < 3).any():
+    if count < 1 or start[0] != 0 or (np.diff(start) < 3).any():
         raise MalformedError("/model/block_start does not say where blocks start")
     if not len(rock) == len(fixed) == len(name) == count:
         raise MalformedError("/model has not one rock, name and mark of each block")
     if rock.min() < 0 or rock.max() >= len(rock_name):
         raise MalformedError("/model/block_rock names rocks that do not exist")
     return StoredBlocks(
-        start=start.astype(np.int64),
-        rock=rock.astype(np.int64),
-        fixed=fixed.astype(np.bool_),
-        name=name,
-        rock_name=rock_name,
+        start=start, rock=rock, fixed=fixed.astype(np.bool_), name=name, rock_name=rock_name
     )
 
 
-def joints_of(file: Any, blocks: StoredBlocks) -> EdgeJoints | None:
-    """Return the joints of a file, None where an older version wrote it; raises MalformedError."""
-    if not {"joint_name", "edge_joint"} & set(file["model"]) and not _contacts_have_joints(file):
-        return None
-    name = names(file, "model/joint_name")
-    edge = _whole(file, "model/edge_joint", "i")
+def joints_of(file: Any, blocks: StoredBlocks) -> EdgeJoints:
+    """Return the joints of a file; raises MalformedError."""
+    name, edge = names(file, "model/joint_name"), of_model(file, "edge_joint")
     if len(edge) != blocks.start[-1]:
         raise MalformedError("/model/edge_joint has not one joint for each edge")
     if edge.min() < -1 or edge.max() >= len(name):
         raise MalformedError("/model/edge_joint names joints that do not exist")
-    return EdgeJoints(name=name, edge=edge.astype(np.int64))
+    return EdgeJoints(name=name, edge=edge)
 
 
 def frames_of(file: Any) -> NDArray[Any]:
@@ -121,18 +112,17 @@ def stages_of(file: Any, stages: Sequence[str], frames: int) -> tuple[str, ...]:
 def points_of(file: Any) -> tuple[tuple[str, ...], Floats]:
     """Return names and starts (k, 2) of the measured points; raises MalformedError."""
     name = names(file, "model/point_name")
-    start = _whole(file, "model/point_start", "f", (2,))
+    start = of_model(file, "point_start")
     if len(start) != len(name) or len(set(name)) < len(name) or not np.isfinite(start).all():
         raise MalformedError("/model/point_start is not a place for each measured point")
     return name, start
 
 
 def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
-    """Return the bolts of a file, none where an older version wrote it; raises MalformedError."""
+    """Return the bolts of a file, none where there are none; raises MalformedError."""
     if "bolt_name" not in file["model"]:
         return BoltLines()
-    name = names(file, "model/bolt_name")
-    point = _whole(file, "model/bolt_of_point", "iu").astype(np.int64)
+    name, point = names(file, "model/bolt_name"), of_model(file, "bolt_of_point")
     count = len(name)
     if not count or not np.array_equal(np.unique(point), np.arange(count)):
         raise MalformedError("/model/bolt_of_point does not match the bolts")
@@ -147,31 +137,48 @@ def lining_joints_of(file: Any, blocks: StoredBlocks) -> LiningJoints:
     name = names_in(file, LINING_JOINTS)
     if not name:
         return LiningJoints()
-    along = _whole(file, "model/lining_along", "f").astype(np.float64)
-    face = _whole(file, "model/lining_face", "iu", (2,)).astype(np.int64)
+    along, face = of_model(file, "lining_along"), of_model(file, "lining_face")
     if not len(along) == len(face) == len(name) or not np.isfinite(along).all():
         raise MalformedError("/model/lining_along is not a place for each joint of a lining")
     if face.min() < 0 or face.max() >= blocks.start[-1]:
         raise MalformedError("/model/lining_face names vertices that do not exist")
-    return LiningJoints(name=name, along=along, face=face, section=_sections(file, len(name)))
-
-
-def _sections(file: Any, joints: int) -> NDArray[Any]:
-    """Return the sections of the joints of linings, (k, 3), none in files of older versions."""
-    if "lining_section" not in file["model"]:
-        return np.zeros((0, 3))
-    found = _whole(file, "model/lining_section", "f", (3,)).astype(np.float64)
-    fits = len(found) == joints and (found[:, [0, 2]] > 0.0).all()
-    if not fits or not (found[:, 1] >= 0.0).all() or not np.isfinite(found[:, 0]).all():
+    section = of_model(file, "lining_section")
+    fits = len(section) == len(name) and (section[:, [0, 2]] > 0.0).all()
+    if not fits or not (section[:, 1] >= 0.0).all() or not np.isfinite(section[:, 0]).all():
         raise MalformedError("/model/lining_section is not a section for each joint of a lining")
-    return found
+    return LiningJoints(name=name, along=along, face=face, section=section)
 
 
-def measured_contacts_of(file: Any) -> tuple[str, ...]:
-    """Return the names of the measured contacts of a file."""
-    if "measured_contact_name" not in file["model"]:
-        return ()
-    return names(file, "model/measured_contact_name")
+def supports_of(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> SupportsRecord:
+    """Return the supports and links of a file; raises MalformedError."""
+    of_block = _indices(file, "reaction_of_block", (reactions, blocks))
+    name = _indices(file, "link_line", (len(links),))
+    lines = LinkLines(
+        name=tuple(links[one] for one in name),
+        block=_indices(file, "link_block", (blocks, blocks), (0, GROUND)),
+        holds=_indices(file, "link_holds", (RIGID + 1,) * 3),
+        at=_points(file, "link_at"),
+        along=_points(file, "link_along"),
+    )
+    if len({len(one) for one in (name, lines.block, lines.holds, lines.at, lines.along)}) != 1:
+        raise MalformedError("/model has links that are inconsistent")
+    return SupportsRecord(of_block=of_block, links=lines)
+
+
+def _indices(file: Any, name: str, below: tuple[int, ...], least: Any = 0) -> Ints:
+    """Return whole numbers of the model from the least to below the limit of a column."""
+    numbers = of_model(file, name, "does not match the blocks, supports and links")
+    if (numbers < np.array(least)).any() or (numbers >= np.array(below)).any():
+        raise MalformedError(f"/model/{name} does not match the blocks, supports and links")
+    return numbers
+
+
+def _points(file: Any, name: str) -> Floats:
+    """Return points (k, 2) of the model."""
+    points = of_model(file, name, "has no points")
+    if not np.isfinite(points).all():
+        raise MalformedError(f"/model/{name} has no points")
+    return points
 
 
 def names_in(file: Any, things: Things) -> tuple[str, ...]:
@@ -184,50 +191,22 @@ def check_arrays(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
     count = len(blocks.rock)
     for one in MOVING_FIELDS:
-        if one.since and one.place not in _group(file, "VTKHDF"):
-            continue
         rows = count if one.of_blocks else blocks.start[-1]
         _check_length(_numbers(file, f"VTKHDF/{one.place}", "f", one.shape), len(frames) * rows)
     for name in KIND_FIELDS:
         _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), count)
 
 
-def check_tables(
-    file: Any, frames: NDArray[Any], names: Mapping[Things, tuple[str, ...]], layout: int
-) -> None:
+def check_tables(file: Any, frames: NDArray[Any], names: Mapping[Things, tuple[str, ...]]) -> None:
     """Raise MalformedError unless all tables have the rows of all frames.
 
-    ``names`` are those of the things that tables tell of.
+    ``names`` are those of the things of tables.
     """
-    kinds = (kind.kind for kind, *_ in (_dataset(file, ENERGY.name).dtype.fields or {}).values())
-    if any(kind != "f" for kind in kinds):
-        raise MalformedError("/energy is not a table of energies")
-    missing = missing_tables(file)
-    for one in OVER_TIME:
-        whose = names.get(one.of, ()) if one.of else ()
-        if (one.of and not whose) or one.name in missing:
-            continue
-        for place in one.places(whose, layout):
-            _check_length(_rows_of(file, place, *_wanted(one, len(whose))), frames[one.counter][-1])
-    _check_length(_rows_of(file, CONTACTS.name, *_wanted(CONTACTS, 0)), frames["contacts"][-1])
-
-
-def missing_tables(file: Any) -> frozenset[str]:
-    """Return the names of the tables that an earlier clast did not write."""
-    tables = (one for one in OVER_TIME if one.may_be_missing)
-    places = {one.name: one.of.path if one.of and one.of.path else one.name for one in tables}
-    return frozenset(name for name, place in places.items() if place not in file)
-
-
-def _wanted(one: TableSchema, count: int) -> tuple[np.dtype[Any], frozenset[str]]:
-    """Return a row of a table of ``count`` things, and its columns that may be missing."""
-    apart = one.of is None or one.of.path
-    later = frozenset(column.name for column in one.columns if column.since)
-    return one.row if apart else one.rows(count), later
-
-
-def _contacts_have_joints(file: Any) -> bool:
-    return "joint" in (_dataset(file, CONTACTS.name).dtype.names or ())
+    for one in TABLES:
+        whose = names[one.of] if one.of else ()
+        row = one.row if one.of is None or one.apart else one.rows(len(whose))
+        for place in one.places(whose) if one.of is None or whose else ():
+            _check_length(_rows_of(file, place, row), frames[one.counter][-1])
 
 
 def check_grid(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
@@ -242,7 +221,7 @@ def check_grid(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
         "Types": np.full(count, POLYGON),
     }
     for name, values in wanted.items():
-        if not np.array_equal(_whole(file, f"VTKHDF/{name}", "iu"), values):
+        if not np.array_equal(_numbers(file, f"VTKHDF/{name}", "iu")[:], values):
             raise MalformedError(f"/VTKHDF/{name} does not match the blocks")
     _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), len(frames) - 1)
     for name, tail in {"NumberOfParts": (), "PartOffsets": (), "CellOffsets": (1,)}.items():
@@ -278,12 +257,7 @@ def report_of(file: Any) -> Report | None:
 
 
 def about_of(file: Any) -> dict[str, Any]:
-    """Return how a file was made, nothing if an older version wrote it.
-
-    Raises MalformedError.
-    """
-    if "about" not in file["model"]:
-        return {}
+    """Return how a file was made; raises MalformedError."""
     try:
         return about_in(text(file, "model/about"))
     except (TypeError, ValueError, RecursionError) as error:
@@ -292,16 +266,15 @@ def about_of(file: Any) -> dict[str, Any]:
 
 def water_of(file: Any, blocks: StoredBlocks) -> tuple[Water, ...]:
     """Return the water of a file; raises MalformedError."""
-    found = waters_in(file["model"], int(blocks.start[-1]))
-    if found is None:
+    waters = waters_in(file["model"], int(blocks.start[-1]))
+    if waters is None:
         raise MalformedError("/model/water does not hold the expected data")
-    return found
+    return waters
 
 
 def names(file: Any, place: str) -> tuple[str, ...]:
     """Return the texts of a dataset."""
-    found: tuple[str, ...] = tuple(_dataset(file, place).asstr()[:])
-    return found
+    return tuple(_dataset(file, place).asstr()[:])
 
 
 def text(file: Any, place: str) -> str:
@@ -353,43 +326,52 @@ def _dataset(file: Any, place: str) -> Any:
     """Return a dataset all of whose numbers are in the file; raises MalformedError."""
     import h5py
 
-    found = _group(file, place)
-    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
+    dataset = _group(file, place)
+    if not isinstance(dataset, h5py.Dataset) or dataset.external or dataset.is_virtual:
         raise MalformedError(f"/{place} is not a dataset of this file")
-    if found.chunks is None:
-        whole = found.id.get_storage_size() >= found.nbytes
+    if dataset.chunks is None:
+        whole = dataset.id.get_storage_size() >= dataset.nbytes
     else:
-        pieces = [-(-n // rows) for n, rows in zip(found.shape, found.chunks, strict=True)]
-        whole = found.id.get_num_chunks() >= math.prod(pieces)
+        pieces = [-(-n // rows) for n, rows in zip(dataset.shape, dataset.chunks, strict=True)]
+        whole = dataset.id.get_num_chunks() >= math.prod(pieces)
     if not whole:
         raise MalformedError(f"/{place} claims more data than the file holds")
-    return found
+    return dataset
 
 
-def _numbers(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> Any:
+def _numbers(
+    file: Any,
+    place: str,
+    kinds: str,
+    tail: tuple[int, ...] = (),
+    fault: str = "does not hold the expected data",
+) -> Any:
     """Return a dataset of rows of numbers of some ``kinds`` (numpy's letters) and shape."""
-    found = _dataset(file, place)
-    if found.dtype.kind not in kinds or found.shape is None or found.shape[1:] != tail:
-        raise MalformedError(f"/{place} does not hold the expected data")
-    if found.ndim != 1 + len(tail):
-        raise MalformedError(f"/{place} does not hold the expected data")
-    return found
+    dataset = _dataset(file, place)
+    shape = dataset.shape
+    if dataset.dtype.kind not in kinds or not shape or shape[1:] != tail:
+        raise MalformedError(f"/{place} {fault}")
+    return dataset
 
 
-def _whole(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> NDArray[Any]:
-    """Return the numbers of a dataset."""
-    values: NDArray[Any] = _numbers(file, place, kinds, tail)[:]
-    return values
+def of_model(file: Any, name: str, fault: str = "does not hold the expected data") -> Any:
+    """Return the numbers of a dataset of the model, none where it is of things that are not there.
+
+    Raises MalformedError where they are not of the kind and shape of the schema.
+    """
+    one = next(one for one in MODEL if one.name == name)
+    if one.of is not None and name not in file["model"]:
+        return np.zeros((0, *one.shape), np.float64 if one.kind == "f" else np.int64)
+    values = _numbers(file, f"model/{name}", one.kind, one.shape, fault)[:]
+    return values.astype(np.float64 if one.kind == "f" else np.int64)
 
 
-def _rows_of(file: Any, place: str, row: np.dtype[Any], later: frozenset[str] = frozenset()) -> Any:
-    """Return a table that has the columns of ``row`` but for ``later`` ones, and may have more."""
-    found = _dataset(file, place)
-    columns = found.dtype.fields or {}
+def _rows_of(file: Any, place: str, row: np.dtype[Any]) -> Any:
+    """Return a table that has the columns of ``row``, and may have more."""
+    table = _dataset(file, place)
+    columns = table.dtype.fields or {}
     for name, (kind, *_) in (row.fields or {}).items():
-        if name in later and name not in columns:
-            continue
         same = name in columns and columns[name][0].shape == kind.shape
-        if not same or columns[name][0].base.kind != kind.base.kind or found.ndim != 1:
+        if not same or columns[name][0].base.kind != kind.base.kind or table.ndim != 1:
             raise MalformedError(f"/{place} has no column '{name}' as it should be")
-    return found
+    return table

@@ -38,7 +38,7 @@ from clast.errors import CaseError, ClastError, ResultsLost
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
-from clast.results.checkpoints.regular_files import content_of as content_of_file
+from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.results.output import fresh
 from clast.study.description import COLLAPSE, FIT, Description, described
 from clast.study.trial_cases import content_of

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from clast.errors import CaseError, ResultsLost
 from clast.results import Run
-from clast.results.checkpoints.regular_files import content_of as content_of_file
+from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.study import probabilities
 from clast.study.description import WORST
 from clast.study.folder import LARGEST_RESULT, RUN_FILE, StudyFolder, write_whole

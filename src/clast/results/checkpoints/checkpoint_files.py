@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError, shortened
@@ -30,25 +31,25 @@ from clast.results.checkpoints.encode import (
     put_together,
     taken_apart,
 )
-from clast.results.checkpoints.regular_files import content_of
-from clast.results.checkpoints.stored_arrays import arrays_of, put_array
+from clast.results.checkpoints.fingerprints import content_of
 from clast.results.open_file import is_result_file
 from clast.results.output import fresh, hidden
 
 LAYOUT = 4
-"""Version of the layout of checkpoint files: 1 did not say which run each belongs to, 2 did not
-have the slip of contacts, 3 not how fast they slide and how far that opens them."""
-LARGEST = 2**31
+"""Version of the layout of checkpoint files."""
+FILE_BYTES_MAX = 2**31
 """Checkpoints above this size are not read, bytes."""
 SUMS = struct.Struct("<Q32s8s")
 MARK = b"clastchk"
 ENDING = ".checkpoint.h5"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """How every HDF5 file begins."""
-
-
 RESULTS = ".vtkhdf"
 """Usual ending of result files, which the names of their checkpoints leave out."""
+PLAIN = "biuf"
+"""Kinds of numbers that HDF5 knows as NumPy does (its letters); others are written as bytes."""
+AS_BYTES = "biufcSUV"
+"""Kinds that are written as bytes."""
 
 
 def checkpoint_path(output: Path, stage: str = "") -> Path:
@@ -79,7 +80,7 @@ def check_place(path: Path) -> None:
 def is_checkpoint(path: Path) -> bool:
     """Return whether a file is a whole checkpoint, of whatever layout."""
     try:
-        return _image(content_of(path, LARGEST)) is not None
+        return _image(content_of(path, FILE_BYTES_MAX)) is not None
     except (OSError, CaseError):
         return False
 
@@ -117,14 +118,15 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(image), "r") as file:
             version = _check_layout(file["checkpoint"].attrs, path)
-            arrays = arrays_of(file["arrays"])
+            group = file["arrays"]
+            arrays = [_array(_stored(group, str(number))) for number in range(len(group))]
             written = json.loads(file["checkpoint"][()])
     except CaseError:
         raise
     except Exception as error:  # HDF5 raises whatever it likes where its structures are wrong
         raise damaged(path, "its parts do not fit together") from error
     try:
-        found = put_together(written, arrays, known)
+        checkpoint = put_together(written, arrays, known)
     except UnknownClassError as error:
         raise CaseError(
             f"holds data unknown to this version: {error}",
@@ -134,13 +136,13 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
         ) from None
     except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
         raise damaged(path, "its content is not as expected") from error
-    if not isinstance(found, Checkpoint):
+    if not isinstance(checkpoint, Checkpoint):
         raise CaseError(
             "is not a checkpoint of a run",
             where=str(path),
             remedy=f"name a file that ends in {ENDING}",
         )
-    return found
+    return checkpoint
 
 
 def damaged(path: Path, why: str) -> CaseError:
@@ -162,12 +164,8 @@ def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
             remedy="update clast",
         )
     if layout < LAYOUT:
-        lacks = "the name of their run", "the slip of contacts", "the sliding speed of contacts"
-        lack = lacks[max(0, layout - 1)]
         raise CaseError(
-            f"was written by an older version of clast ({shortened(version)}), whose checkpoints "
-            "lack "
-            f"{lack}",
+            f"was written by an older version of clast ({shortened(version)})",
             where=str(path),
             remedy=f"resume with clast {shortened(version)}, or run the case again",
         )
@@ -193,7 +191,7 @@ def _as_bytes(checkpoint: Checkpoint) -> bytes:
         held.attrs["version"] = checkpoint.version
         group = file.create_group("arrays")
         for number, array in enumerate(arrays):
-            put_array(group, str(number), array)
+            _put_array(group, str(number), array)
     return buffer.getvalue()
 
 
@@ -211,7 +209,7 @@ def _sound_image(path: Path) -> bytes:
     """Return the HDF5 part of a checkpoint file; raises CaseError for a file that is none."""
     where = str(path)
     try:
-        content = content_of(path, LARGEST)
+        content = content_of(path, FILE_BYTES_MAX)
     except FileNotFoundError:
         raise CaseError(
             "there is no such file",
@@ -248,3 +246,50 @@ def _sync_folder(folder: Path) -> None:
             os.fsync(number)
         finally:
             os.close(number)
+
+
+def _put_array(group: Any, name: str, array: NDArray[Any]) -> None:
+    """Write an array; one of rows or of texts as its bytes."""
+    if array.dtype.kind in PLAIN:
+        group.create_dataset(name, data=array)
+        return
+    content = np.frombuffer(np.ascontiguousarray(array).tobytes(), np.uint8)
+    one = group.create_dataset(name, data=content)
+    one.attrs["dtype"] = json.dumps(array.dtype.descr)
+    one.attrs["shape"] = np.array(array.shape, np.int64)
+
+
+def _stored(group: Any, name: str) -> Any:
+    """Return a dataset all of whose bytes are in the file, one by one."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise ValueError(f"/arrays/{name} is not in this file")
+    array = group[name]
+    if not isinstance(array, h5py.Dataset) or array.shape is None:
+        raise TypeError(f"/arrays/{name} is not an array")
+    if array.chunks is not None or array.external or array.is_virtual:
+        raise ValueError(f"/arrays/{name} is not in one piece")
+    if array.dtype.kind not in PLAIN or array.id.get_storage_size() != array.nbytes:
+        raise ValueError(f"/arrays/{name} claims more data than the file holds")
+    return array
+
+
+def _array(dataset: Any) -> NDArray[Any]:
+    """Return an array as it was."""
+    content: NDArray[Any] = dataset[()] if dataset.shape else np.asarray(dataset[()])
+    if "dtype" in dataset.attrs:
+        kind = _kind(json.loads(dataset.attrs["dtype"]))
+        shape = tuple(int(size) for size in dataset.attrs["shape"])
+        content = np.frombuffer(content.tobytes(), kind).reshape(shape).copy()
+    content.flags.writeable = False
+    return content
+
+
+def _kind(entries: Any) -> np.dtype[Any]:
+    """Return the type that ``dtype.descr`` describes."""
+    if entries[0][0] == "":
+        kind = np.dtype(entries[0][1])
+    else:
+        kind = np.dtype([(name, of, *map(tuple, shape)) for name, of, *shape in entries])
+    if kind.hasobject or kind.kind not in AS_BYTES:
+        raise TypeError("holds more than numbers")
+    return kind

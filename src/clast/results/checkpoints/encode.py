@@ -12,38 +12,25 @@ from __future__ import annotations
 import dataclasses
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import types
+from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from importlib import import_module
-from typing import Any
+from operator import attrgetter
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import shortened
-from clast.results.checkpoints.field_types import wrong_field
 
 Arrays = list[NDArray[Any]]
 """Arrays that a text refers to by their numbers."""
-MOVED = {
-    "clast.run.simulate:RunState": "clast.run.run_state:RunState",
-    "clast.run.tally:Tally": "clast.run.run_state:Tally",
-    "clast.results.report:Report": "clast.results.run_report:Report",
-    "clast.run.stages.position:Held": "clast.run.stages.stage_position:EquilibriumStreak",
-    "clast.run.stages.position:Position": "clast.run.stages.stage_position:Position",
-    "clast.run.stages.position:EquilibriumStreak": (
-        "clast.run.stages.stage_position:EquilibriumStreak"
-    ),
-    "clast.run.stages.position:Judged": "clast.run.stages.stage_position:Judgement",
-    "clast.run.stages.failing:Scales": "clast.run.stages.failure_verdict:Scales",
-    "clast.actions.held_back:HeldBack": "clast.actions.holding_forces:HoldingForces",
-    "clast.actions.damping:Motion": "clast.actions.damping:DampingState",
-    "clast.model.stages.reference:Reference": "clast.model.stages.reference:ReferenceState",
-    "clast.results.recorder:Mark": "clast.results.recorder:RecordMark",
+NUMBERS: dict[Any, tuple[type, ...]] = {
+    float: (float, int, np.floating, np.integer),
+    int: (int, np.integer),
 }
-"""Earlier names of classes, module and name, in older checkpoints -> present names."""
-MOVED_FIELDS = {"SupportForces": {"gone": "absent"}}
-"""Class -> earlier names of its fields, in older checkpoints -> present names."""
+"""Types that may stand for a number, but for truth values."""
 OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")
 """Modules whose classes a run may carry; to import one does nothing else."""
 
@@ -64,9 +51,6 @@ class UnknownClassError(Exception):
 def name_of(kind: type) -> str:
     """Return the name that a class goes by: module and name in it."""
     return f"{kind.__module__}:{kind.__qualname__}"
-
-
-# writing ---------------------------------------------------------------------------------------
 
 
 def taken_apart(value: Any, arrays: Arrays, place: str = "") -> Any:
@@ -111,9 +95,6 @@ def _kept(array: NDArray[Any], arrays: Arrays, place: str) -> int:
     return len(arrays) - 1
 
 
-# reading ---------------------------------------------------------------------------------------
-
-
 def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[str, type]) -> Any:
     """Return the value that ``taken_apart`` gave; ``known`` are classes that are not clast's own.
 
@@ -125,9 +106,9 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
             raise TypeError("a row of JSON")
         return written
     if "array" in written:
-        return arrays[_number(written["array"], len(arrays))]
+        return _array_of(written["array"], arrays)
     if "scalar" in written:
-        return arrays[_number(written["scalar"], len(arrays))][()]
+        return _array_of(written["scalar"], arrays)[()]
     if "enum" in written:
         kind = _class(written["enum"], known)
         if not issubclass(kind, Enum):
@@ -144,31 +125,27 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
     return ROWS[name](put_together(one, arrays, known) for one in written[name])
 
 
-def _number(written: Any, count: int) -> int:
-    """Return the number of an array, counted from the first."""
-    if type(written) is not int or not 0 <= written < count:
+def _array_of(number: Any, arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return an array by its number, counted from the first."""
+    if type(number) is not int or not 0 <= number < len(arrays):
         raise IndexError("there is no such array")
-    return written
+    return arrays[number]
 
 
 def _class(name: str, known: Mapping[str, type]) -> type:
     """Return the class of a name: a dataclass or an enumeration."""
     if not isinstance(name, str):
         raise TypeError("no name of a class")
-    module, _, inner = MOVED.get(name, name).partition(":")
-    found: Any = known.get(name)
-    if found is None and OURS.fullmatch(module):
+    module, _, inner = name.partition(":")
+    kind: Any = known.get(name)
+    if kind is None and OURS.fullmatch(module):
         try:
-            found = import_module(module)
-            for part in inner.split("."):
-                found = getattr(found, part)
+            kind = attrgetter(inner)(import_module(module))
         except (ImportError, AttributeError):
-            found = None
-    if not isinstance(found, type) or not (
-        dataclasses.is_dataclass(found) or issubclass(found, Enum)
-    ):
+            kind = None
+    if not isinstance(kind, type) or not (dataclasses.is_dataclass(kind) or issubclass(kind, Enum)):
         raise UnknownClassError(f"{shortened(inner)} of {shortened(module)} is not known")
-    return found
+    return kind
 
 
 def _made(kind: type, values: Mapping[str, Any]) -> Any:
@@ -179,28 +156,100 @@ def _made(kind: type, values: Mapping[str, Any]) -> Any:
     """
     if not dataclasses.is_dataclass(kind):
         raise TypeError("no dataclass")
-    earlier = MOVED_FIELDS.get(kind.__name__, {})
-    values = {earlier.get(name, name): value for name, value in values.items()}
     fields = {entry.name for entry in dataclasses.fields(kind)}
     if fields != set(values):
         raise UnknownClassError(f"{kind.__qualname__} has other fields than it had")
-    wrong = wrong_field(kind, values)
-    if wrong:
-        raise TypeError(f"{kind.__qualname__}.{wrong} is of another type")
+    hints = _hints(kind)
+    for name, value in values.items():
+        if not fits(value, hints.get(name, Any)):
+            raise TypeError(f"{kind.__qualname__}.{name} is of another type")
     one: Any = object.__new__(kind)
     for name, value in values.items():
         object.__setattr__(one, name, value)
     return one
 
 
+def fits(value: Any, hint: Any) -> bool:
+    """Return whether a value is of a type: numbers, texts, arrays, and collections of them.
+
+    A type without plain data, as a protocol, takes whatever there is.
+    """
+    if hint is Any:
+        return True
+    if hint is None or hint is type(None):
+        return value is None
+    if hint in NUMBERS:
+        return isinstance(value, NUMBERS[hint]) and not isinstance(value, bool)
+    if hint is bool:
+        return isinstance(value, bool | np.bool_)
+    origin = get_origin(hint)
+    check = OF_ORIGIN.get(origin)
+    if check is not None:
+        return bool(check(value, get_args(hint)))
+    if origin is None and isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+        return isinstance(value, hint)
+    return True
+
+
+def _hints(kind: type) -> dict[str, Any]:
+    """Return the types of the fields of a class; nothing where they cannot be known."""
+    try:
+        return get_type_hints(kind)
+    except (NameError, AttributeError, TypeError):  # names that only a type checker sees
+        return {}
+
+
+def _tuple(value: Any, hints: tuple[Any, ...]) -> bool:
+    if not isinstance(value, tuple):
+        return False
+    if len(hints) == 2 and hints[1] is Ellipsis:
+        return all(fits(one, hints[0]) for one in value)
+    same = len(value) == len(hints)
+    return same and all(fits(one, hint) for one, hint in zip(value, hints, strict=True))
+
+
+def _row(value: Any, hints: tuple[Any, ...]) -> bool:
+    return all(fits(one, hints[0]) for one in value)
+
+
+def _mapping(value: Any, hints: tuple[Any, ...]) -> bool:
+    return isinstance(value, Mapping) and all(
+        fits(key, hints[0]) and fits(one, hints[1]) for key, one in value.items()
+    )
+
+
+def _array(value: Any, hints: tuple[Any, ...]) -> bool:
+    """Return whether a value is an array of NDArray's number."""
+    if not isinstance(value, np.ndarray) or value.dtype.hasobject:
+        return False
+    wanted = get_args(hints[1])
+    return not wanted or wanted[0] is Any or value.dtype == np.dtype(wanted[0])
+
+
+def _one_of(value: Any, hints: tuple[Any, ...]) -> bool:
+    return any(fits(value, hint) for hint in hints)
+
+
+OF_ORIGIN: dict[Any, Any] = {
+    types.UnionType: _one_of,
+    Union: _one_of,
+    tuple: _tuple,
+    list: lambda value, hints: isinstance(value, list) and _row(value, hints),
+    frozenset: lambda value, hints: isinstance(value, frozenset) and _row(value, hints),
+    dict: _mapping,
+    Mapping: _mapping,
+    np.ndarray: _array,
+}
+"""Checks of types with parts, by their origin."""
+
+
 def classes_near(things: Iterable[Any]) -> dict[str, type]:
     """Return the dataclasses and enumerations that stand beside the classes of things, by name."""
-    modules = {type(thing).__module__ for thing in things}
-    kinds = (kind for name in modules for kind in _classes_in(sys.modules.get(name)))
+    modules = {type(thing).__module__ for thing in things} & set(sys.modules)
+    beside = (value for name in modules for value in vars(sys.modules[name]).values())
+    kinds = (
+        kind
+        for kind in beside
+        if isinstance(kind, type) and (dataclasses.is_dataclass(kind) or issubclass(kind, Enum))
+    )
     return {name_of(kind): kind for kind in (*kinds, *map(type, things))}
-
-
-def _classes_in(module: Any) -> Iterator[type]:
-    for value in vars(module).values() if module is not None else ():
-        if isinstance(value, type) and (dataclasses.is_dataclass(value) or issubclass(value, Enum)):
-            yield value

@@ -1,17 +1,22 @@
-"""Fingerprints of a model and a method, part by part: these must be the same to go on."""
+"""Fingerprints of a model, a method and files: these must be the same to go on."""
 
 from __future__ import annotations
 
 import dataclasses
+import os
+import stat
 from collections.abc import Mapping
 from enum import Enum
 from functools import cached_property
 from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-LENGTH = 16
+from clast.errors import CaseError
+
+DIGITS = 16
 """Hexadecimal digits of a fingerprint."""
 SHAPE = (
     "origin",
@@ -36,29 +41,29 @@ def fingerprints(**things: Any) -> dict[str, str]:
 
 def digest(value: Any) -> str:
     """Return a fingerprint of anything: of its class, and of its content."""
-    found = sha256()
-    _feed(found, value)
-    return found.hexdigest()[:LENGTH]
+    checksum = sha256()
+    _feed(checksum, value)
+    return checksum.hexdigest()[:DIGITS]
 
 
-def _feed(found: Any, value: Any) -> None:
+def _feed(checksum: Any, value: Any) -> None:
     """Add a value to a checksum, with its type, so that equal contents of other types differ."""
     if isinstance(value, np.ndarray | np.generic) and not value.dtype.hasobject:
         array = np.ascontiguousarray(value)
-        found.update(f"{array.dtype.str}{array.shape}".encode())
-        found.update(array.tobytes())
+        checksum.update(f"{array.dtype.str}{array.shape}".encode())
+        checksum.update(array.tobytes())
         return
     kind = type(value)
-    found.update(f"<{kind.__module__}.{kind.__qualname__}".encode())
+    checksum.update(f"<{kind.__module__}.{kind.__qualname__}".encode())
     if value is None or isinstance(value, bool | int | float | str | bytes | slice):
-        found.update(repr(value).encode(errors="surrogatepass"))
+        checksum.update(repr(value).encode(errors="surrogatepass"))
     elif isinstance(value, Enum):
-        found.update(value.name.encode())
+        checksum.update(value.name.encode())
     else:
         for name, part in _parts(value).items():
-            _feed(found, name)
-            _feed(found, part)
-    found.update(b">")
+            _feed(checksum, name)
+            _feed(checksum, part)
+    checksum.update(b">")
 
 
 def _parts(value: Any) -> Mapping[Any, Any]:
@@ -74,10 +79,48 @@ def _parts(value: Any) -> Mapping[Any, Any]:
     if hasattr(value, "__qualname__"):
         return {"name": f"{value.__module__}.{value.__qualname__}"}
     # what is computed when it is first asked for is not part of a thing
-    computed = {name for name in vars(type(value)) if _is_computed(type(value), name)}
+    computed = {name for name, one in vars(type(value)).items() if isinstance(one, cached_property)}
     held = getattr(value, "__dict__", {})
     return {name: held[name] for name in sorted(held) if name not in computed}
 
 
-def _is_computed(kind: type, name: str) -> bool:
-    return isinstance(vars(kind).get(name), cached_property)
+def content_of(path: Path, most: int) -> bytes:
+    """Return the content of a regular file of at most ``most`` bytes.
+
+    A path in a file may be a device, a pipe or a folder: nothing waits for a pipe or reads a
+    device.  Raises CaseError for a path that is no such file, OSError for a file that cannot be
+    read.
+    """
+    if stat.S_ISDIR(path.stat().st_mode):
+        raise CaseError("is a directory", where=str(path))
+    # what is there now may be something else than a moment ago, and must not hold us up either
+    number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(number, "rb") as file:
+        status = os.fstat(number)
+        if not stat.S_ISREG(status.st_mode):
+            raise CaseError("is a device, a pipe or the like", where=str(path))
+        if status.st_size > most:
+            raise CaseError(f"has {status.st_size:.3g} bytes, more than is read", where=str(path))
+        return file.read(most + 1)[:most]
+
+
+def print_of(path: Path, most: int) -> str:
+    """Return the SHA-256 of a regular file of at most ``most`` bytes, "" where there is none."""
+    try:
+        return sha256(content_of(path, most)).hexdigest()
+    except (OSError, ValueError, CaseError):
+        return ""
+
+
+def print_of_text(text: str) -> str:
+    """Return the SHA-256 of a text, whatever ends its lines."""
+    plain = text.replace("\r\n", "\n").replace("\r", "\n")
+    return sha256(plain.encode(errors="surrogatepass")).hexdigest()
+
+
+def print_of_text_in(path: Path, most: int) -> str:
+    """Return the SHA-256 of the text in a regular file, "" where there is none."""
+    try:
+        return print_of_text(content_of(path, most).decode())
+    except (OSError, ValueError, CaseError):
+        return ""

@@ -26,7 +26,7 @@ from clast.inputs.time_and_output import TimeTable
 from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
-from clast.results.frame_samples import own_of_bolts
+from clast.results.frame_samples import bolt_states
 from clast.run.simulate import simulate
 from clast.run.stages.failure_verdict import Scales
 from clast.step.method import Method, is_stable_for_any_step
@@ -279,7 +279,7 @@ def _unlimited(run: Run) -> tuple[str, ...]:
     bolts = run.model.bolts
     if not len(bolts):
         return ()
-    force = np.abs(own_of_bolts(run.model, run.state).force)
+    force = np.abs(bolt_states(run.model, run.state).force)
     more = np.isinf(bolts.yield_force) & (force > bolts.pretension * (1.0 + MORE))
     owner = bolts.of_spring[more]
     worst = {int(k): float(force[more][owner == k].max()) for k in owner}
