@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Bools, Floats, Ints
-
-if TYPE_CHECKING:
-    from clast.results.recording import Recording
 
 ABSENT = "gone"
 """Field that is 1 for blocks that are not there: excavated, or the lining of a later stage."""
@@ -54,6 +51,6 @@ class FrameStore(Protocol):
         ...
 
 
-def absent_in_frame(results: Recording, frame: int) -> Bools:
-    """Return which blocks are not there in a frame, shape (n,)."""
+def absent_in_frame(results: Any, frame: int) -> Bools:
+    """Return which blocks of a ``Recording`` are not there in a frame, shape (n,)."""
     return np.asarray(results.field(ABSENT, frame) != 0.0)

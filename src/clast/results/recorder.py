@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.errors import ResultsLost, RunStopped
-from clast.model.model import Model
+from clast.errors import CaseError, ResultsLost, RunStopped
+from clast.model.model import Floats, Model
 from clast.model.stages.reference import ReferenceState
 from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.reopen import rows_after
+from clast.results.frames import FrameStore
 from clast.results.recording import Run, parts_of
 from clast.results.result_tables import GrowingTable, no_contacts
 from clast.results.run_report import Report
@@ -268,15 +270,17 @@ class RunRecorder:
         return self._run(report)
 
     def _run(self, report: Report) -> Run:
+        path = self._file.path if self._file else None
+        times = np.array(self._frame_times) if self._kept is None else self._kept.times
         return Run(
             model=self._model,
             state=self.state,
-            output=self._file.path if self._file else None,
+            output=path,
             checkpoint=self.checkpoint,
             report=report,
-            times=np.array(self._frame_times) if self._kept is None else self._kept.times,
+            times=times,
             tables={name: table.rows for name, table in self._tables.items()},
-            frames=self._kept,
+            open_frames=partial(_opened, self._kept, path, self._model.title, times),
             begins=self._begins,
             **parts_of(self._model),
         )
@@ -298,3 +302,20 @@ class RunRecorder:
     def _counts(self) -> dict[str, int]:
         """Return how many rows each table has."""
         return {name: len(table) for name, table in self._tables.items()}
+
+
+def _opened(frames: FrameStore | None, path: Path | None, title: str, times: Floats) -> FrameStore:
+    """Return the frames of a run, in memory or else in its file.
+
+    Raises CaseError where the file now holds another run.
+    """
+    from clast.results.result_reader import read_results
+
+    if frames is not None:
+        return frames
+    results = read_results(path or Path())
+    if results.title != title or not np.array_equal(results.times, times):
+        raise CaseError(
+            "now holds another run", where=str(path), remedy="keep the results of each run"
+        )
+    return results

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -550,8 +550,8 @@ class Run(Recording):
     """Result file, or None where nothing was written."""
     tables: Mapping[str, NDArray[Any]]
     """Rows of each table with a row per instant or step (``clast.results.schema``)."""
-    frames: FrameStore | None = None
-    """Its frames in memory; None where they are in the file, which is opened for them."""
+    open_frames: Callable[[], FrameStore]
+    """Returns where its frames are: in memory, or in the file, which is opened then."""
     ended_by: int = 0
     """Number of the signal that ended the run early, 0 where none did."""
     checkpoint: Path | None = None
@@ -583,17 +583,7 @@ class Run(Recording):
 
     @cached_property
     def _frames(self) -> FrameStore:
-        if self.frames is not None:
-            return self.frames
-        from clast.results.result_reader import read_results
-
-        path = self.output or Path()
-        results = read_results(path)
-        if results.title != self.title or not np.array_equal(results.times, self.times):
-            raise CaseError(
-                "now holds another run", where=str(path), remedy="keep the results of each run"
-            )
-        return results
+        return self.open_frames()
 
     def __repr__(self) -> str:
         end = "finished" if self.report.finished else "not finished"
