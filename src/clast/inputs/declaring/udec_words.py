@@ -46,4 +46,4 @@ UDEC: Mapping[str, str] = MappingProxyType(
         "hist": "measured_point",
     }
 )
-"""Table or key of clast by UDEC's word, lower-case; docs/how-to/from-other-programs.md has all of them."""
+"""Table or key of clast by UDEC's word, lower-case: see docs/how-to/from-other-programs.md."""

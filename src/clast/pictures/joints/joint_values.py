@@ -32,6 +32,8 @@ APART = 0.5
 """Distance of two edges, as a share of their length, up to which they are still a joint."""
 SLIDES = 1
 """Mode of a contact that slides."""
+CORNER = 0.01
+"""Contacts nearer than this share of the smaller block's size have no face between them."""
 THIN, THICK = 0.7, 4.0
 """Widths of lines whose value is 0, and the largest, points."""
 
@@ -119,6 +121,31 @@ def faces_utilised(results: Recording, frame: int) -> Faces:
     contacts = results.contacts(frame)
     faces, sums = _faces_of(contacts, contacts.shear_force, contacts.strength)
     return replace(faces, value=100.0 * np.abs(sums[0]) / np.maximum(sums[1], 1e-300))
+
+
+def faces_pressed(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with their normal stress, compression positive, Pa."""
+    return _stressed(results, frame, "normal_force")
+
+
+def faces_sheared(results: Recording, frame: int) -> Faces:
+    """Return the faces of a frame with the size of their shear stress, Pa."""
+    faces = _stressed(results, frame, "shear_force")
+    return replace(faces, value=np.abs(faces.value))
+
+
+def _stressed(results: Recording, frame: int, force: str) -> Faces:
+    """Return the faces of a frame with a force over their length, Pa; corners have no length."""
+    contacts = results.contacts(frame)
+    faces, sums = _faces_of(contacts, contacts[force])
+    first, _ = _divided(contacts)
+    x, y = results.vertices(0).T
+    after = following(results.block_start)
+    area = 0.5 * np.add.reduceat(x * y[after] - x[after] * y, results.block_start[:-1])
+    smaller = area[np.stack([contacts.vertex_block[first], contacts.edge_block[first]])].min(axis=0)
+    long = np.flatnonzero(faces.length > CORNER * np.sqrt(smaller))
+    value = sums[0][long] / faces.length[long]
+    return Faces(ends=faces.ends[long], value=value, edge=faces.edge[long])
 
 
 def faces_worn(results: Recording, frame: int) -> Faces:
@@ -214,6 +241,10 @@ JOINT_FIELDS = {
     "mobilised": JointField("Mobilised friction of joints", "°", faces_mobilised),
     "sliding": JointField("Share of joints that slides", "%", faces_sliding),
     "utilisation": JointField("Shear over strength of joints", "%", faces_utilised),
+    "normal_stress": JointField(
+        "Normal stress of joints, compression positive", "Pa", faces_pressed
+    ),
+    "shear_stress": JointField("Shear stress of joints", "Pa", faces_sheared),
     "worn": JointField("Strength lost by joints", "%", faces_worn),
 }
 """Fields that colour joints, and not blocks."""

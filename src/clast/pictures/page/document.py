@@ -22,6 +22,7 @@ from clast.results import Recording
 SCRIPTS = (
     "packing",
     "moving",
+    "magnified",
     "contact_faces",
     "data",
     "colours",
@@ -33,8 +34,10 @@ SCRIPTS = (
     "joints",
     "chosen",
     "supports",
+    "axes",
     "layers",
     "legend",
+    "ruler",
     "charts",
     "report",
     "live",

@@ -20,7 +20,7 @@ from clast.pictures.page.thinning import ALWAYS, Rows, room_of_each, spread
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
-CONTACT_BYTES, FACE_BYTES = 26, 16
+CONTACT_BYTES, FACE_BYTES = 28, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
 MANY, FEWER_LEVELS = 500_000, 4_095
 """Blocks times frames above which fields are rounded more, and the levels of their range then."""
@@ -45,10 +45,11 @@ CONTACT_NUMBERS = {
     "angle": [2],
     "normal": [3, 4],
     "shear": [3, 4],
-    "slip": [5, 6],
-    "opening": [5, 6],
+    "strength": [5],
+    "slip": [6, 7],
+    "opening": [6, 7],
 }
-"""Quantities of a contact: place, direction of its normal, forces, slip, opening; those like it."""
+"""Quantities of a contact: place, direction, forces, strength, slip, opening; those like it."""
 CONTACT_NAMES = ("vertex", "by", "mode", "joint")
 """What tells it: vertex, block that the vertex enters, mode and joint."""
 
@@ -226,7 +227,9 @@ def _contacts(about: _About, found: Rows) -> Rows:
         angle = np.arctan2(table.normal[:, 1], table.normal[:, 0])
         nothing = np.zeros(len(table))
         # an earlier clast kept neither joint nor movement
-        moved = [table[name] if name in table else nothing for name in ("slip", "opening")]
+        moved = [
+            table[name] if name in table else nothing for name in ("strength", "slip", "opening")
+        ]
         joint = table.joint if "joint" in table else nothing - 1
         names = table.vertex, table.edge_block, table.mode, joint
         place = table.position - about.origin

@@ -2,16 +2,18 @@
 
 import { Charts } from "./charts.js";
 import { curvesOfChosen, isChosen, numbersOfChosen, placeOfChosen, readChoice, writtenChoice } from "./chosen.js";
-import { coloursOf, fieldsOf, labelOf } from "./colouring.js";
+import { coloursOf, fieldsOf, isSigned, labelOf } from "./colouring.js";
 import { withUnit } from "./colours.js";
 import { RunData } from "./data.js";
 import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
 import { WebglDrawing, isSoftware } from "./draw_webgl.js";
 import { jointAt } from "./joints.js";
-import { LAYERS, drawChosen, drawFaces, drawScaleBar, layersOf } from "./layers.js";
+import { LAYERS, drawChosen, drawFaces, drawFactor, drawScaleBar, factorInWords, layersOf } from "./layers.js";
 import { drawLegend, fillLegend, heightOfLegend } from "./legend.js";
 import { CanvasPen, SvgPen } from "./pens.js";
 import { Live } from "./live.js";
+import { factorToBeSeen } from "./magnified.js";
+import { curveAlong, drawRuler, placeInWords } from "./ruler.js";
 import { LivePanel } from "./live_panel.js";
 import { fillReport } from "./report.js";
 import { View, followPointers } from "./view.js";
@@ -47,6 +49,9 @@ export class Page {
     this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
     this.state.joint = null;
     this.state.follow = false;
+    /** The line that values are shown along, x0, y0, x1, y1, m; null for none. */
+    this.state.line = null;
+    this.ruling = false;
     this.playing = false;
     this.speed = 1;
     this.loop = false;
@@ -63,7 +68,7 @@ export class Page {
   async start() {
     await this.run.decode();
     this.state.frame = this.run.frameCount - 1;
-    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water", "links"].includes(name)));
+    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water", "links", "axes"].includes(name)));
     this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
     this.canvas = this.$("blocks");
     this.above = this.$("above");
@@ -221,6 +226,7 @@ export class Page {
     if (isChosen(this.state)) {
       curvesOfChosen(this.run, this.state).forEach((curve, k) => list.append(new Option(curve.name, `chosen ${k}`)));
     }
+    if (this.state.line) list.append(new Option("Values along the line", "line"));
     if (chosen && [...list.options].some((option) => option.value === chosen)) list.value = chosen;
   }
 
@@ -237,6 +243,11 @@ export class Page {
     for (const end of ["low", "high"]) on(end, "change", () => this.setLimits());
     on("layers", "change", (event) => this.toggle(event.target.value, event.target.checked));
     on("fit", "click", () => (this.fitAll(), this.changed()));
+    on("fit-moving", "click", () => (this.fitMoving(), this.changed()));
+    on("rule", "click", () => this.rule(!this.ruling));
+    on("factor", "change", () => this.magnify(Number(this.$("factor").value)));
+    on("factor-auto", "click", () => this.magnify(factorToBeSeen(this.run, this.state.frame)));
+    on("pressed-positive", "change", () => this.countCompression(this.$("pressed-positive").checked));
     on("theme", "click", () => {
       this.theme = this.theme === DARK ? LIGHT : DARK;
       this.themeAsked = true;
@@ -247,7 +258,13 @@ export class Page {
     on("csv", "click", () => this.save(new Blob([this.charts.csv()], { type: "text/csv" }), "csv"));
     on("curve", "change", () => this.showCurve());
     on("follow", "change", () => this.set({ follow: this.$("follow").checked }));
-    followPointers(this.above, this.view, () => this.changed(), (x, y) => this.click(x, y));
+    followPointers(this.above, this.view, {
+      changed: () => this.changed(),
+      clicked: (x, y) => this.click(x, y),
+      over: (x, y) => (this.$("place").textContent = placeInWords(this.run, this.view, this.view.worldX(x), this.view.worldY(y))),
+      ruled: () => (this.ruling ? (from, to) => this.drawLine(from, to) : null),
+    });
+    on("above", "pointerleave", () => (this.$("place").textContent = ""));
     // a page of its own hears keys before anything in it has been clicked
     (this.embedded ? this.root : document).addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.$("stage"));
@@ -279,7 +296,8 @@ export class Page {
       ArrowRight: () => this.view.pan(-40, 0),
       ArrowUp: () => this.view.pan(0, 40),
       ArrowDown: () => this.view.pan(0, -40),
-      Escape: () => this.choose({}),
+      Escape: () => (this.rule(false), this.set({ line: null }), this.choose({})),
+      l: () => this.rule(!this.ruling),
     };
     if (!(event.key in moves)) return;
     event.preventDefault();
@@ -336,7 +354,38 @@ export class Page {
     requestAnimationFrame(tick);
   }
 
+  /** Let a drag draw a line instead of moving the view, or no longer. */
+  rule(wanted) {
+    this.ruling = wanted;
+    this.$("rule").setAttribute("aria-pressed", String(wanted));
+    this.root.classList.toggle("ruling", wanted);
+  }
+
+  /** Take a line between two places of the screen, and show the values along it. */
+  drawLine(from, to) {
+    const { view } = this;
+    const isNew = !this.state.line;
+    this.set({ line: [from, to].flatMap(({ x, y }) => [view.worldX(x), view.worldY(y)]) });
+    if (isNew) this.fillCurves();
+    this.$("curve").value = "line";
+  }
+
+  /** Draw displacements some times as large as they are. */
+  magnify(factor) {
+    if (!(factor > 0 && factor <= 1e9)) factor = 1;
+    this.run.magnify(factor);
+    this.changed();
+  }
+
+  /** Count compression positive, or tension as files do. */
+  countCompression(wanted) {
+    this.run.pressedPositive = wanted;
+    this.set({ limits: null });
+    this.showCurve();
+  }
+
   click(x, y) {
+    if (this.ruling) return;
     const { view, run, state } = this;
     const at = [view.worldX(x), view.worldY(y)];
     const block = run.blockAt(state.frame, ...at);
@@ -356,16 +405,24 @@ export class Page {
 
   /** Show all of the blocks, at the start and in the frame. */
   fitAll() {
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
-    for (const points of [this.run.start, this.run.vertices(this.state.frame)]) {
-      for (let k = 0; k < points.length; k += 2) {
-        box[0] = Math.min(box[0], points[k]);
-        box[1] = Math.min(box[1], points[k + 1]);
-        box[2] = Math.max(box[2], points[k]);
-        box[3] = Math.max(box[3], points[k + 1]);
-      }
-    }
-    this.view.fit(...box);
+    this.fitBlocks(() => true);
+  }
+
+  /** Show the blocks that move by more than a twentieth of the largest displacement, with some room. */
+  fitMoving() {
+    const { run, state: { frame } } = this;
+    const far = run.values("displacement", frame).map((one, block) => (run.isGone(frame, block) ? 0 : one));
+    const largest = far.reduce((most, one) => Math.max(most, one), 0);
+    if (largest > 0) this.fitBlocks((block) => far[block] > 0.05 * largest, 0.1);
+  }
+
+  /** Show some blocks, where they were and where they are, with some room around them. */
+  fitBlocks(counts, room = 0) {
+    const { run, state } = this;
+    const [was, is] = [run.start, run.vertices(state.frame)].map((points) => run.boxOf(points, counts));
+    const box = [0, 1, 2, 3].map((k) => (k < 2 ? Math.min(was[k], is[k]) : Math.max(was[k], is[k])));
+    const margin = room * Math.max(box[2] - box[0], box[3] - box[1]);
+    this.view.fit(box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin);
   }
 
   // --- drawing -------------------------------------------------------------------------------
@@ -466,7 +523,9 @@ export class Page {
       if (state.layers.has(name) && name !== state.field) LAYERS[name].draw(pen, scene);
     }
     if (isChosen(state)) drawChosen(pen, scene);
+    if (state.line) drawRuler(pen, scene);
     drawScaleBar(pen, scene);
+    drawFactor(pen, scene);
   }
 
   /** Bring the controls in step with the state. */
@@ -481,6 +540,10 @@ export class Page {
     this.$("share").value = String(state.share ?? "");
     for (const box of this.$("layers").querySelectorAll("input")) box.checked = state.layers.has(box.value);
     this.$("follow").checked = state.follow;
+    if (document.activeElement !== this.$("factor")) this.$("factor").value = String(run.factor);
+    this.$("pressed-positive").parentElement.hidden = !isSigned(state.field);
+    this.$("pressed-positive").checked = run.pressedPositive;
+    if (this.$("curve").value === "line") this.showCurve();
     this.showLegend(scale);
     this.$("paper").textContent = this.inWords(scale);
     this.showChosen();
@@ -501,12 +564,13 @@ export class Page {
   inWords(scale) {
     const { run, state } = this;
     const { file, made: [version, day] } = run.scene;
-    const label = fieldsOf(run)[state.field];
+    const label = labelOf(run, state.field)?.[0] ?? fieldsOf(run)[state.field];
     const ends = scale ? [scale.low, scale.high].map((end) => withUnit(end, labelOf(run, state.field)[1], 4)) : [];
     const limits = scale ? ` from ${ends[0]} to ${ends[1]}${state.limits ? ", limits chosen by hand" : ""}` : "";
+    const drawn = run.factor === 1 ? "" : `; drawn with ${factorInWords(run)}`;
     const today = new Date().toLocaleDateString("en-GB", { day: "numeric", month: "long", year: "numeric" });
     const written = `File ${file}${day ? ` of ${day}` : ""}, made by clast ${version}`;
-    return `Colours: ${label}${limits}; ${this.$("clock").textContent}. ${written}; printed on ${today}.`;
+    return `Colours: ${label}${limits}${drawn}; ${this.$("clock").textContent}. ${written}; printed on ${today}.`;
   }
 
   showChosen() {
@@ -514,6 +578,8 @@ export class Page {
     const place = this.$("chosen");
     // paper has no use for an invitation to click
     place.parentElement.classList.toggle("controls", !isChosen(state));
+    this.root.classList.toggle("has-chosen", isChosen(state));
+    this.root.classList.toggle("has-line", Boolean(state.line));
     if (!isChosen(state)) {
       place.textContent = "Click a block or a joint for its numbers.";
       return;
@@ -535,8 +601,12 @@ export class Page {
 
   showCurve() {
     const [kind, number] = this.$("curve").value.split(" ");
-    const own = kind === "chosen" && isChosen(this.state);
-    const curve = own ? curvesOfChosen(this.run, this.state)[number] : this.run.scene.curves[Number(kind)];
+    const { run, state } = this;
+    const own = {
+      chosen: () => isChosen(state) && curvesOfChosen(run, state)[number],
+      line: () => state.line && curveAlong(run, state),
+    }[kind];
+    const curve = own ? own() : run.scene.curves[Number(kind)];
     if (!curve) return;
     this.charts.show(curve, this.theme);
     this.$("charted").textContent = curve.name;
@@ -572,6 +642,10 @@ export class Page {
     const share = Number(said.get("share"));
     if (share > 0 && share <= 1) state.share = share;
     Object.assign(state, readChoice(run, said), { follow: said.has("follow") });
+    const line = (said.get("line") ?? "").split(",").map(Number);
+    if (line.length === 4 && line.every(Number.isFinite)) state.line = line;
+    run.pressedPositive = said.has("compression");
+    if (said.has("magnify")) this.magnify(Number(said.get("magnify")));
     if (said.has("theme")) this.theme = said.get("theme") === "dark" ? DARK : LIGHT;
     this.changed();
   }
@@ -592,6 +666,9 @@ export class Page {
     if (state.share) said.push(`share=${state.share}`);
     if (isChosen(state)) said.push(writtenChoice(state));
     if (state.follow) said.push("follow");
+    if (state.line) said.push(`line=${state.line.map((one) => Number(one.toPrecision(6))).join(",")}`);
+    if (run.factor !== 1) said.push(`magnify=${run.factor}`);
+    if (run.pressedPositive) said.push("compression");
     if (this.themeAsked) said.push(`theme=${this.theme === DARK ? "dark" : "light"}`);
     const hash = `#${said.join("&")}`;
     if (hash === location.hash) return;
@@ -605,7 +682,8 @@ export class Page {
 
   /** Return title and time, as a picture has them. */
   caption() {
-    return `${this.run.scene.title}, ${this.$("clock").textContent}`;
+    const drawn = this.run.factor === 1 ? "" : `, ${factorInWords(this.run)}`;
+    return `${this.run.scene.title}, ${this.$("clock").textContent}${drawn}`;
   }
 
   /** Return the drawing with its legend as an SVG text. */

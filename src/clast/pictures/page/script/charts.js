@@ -37,11 +37,11 @@ export class Charts {
         height: HEIGHT,
         scales: { x: { time: false } },
         axes: [
-          { ...axis, values: (_, marks) => marks.map((mark) => `${mark} s`) },
+          { ...axis, values: (_, marks) => marks.map((mark) => `${mark} ${curve.along ? "m" : "s"}`) },
           { ...axis, size: 74, values: (_, marks) => marks.map((mark) => withUnit(mark, curve.unit)) },
         ],
         series: [
-          { label: "time", value: (_, value) => (value == null ? "" : withUnit(value, "s", 5)) },
+          { label: curve.along ? "distance" : "time", value: (_, value) => (value == null ? "" : withUnit(value, curve.along ? "m" : "s", 5)) },
           ...curve.lines.map((line, k) => ({
             label: line.name || curve.name,
             stroke: INKS[k % INKS.length],
@@ -54,12 +54,13 @@ export class Charts {
         // uPlot empties its legend when it draws first
         hooks: { draw: [(plot) => this.mark(plot)], ready: [() => setTimeout(() => this.tell())] },
       },
-      [curve.time, ...curve.lines.map((line) => line.values)],
+      [curve.along ?? curve.time, ...curve.lines.map((line) => line.values)],
       this.place,
     );
     this.plot.over.addEventListener("mouseleave", () => this.tell());
     this.tell();
     this.plot.over.addEventListener("click", (event) => {
+      if (curve.along) return;
       const left = event.clientX - this.plot.over.getBoundingClientRect().left;
       this.goTo(this.plot.posToVal(left, "x"));
     });
@@ -67,6 +68,7 @@ export class Charts {
 
   /** Draw the line at the time of the frame. */
   mark(plot) {
+    if (this.curve.along) return;
     const x = plot.valToPos(this.time, "x", true);
     const { left, top, width, height } = plot.bbox;
     if (x < left || x > left + width) return;
@@ -89,7 +91,7 @@ export class Charts {
 
   /** Say the values at the time of the frame, where no pointer asks for others. */
   tell() {
-    if (this.plot?.data[0].length) this.plot.setLegend({ idx: this.plot.valToIdx(this.time) });
+    if (this.plot?.data[0].length && !this.curve.along) this.plot.setLegend({ idx: this.plot.valToIdx(this.time) });
   }
 
   /** Fit the chart to its place. */
@@ -102,9 +104,9 @@ export class Charts {
     const quoted = (text) => `"${String(text).replace(/"/g, '""')}"`;
     const unit = this.curve.unit ? ` (${this.curve.unit})` : "";
     const known = ({ error }) => (error ? ` ± ${error.toPrecision(1)}` : "");
-    const head = ["time (s)", ...this.curve.lines.map((line) => (line.name || this.curve.name) + unit + known(line))];
-    const rows = this.curve.time.map((time, k) =>
-      [time, ...this.curve.lines.map(({ values, error }) => (values[k] == null ? "" : rounded(values[k], error)))].join(","),
+    const head = [this.curve.along ? "distance (m)" : "time (s)", ...this.curve.lines.map((line) => (line.name || this.curve.name) + unit + known(line))];
+    const rows = (this.curve.along ?? this.curve.time).map((place, k) =>
+      [place, ...this.curve.lines.map(({ values, error }) => (values[k] == null ? "" : rounded(values[k], error)))].join(","),
     );
     return `${[head.map(quoted).join(","), ...rows].join("\n")}\n`;
   }

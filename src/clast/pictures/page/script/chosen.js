@@ -1,5 +1,6 @@
 // What is chosen by a click, a block or a joint: its numbers, its curves, where it is.
 
+import { labelOf } from "./colouring.js";
 import { withUnit } from "./colours.js";
 import { blocksOf, curvesOfJoint, nameOf, placeOf, valuesOf } from "./joints.js";
 
@@ -15,8 +16,7 @@ export function isChosen({ chosen, joint }) {
 /** Return where what is chosen is in the frame, m; null where it is nowhere. */
 export function placeOfChosen(run, { chosen, joint, frame }) {
   if (joint) return placeOf(run, joint, frame);
-  const at = frame * run.blockCount + chosen;
-  return [run.middle[2 * chosen] + run.motion.x[at], run.middle[2 * chosen + 1] + run.motion.y[at]];
+  return run.centre(frame, chosen);
 }
 
 /** Return heading and rows of name and text of what is chosen. */
@@ -30,7 +30,7 @@ function ofBlock(run, { chosen: block, frame }) {
   if (run.fixed[block]) rows.push(["Support", "fixed"]);
   if (run.isGone(frame, block)) rows.push(["State", run.isAwaited(frame, block) ? "comes later" : "excavated"]);
   for (const name of OF_BLOCK) {
-    const [label, unit] = run.scene.labels[name];
+    const [label, unit] = labelOf(run, name);
     rows.push([label, withUnit(run.value(name, frame, block), unit, 4, run.error(name))]);
   }
   return [`Block ${run.scene.blocks[block]}`, rows];
@@ -53,7 +53,7 @@ export function curvesOfChosen(run, state) {
   if (state.joint) return curvesOfJoint(run, state.joint);
   const { chosen: block } = state;
   const field = state.field in run.scene.labels ? state.field : "displacement";
-  const [label, unit] = run.scene.labels[field];
+  const [label, unit] = labelOf(run, field);
   const values = run.times.map((_, frame) => (run.isGone(frame, block) ? null : run.value(field, frame, block)));
   return [
     { name: `Block ${run.scene.blocks[block]}, ${label}`, unit, time: run.times, lines: [{ name: label, values, error: run.error(field) }] },

@@ -14,9 +14,16 @@ export function fieldsOf(run) {
   return { ...found, ...KINDS };
 }
 
-/** Return label and unit of a field with a scale; undefined for others. */
+/** Return whether a field is a stress of blocks that has a sign. */
+export function isSigned(field) {
+  return field.startsWith("sigma_");
+}
+
+/** Return label and unit of a field with a scale, with the sign of stresses; undefined for others. */
 export function labelOf(run, field) {
-  return run.scene.labels[field] ?? run.scene.joint_labels[field];
+  const [label, unit] = run.scene.labels[field] ?? run.scene.joint_labels[field] ?? [];
+  if (!label) return undefined;
+  return [isSigned(field) ? `${label}, ${run.pressedPositive ? "compression" : "tension"} positive` : label, unit];
 }
 
 /**

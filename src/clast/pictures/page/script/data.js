@@ -1,6 +1,7 @@
 // Numbers of the page: decoded once, then asked for by frame.  Lengths in m about scene.origin.
 
 import { facesOfContacts, isOfContacts } from "./contact_faces.js";
+import { magnified } from "./magnified.js";
 import { decodeMoving, joined } from "./moving.js";
 import { rawArray } from "./packing.js";
 
@@ -16,6 +17,10 @@ export class RunData {
     this.fixed = new Uint8Array(this.blockCount);
     for (const block of scene.fixed) this.fixed[block] = 1;
     this.lined = new Set(scene.lined);
+    /** Displacements are drawn this many times as large as they are. */
+    this.factor = 1;
+    /** Whether compression counts as positive; stresses of a file have tension positive. */
+    this.pressedPositive = false;
   }
 
   /** Decode everything; the page can draw afterwards. */
@@ -35,12 +40,20 @@ export class RunData {
 
   take(moving) {
     this.moving = moving;
+    this.magnify(this.factor);
+  }
+
+  /** Draw displacements from the start some times as large as they are. */
+  magnify(factor) {
+    const { moving } = this;
+    this.factor = factor;
     this.placed = -1;
     this.ofContacts = {};
     this.frameCount = moving.times.length;
     for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels", "links", "reactions", "linings"]) {
       this[name] = moving[name];
     }
+    Object.assign(this, magnified(this, factor));
   }
 
   /** Work out centroids, m, x and y by turns, and areas, m2, of the blocks at the start, and how far areas may be off. */
@@ -72,12 +85,20 @@ export class RunData {
   }
 
   /**
-   * Write a block's map in a frame: x' = a x + b y + e, y' = c x + d y + f about its middle.
+   * Write a block's map in a frame, as it is drawn: x' = a x + b y + e, y' = c x + d y + f about its middle.
    * @param {number} frame @param {number} block @param {Float32Array} into of six
    */
   mapOf(frame, block, into) {
+    this.trueMapOf(frame, block, into);
+    if (this.factor === 1) return;
+    const still = [1, 0, 0, 1, this.middle[2 * block], this.middle[2 * block + 1]];
+    for (let k = 0; k < 6; k++) into[k] = still[k] + this.factor * (into[k] - still[k]);
+  }
+
+  /** Write a block's map in a frame, as in ``mapOf``, with the displacements that it has. */
+  trueMapOf(frame, block, into) {
     const at = frame * this.blockCount + block;
-    const { x, y, angle, xx, yy, xy } = this.motion;
+    const { x, y, angle, xx, yy, xy } = this.moving.motion;
     const cosine = Math.cos(angle[at]);
     const sine = Math.sin(angle[at]);
     into[0] = cosine * (1 + xx[at]) - sine * xy[at];
@@ -109,6 +130,28 @@ export class RunData {
       }
     }
     return this.here;
+  }
+
+  /** Return where the centroid of a block is drawn in a frame, m. */
+  centre(frame, block) {
+    const at = frame * this.blockCount + block;
+    const { x, y } = this.moving.motion;
+    return [this.middle[2 * block] + this.factor * x[at], this.middle[2 * block + 1] + this.factor * y[at]];
+  }
+
+  /** Return the box of points x and y by turns, of those of some blocks: left, low, right, high, m. */
+  boxOf(points, counts = () => true) {
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let block = 0; block < this.blockCount; block++) {
+      if (!counts(block)) continue;
+      for (let k = 2 * this.blockStart[block]; k < 2 * this.blockStart[block + 1]; k += 2) {
+        box[0] = Math.min(box[0], points[k]);
+        box[1] = Math.min(box[1], points[k + 1]);
+        box[2] = Math.max(box[2], points[k]);
+        box[3] = Math.max(box[3], points[k + 1]);
+      }
+    }
+    return box;
   }
 
   /** Return where one vertex of a block is in a frame, m. */
@@ -147,9 +190,16 @@ export class RunData {
       case "velocity":
         return Math.hypot(fields.velocity_x[at], fields.velocity_y[at]);
       case "sigma_1":
-        return this.principal(at)[0];
-      case "sigma_3":
-        return this.principal(at)[1];
+      case "sigma_3": {
+        // the largest compression is the largest stress where compression is positive
+        const [most, least] = this.principal(at);
+        if (this.pressedPositive) return field === "sigma_1" ? -least : -most;
+        return field === "sigma_1" ? most : least;
+      }
+      case "sigma_xx":
+      case "sigma_yy":
+      case "sigma_xy":
+        return this.pressedPositive ? -fields[field][at] : fields[field][at];
       case "max_shear": {
         const [most, least] = this.principal(at);
         return 0.5 * (most - least);

@@ -4,8 +4,13 @@
 // of the points inside a face also by its place on the edge that begins at the vertex; a joint without
 // contacts by the edge along it.
 
+import { stressesOfFace } from "./contact_faces.js";
+
 const APART = 0.03;
 /** Points of a face that are further apart, as a share of the edge, are not the same. */
+
+const CLEARLY = 0.2;
+/** How much nearer than contacts an edge must be to be meant, as a share of the reach of a click. */
 
 /**
  * Return the joint nearest to a point of a frame, null where none is near.
@@ -39,7 +44,8 @@ export function jointAt(run, frame, x, y, reach) {
   const { opening } = run.faces;
   for (let k = opening?.first[frame]; k < opening?.first[frame + 1]; k++) {
     const away = distance(x, y, [opening.x0[k], opening.y0[k], opening.x1[k], opening.y1[k]]);
-    if (away < nearest) [nearest, found] = [away, { edge: opening.edge[k] }];
+    // a joint that carries is told by its contacts, which lie beside it by as much as they close
+    if (away + CLEARLY * reach < nearest) [nearest, found] = [away, { edge: opening.edge[k] }];
   }
   if (!found || "edge" in found) return found;
   return { vertex: found.vertex, by: found.by, along: alongOf(run, frame, found.row) };
@@ -133,6 +139,7 @@ export function valuesOf(run, joint, frame) {
     ["Mobilised friction", normal[k] > half(normal) && off < UNKNOWN ? angle : NaN, "°", off],
     ["Slip", slip[k], "m", half(slip)],
     ["Opening", opening[k], "m", half(opening)],
+    ...stressesOfFace(run, frame, k),
   ];
 }
 

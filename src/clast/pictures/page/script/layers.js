@@ -1,5 +1,6 @@
 // What is drawn above the blocks, with a pen: contacts, chains, bolts, stresses, points, what is chosen.
 
+import { drawAxes } from "./axes.js";
 import { outline } from "./draw_canvas.js";
 import { scaleOfFaces } from "./colouring.js";
 import { withUnit } from "./colours.js";
@@ -13,6 +14,7 @@ const FORCE = "#5b2a86";
 /** Width of a letter of a name, pixels. */
 const LETTER = 7;
 const MOST_CROSSES = 4000;
+const VECTORS = { displacement: "#1b5e20", velocity: "#8d4a00" };
 /** Slip and opening beside the colours of blocks: as wide as they are large. */
 const FACES = { slip: "#8e24aa", opening: "#00695c", water: "#1f6fb4" };
 const LEVEL = "#1f6fb4";
@@ -35,6 +37,8 @@ export const LAYERS = {
     draw: drawWater,
     legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
   },
+  displacements: layerOfVectors("displacement", "Displacement vectors"),
+  velocities: layerOfVectors("velocity", "Velocity vectors"),
   contacts: { label: "Contact forces", draw: drawContacts, legend: legendOfForces },
   chains: { label: "Force chains", draw: drawChains, legend: legendOfChains },
   crosses: { label: "Principal stresses", draw: drawCrosses, legend: legendOfCrosses },
@@ -50,6 +54,7 @@ export const LAYERS = {
   links: { label: "Links", draw: drawLinks, legend: legendOfLinks },
   reactions: { label: "Reactions of supports", draw: drawReactions, legend: legendOfReactions },
   points: { label: "Measured points", draw: drawPoints, legend: () => [] },
+  axes: { label: "Axes", draw: drawAxes, legend: () => [] },
 };
 
 function line(colour, width, text, dash = false) {
@@ -73,6 +78,8 @@ export function layersOf(run) {
     slip: run.faces.slip?.shown > 0,
     opening: run.faces.opening?.shown > 0,
     water: scene.waters?.length > 0,
+    displacements: true,
+    velocities: true,
     contacts: run.contacts.shown > 0,
     chains: run.contacts.shown > 0,
     crosses: true,
@@ -84,6 +91,7 @@ export function layersOf(run) {
     links: Boolean(run.links),
     reactions: Boolean(run.reactions),
     points: run.points.length > 0,
+    axes: true,
   };
   return Object.keys(LAYERS).filter((name) => has[name]);
 }
@@ -240,28 +248,63 @@ function drawContacts(pen, { run, view, frame }) {
   const paths = [];
   eachContact(run, frame, (k, size) => {
     if (size < 0.01 * contacts.largest) return;
-    const length = (longest * size) / contacts.largest;
-    const [ux, uy] = [contacts.fx[k] / size, -contacts.fy[k] / size];
-    const x = view.screenX(contacts.x[k]);
-    const y = view.screenY(contacts.y[k]);
-    const head = Math.min(6, 0.4 * length);
-    const [tipX, tipY] = [x + length * ux, y + length * uy];
-    paths.push([x, y, tipX, tipY]);
-    paths.push([
-      tipX - head * (ux - 0.5 * uy), tipY - head * (uy + 0.5 * ux), tipX, tipY,
-      tipX - head * (ux + 0.5 * uy), tipY - head * (uy - 0.5 * ux),
-    ]);
+    const length = longest / contacts.largest;
+    paths.push(...arrow(view.screenX(contacts.x[k]), view.screenY(contacts.y[k]), length * contacts.fx[k], -length * contacts.fy[k]));
   });
   pen.lines(paths, FORCE, 1.2);
 }
 
-function drawChains(pen, { run, view, frame }) {
-  const { motion, middle, blockCount } = run;
-  const byWidth = Array.from({ length: WIDTHS }, () => []);
-  const at = (block) => [
-    view.screenX(middle[2 * block] + motion.x[frame * blockCount + block]),
-    view.screenY(middle[2 * block + 1] + motion.y[frame * blockCount + block]),
+/** Return the lines of an arrow from a place by dx and dy, pixels. */
+function arrow(x, y, dx, dy) {
+  const length = Math.hypot(dx, dy);
+  const [ux, uy] = [dx / length, dy / length];
+  const head = Math.min(6, 0.4 * length);
+  const [tipX, tipY] = [x + dx, y + dy];
+  return [
+    [x, y, tipX, tipY],
+    [
+      tipX - head * (ux - 0.5 * uy), tipY - head * (uy + 0.5 * ux), tipX, tipY,
+      tipX - head * (ux + 0.5 * uy), tipY - head * (uy - 0.5 * ux),
+    ],
   ];
+}
+
+/** Return the layer of arrows at the centroids of blocks, the longest that of the largest vector of the frame. */
+function layerOfVectors(field, label) {
+  const largestOf = (run, frame) => {
+    let largest = 0;
+    for (let block = 0; block < run.blockCount; block++) {
+      if (!run.isGone(frame, block)) largest = Math.max(largest, run.value(field, frame, block));
+    }
+    return largest;
+  };
+  const draw = (pen, { run, view, frame }) => {
+    const length = (0.09 * Math.min(view.width, view.height)) / largestOf(run, frame);
+    if (!Number.isFinite(length)) return;
+    const [xs, ys] = ["x", "y"].map((axis) => run.fields[`${field}_${axis}`]);
+    const paths = [];
+    for (let block = 0; block < run.blockCount; block += stepOfCrosses(run)) {
+      const at = frame * run.blockCount + block;
+      if (run.isGone(frame, block) || Math.hypot(xs[at], ys[at]) * length < 1) continue;
+      const [x, y] = run.centre(frame, block);
+      paths.push(...arrow(view.screenX(x), view.screenY(y), length * xs[at], -length * ys[at]));
+    }
+    pen.lines(paths, VECTORS[field], 1.4);
+  };
+  const legend = ({ run, frame }) => {
+    const largest = largestOf(run, frame);
+    const text = `${field}, up to ${withUnit(largest, run.scene.labels[field][1], 3, run.error(field))}`;
+    return largest > 0 ? [line(VECTORS[field], 1.4, text)] : [];
+  };
+  return { label, draw, legend };
+}
+
+function drawChains(pen, { run, view, frame }) {
+  const byWidth = Array.from({ length: WIDTHS }, () => []);
+  const at = (block) => {
+    const [x, y] = run.centre(frame, block);
+    return [view.screenX(x), view.screenY(y)];
+  };
   const largest = largestResultant(run);
   for (const { size, x, y, one, other } of resultantsOf(run, frame)) {
     const share = size / largest;
@@ -310,8 +353,7 @@ function drawCrosses(pen, { run, view, frame }) {
     const at = frame * run.blockCount + block;
     const [most, least, direction] = run.principal(at);
     const reach = 0.5 * Math.sqrt(run.area[block]) * view.scale;
-    const x = view.screenX(run.middle[2 * block] + run.motion.x[at]);
-    const y = view.screenY(run.middle[2 * block + 1] + run.motion.y[at]);
+    const [x, y] = [0, 1].map((k) => [view.screenX, view.screenY][k].call(view, run.centre(frame, block)[k]));
     for (const [value, turn] of [[most, direction], [least, direction + 0.5 * Math.PI]]) {
       const length = (reach * Math.abs(value)) / largest;
       const [dx, dy] = [length * Math.cos(turn), -length * Math.sin(turn)];
@@ -402,8 +444,19 @@ export function drawChosen(pen, { run, view, frame, theme, state }) {
   if (path) pen.lines([[...path, path[0], path[1]]], theme.chosen, 3);
 }
 
-/** Draw a bar of a round length, with its length. */
-export function drawScaleBar(pen, { view, theme }) {
+/** Say by how much displacements are magnified, where they are. */
+export function drawFactor(pen, { run, view, theme }) {
+  if (run.factor !== 1) pen.text(view.width - 8, view.height - 34, factorInWords(run), theme.ink, theme.paper, "end");
+}
+
+/** Return the words for displacements that are drawn larger than they are. */
+export function factorInWords({ factor }) {
+  return `displacements × ${factor.toLocaleString("en", { maximumSignificantDigits: 6 })}`;
+}
+
+/** Draw a bar of a round length, with its length; axes stand in its place. */
+export function drawScaleBar(pen, { view, theme, state }) {
+  if (state.layers.has("axes")) return;
   const most = 0.2 * view.width / view.scale;
   const power = 10 ** Math.floor(Math.log10(most));
   const length = power * [5, 2, 1].find((digit) => digit * power <= most);

@@ -2,7 +2,7 @@
 
 import { rawArray, unpacked } from "./packing.js";
 
-const OF_CONTACTS = ["x", "y", "angle", "normal", "shear", "slip", "opening"];
+const OF_CONTACTS = ["x", "y", "angle", "normal", "shear", "strength", "slip", "opening"];
 const NAMES = ["vertex", "by", "mode", "joint"];
 const OF_SUPPORTS = {
   links: ["x0", "y0", "x1", "y1", "wayX", "wayY"],

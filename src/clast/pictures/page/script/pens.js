@@ -59,10 +59,10 @@ export class CanvasPen {
     context.stroke();
   }
 
-  /** Write a text of which the start or the end is at x. */
+  /** Write a text of which the start, the middle or the end is at x. */
   text(x, y, text, colour, halo, anchor = "start") {
     const { context } = this;
-    context.textAlign = anchor;
+    context.textAlign = anchor === "middle" ? "center" : anchor;
     context.font = "12px system-ui, sans-serif";
     context.textBaseline = "middle";
     context.lineWidth = 3;

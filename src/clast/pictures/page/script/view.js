@@ -82,11 +82,14 @@ export class View {
 /**
  * Let wheel, drag and two fingers move a view.
  * @param {HTMLElement} element @param {View} view
- * @param {() => void} changed @param {(x: number, y: number) => void} clicked
+ * @param {{changed: () => void, clicked: (x: number, y: number) => void, over: (x: number, y: number) => void,
+ *   ruled: () => ((from: {x: number, y: number}, to: {x: number, y: number}) => void) | null}} calls
+ *   ``over`` has the place of the pointer, ``ruled`` gives what a drag does instead of moving the view
  */
-export function followPointers(element, view, changed, clicked) {
+export function followPointers(element, view, { changed, clicked, over, ruled }) {
   const down = new Map();
   let moved = 0;
+  let begun = null;
   const here = (event) => {
     const box = element.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -104,13 +107,17 @@ export function followPointers(element, view, changed, clicked) {
   element.addEventListener("pointerdown", (event) => {
     element.setPointerCapture(event.pointerId);
     down.set(event.pointerId, here(event));
-    if (down.size === 1) moved = 0;
+    if (down.size === 1) [moved, begun] = [0, here(event)];
   });
   element.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId);
-    if (!before) return;
     const now = here(event);
-    if (down.size === 1) {
+    over(now.x, now.y);
+    if (!before) return;
+    const rule = down.size === 1 && ruled();
+    if (rule) {
+      rule(begun, now);
+    } else if (down.size === 1) {
       view.pan(now.x - before.x, now.y - before.y);
     } else {
       const other = [...down].find(([id]) => id !== event.pointerId)[1];
