@@ -6,8 +6,7 @@ import pytest
 import clast
 from clast.errors import CaseError, ModelError
 from clast.pictures.figure_options import Look
-from clast.pictures.film.film import FilmSpeed
-from clast.pictures.film.film_frames import FilmLook
+from clast.pictures.film import FilmLook, FilmSpeed
 from scenes.command_line import clast_command
 
 REQUESTS = {

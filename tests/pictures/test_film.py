@@ -9,11 +9,16 @@ import pytest
 from PIL import Image
 
 from clast.errors import CaseError
-from clast.pictures.film import encoders
-from clast.pictures.film.encoders import ffmpeg
-from clast.pictures.film.film import FilmSpeed, write_film
-from clast.pictures.film.film_frames import FilmLook, FrameDrawer
-from clast.pictures.film.timing import frames_of, timing
+from clast.pictures import encoders
+from clast.pictures.encoders import ffmpeg
+from clast.pictures.film import (
+    FilmLook,
+    FilmSpeed,
+    FrameDrawer,
+    frames_of,
+    timing,
+    write_film,
+)
 
 SMALL = FilmLook(size=(320.0,))
 
@@ -38,7 +43,7 @@ def pictures_in(path):
 
 
 def test_without_a_speed_every_frame_is_one_picture():
-    assert timing(np.array([0.0, 0.1, 5.0]), range(3), 25.0, None) == ((0, 1), (1, 1), (2, 1))
+    assert timing(np.array([0.0, 0.1, 5.0]), range(3), FilmSpeed()) == ((0, 1), (1, 1), (2, 1))
 
 
 @pytest.mark.parametrize(
@@ -55,7 +60,7 @@ def test_without_a_speed_every_frame_is_one_picture():
     ],
 )
 def test_a_speed_says_which_frame_stands_for_how_long(times, fps, speed, expected):
-    shown = timing(np.array(times), range(len(times)), fps, speed)
+    shown = timing(np.array(times), range(len(times)), FilmSpeed(fps=fps, speed=speed))
     assert shown == tuple(expected)
     assert sum(ticks for _, ticks in shown) == round((times[-1] - times[0]) / speed * fps) + 1
 
@@ -176,8 +181,8 @@ def test_what_cannot_be_filmed_is_refused(wall, tmp_path, arguments, words):
         (lambda: FilmSpeed(fps=1e9), "fps"),
         (lambda: FilmSpeed(speed=0.0), "speed"),
         (lambda: FilmSpeed(speed=float("inf")), "speed"),
-        (lambda: timing(np.array([0.0, 1e6]), range(2), 25.0, 1e-3), "speed"),
-        (lambda: timing(np.zeros(200_000), range(200_000), 25.0, None), "speed"),
+        (lambda: timing(np.array([0.0, 1e6]), range(2), FilmSpeed(speed=1e-3)), "speed"),
+        (lambda: timing(np.zeros(200_000), range(200_000), FilmSpeed()), "speed"),
     ],
 )
 def test_what_a_film_cannot_look_like_is_refused(make, where):

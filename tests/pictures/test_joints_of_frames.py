@@ -12,9 +12,16 @@ import pytest
 
 from clast.errors import CaseError
 from clast.pictures.figure_options import Look
-from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.plot import plot_results
-from clast.pictures.strokes import CONSTRUCTED, GROUND, JOINT_COLOURS, UNNAMED, WELD, strokes_of
+from clast.pictures.strokes import (
+    CONSTRUCTED,
+    GROUND,
+    JOINT_COLOURS,
+    UNNAMED,
+    WELD,
+    edges_by_joint,
+    strokes_of,
+)
 from clast.results import Results
 from clast.results.recording import EdgeJoints
 from clast.rockmass import CONSTRUCTION, WELDED
@@ -28,13 +35,7 @@ ROWS, COLUMNS = 4, 3
 
 def lengths(results: Results, frame: int, apart: float) -> dict[str, float]:
     """Return the length that is drawn of each kind of edge, m."""
-    found = edges_by_joint(
-        results,
-        results.vertices(frame),
-        results.vertices(0),
-        apart,
-        np.zeros(len(results.block_name), bool),
-    )
+    found = edges_by_joint(results, frame, apart)
     return {one.stroke.label: float(one.lengths.sum()) for one in found}
 
 

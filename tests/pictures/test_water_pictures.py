@@ -10,9 +10,9 @@ from matplotlib.colors import to_rgb
 import clast
 from clast.actions.water import pressed_by
 from clast.pictures import canvas
-from clast.pictures.compared_frames import plot_two_frames
 from clast.pictures.draw_water import PALE, dry_of, pressures_of, waters_of, with_levels
 from clast.pictures.figure_options import Look
+from clast.pictures.plot import plot_two_frames
 from clast.results.frames import absent_in_frame
 from clast.run.excavation import without
 
@@ -103,7 +103,7 @@ def test_a_level_stops_where_it_comes_to_a_void(undercut: clast.Run):
     assert dry == pytest.approx(np.array([[2.0, 4.0]]), abs=0.02)
 
 
-@pytest.mark.parametrize("drawn", ["plot", "compared", "film"])
+@pytest.mark.parametrize("drawn", ["plot", "compared"])
 def test_no_picture_has_water_in_a_void(undercut: clast.Run, monkeypatch, drawn: str):
     results = clast.read(undercut.output)
     last = len(results.times) - 1
@@ -111,14 +111,8 @@ def test_no_picture_has_water_in_a_void(undercut: clast.Run, monkeypatch, drawn:
     monkeypatch.setattr(canvas, "save", lambda figure, path: figures.append(figure) or path)
     if drawn == "plot":
         clast.plot_results(results, "x.png", field="none", contacts=False)
-    elif drawn == "compared":
-        plot_two_frames(results, "x.png", (0, last), field="none")
     else:
-        from clast.pictures.film.film_frames import FilmLook, FrameDrawer
-
-        drawer = FrameDrawer(results, range(last + 1), FilmLook(field="none"), 800)
-        drawer._draw(last)
-        figures.append(drawer._figure)
+        plot_two_frames(results, "x.png", (0, last), field="none")
     axes = figures[0].axes[1 if drawn == "compared" else 0]
     lines = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 1]
     assert len(lines) == 2 and max(lines[0]) < 2.1 and min(lines[1]) > 3.9

@@ -6,7 +6,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.film.film import write_film
+from clast.pictures.film import write_film
 from clast.pictures.page.scene import scene_of
 
 

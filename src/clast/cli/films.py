@@ -38,8 +38,7 @@ def film(
     ] = "",
 ) -> None:
     """Write a film of a run; MP4 needs the program ffmpeg."""
-    from clast.pictures.film.film import FilmSpeed, write_film
-    from clast.pictures.film.film_frames import FilmLook
+    from clast.pictures.film import FilmLook, FilmSpeed, write_film
     from clast.results import read_results
 
     look = FilmLook(

@@ -8,11 +8,10 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
-from clast.pictures.fields import SCALARS, prefixed
-from clast.pictures.scale import ColourScale, scale_of
+from clast.pictures.fields import prefixed
+from clast.pictures.scale import ColourScale
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
-from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -141,39 +140,6 @@ def draw_blocks(
     return blocks
 
 
-def colour(
-    figure: Figure,
-    sheet: Sheet,
-    blocks: PolyCollection,
-    results: Recording,
-    field: str,
-    frame: int,
-    shown: Bools,
-    limits: tuple[float, float] | None,
-) -> None:
-    """Colour the free blocks that are there by a field and explain the colours.
-
-    The scale is that of the blocks ``shown`` (n,), unless its ``limits`` are given.
-    """
-    free = ~(results.fixed | absent_in_frame(results, frame))
-    if not free.any():
-        return
-    if field not in SCALARS:
-        paint_kinds(blocks, results, field, frame, free)
-        return
-    quantity = SCALARS[field]
-    values = quantity.values(results, frame)
-    area = areas_of(results, results.vertices(frame))
-    counted = free & shown if (free & shown).any() else free
-    scale = scale_of(values[counted], area[counted], limits)
-    unit = paint(blocks, values[free], scale, quantity.unit)
-    label = f"{quantity.label} ({unit})"
-    if scale.beyond:
-        label += "\n" if sheet.upright else "; "
-        label += _beyond(values[counted], quantity.unit, scale)
-    draw_colour_bar(figure, sheet, blocks, label, scale.extend)
-
-
 PLAIN = ("joint", "none")
 """Fields that leave the blocks themselves without colours."""
 
@@ -223,16 +189,6 @@ def draw_colour_bar(
     bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
     bar.outline.set_linewidth(0.5)
     bar.outline.set_edgecolor(FAINT)
-
-
-def _beyond(values: Floats, unit: str, scale: ColourScale) -> str:
-    """Return how many values lie beyond the scale and how far they go."""
-    ends = []
-    for name, end in (("min", values.min()), ("max", values.max())):
-        if scale.extend in (name, "both"):
-            factor, prefix = prefixed(float(end), unit)
-            ends.append(f"{factor * end:.3g} {prefix}".replace("-", "−"))
-    return f"{scale.beyond} beyond, to {' and '.join(ends)}"
 
 
 def areas_of(results: Divided, vertices: Floats) -> Floats:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Floats
+from clast.pictures.fields import prefixed
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap
@@ -50,6 +51,17 @@ class ColourScale:
     """Which ends values go beyond, as matplotlib calls it: neither, min, max, both."""
     beyond: int
     """Blocks whose values lie beyond the scale."""
+    ends: tuple[float, float]
+    """Least and largest value."""
+
+    def beyond_text(self, unit: str) -> str:
+        """Return how many values lie beyond the scale and how far they go, in words."""
+        texts = []
+        for name, end in zip(("min", "max"), self.ends, strict=True):
+            if self.extend in (name, "both"):
+                factor, prefix = prefixed(end, unit)
+                texts.append(f"{factor * end:.3g} {prefix}".replace("-", "−"))
+        return f"{self.beyond} beyond, to {' and '.join(texts)}"
 
 
 def scale_of(
@@ -66,6 +78,7 @@ def scale_of(
         high=high,
         extend=extend[int(below.any()), int(above.any())],
         beyond=int(np.sum(below | above)),
+        ends=(float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))),
     )
 
 

@@ -12,6 +12,8 @@ import numpy as np
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, INK
+from clast.results import Recording
+from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -146,6 +148,24 @@ def visible(ends: Floats, part: canvas.Part) -> Bools:
     return seen
 
 
+def edges_by_joint(results: Recording, frame: int, apart: float) -> tuple[EdgeGroup, ...]:
+    """Return the edges of all blocks of a frame, in groups by joint.
+
+    Edges of two blocks that ran along each other at the start are one as long as they are no
+    farther ``apart`` than that, m, and of one joint.  Absent blocks have none.  Only joints that
+    edges have get a colour, so that it is the same in all frames.
+    """
+    joint, after, here = results.edge_joint, following(results.block_start), results.vertices(frame)
+    ends = np.stack([here, here[after]], axis=1)
+    other = partners(results.vertices(0), after)
+    opened = np.hypot(*(ends - ends[other, ::-1]).T).max(axis=0) > apart
+    single = (other < 0) | opened | (joint != joint[other])
+    out = np.repeat(absent_in_frame(results, frame), np.diff(results.block_start))
+    once = ~out & (single | out[other] | (np.arange(len(other)) < other))
+    names = {number: results.joint_name[number] for number in np.unique(joint[joint >= 0]).tolist()}
+    return groups(strokes_of(names), joint[once], ends[once])
+
+
 # Drawing ------------------------------------------------------------------------------------------
 
 
@@ -159,10 +179,8 @@ def handles_of(edges: Sequence[EdgeGroup], part: canvas.Part) -> list[Any]:
     ]
 
 
-def draw_edges(
-    axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, inches: float, blocks: int
-) -> None:
-    """Draw the edges of each kind as one collection; the part is so many ``inches`` wide.
+def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks: int) -> None:
+    """Draw the edges of each kind in a part as one collection.
 
     How many ``blocks`` there are decides whether they are lines or dots in pdf and svg.
     """
@@ -173,7 +191,9 @@ def draw_edges(
     if not seen:
         return  # a part inside one block
     every = np.concatenate([ends for _, ends in seen])
-    points = 72.0 * inches / float(part[1][0] - part[0][0])
+    figure = axes.get_figure(root=True)
+    inches = axes.get_position().width * (figure.get_size_inches()[0] if figure else 1.0)
+    points = 72.0 * float(inches) / float(part[1][0] - part[0][0])
     median = float(np.median(np.hypot(*(every[:, 1] - every[:, 0]).T)))
     width = float(np.clip(SHARE * points * median, THINNEST, THICKEST))
     for one, ends in seen:

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
-from clast.pictures.draw_blocks import paint
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import FrameContacts, Recording
@@ -258,10 +257,8 @@ def scale_of_faces(faces: Faces, shown: Bools, limits: tuple[float, float] | Non
     return scale_of(faces.value[counted], weight, limits)
 
 
-def draw_faces(
-    axes: Axes, faces: Faces, scale: ColourScale, field: str
-) -> tuple[LineCollection, str]:
-    """Draw faces on a scale; return them, and the unit with its prefix."""
+def draw_faces(axes: Axes, faces: Faces, scale: ColourScale) -> LineCollection:
+    """Draw faces as lines as wide as their values are large on a scale; return them."""
     from matplotlib.collections import LineCollection
 
     largest = max(abs(scale.low), abs(scale.high))
@@ -272,6 +269,5 @@ def draw_faces(
         capstyle="round",
         zorder=4.5,
     )
-    unit = paint(lines, faces.value, scale, JOINT_FIELDS[field].unit)
     axes.add_collection(lines)
-    return lines, unit
+    return lines

@@ -41,17 +41,6 @@ class StillLayer:
     """Draws it on axes that show their part already."""
 
 
-def layer_handles(names: tuple[str, ...], results: Recording, frame: int) -> list[Any]:
-    """Return the entries of the legend for some layers."""
-    return [handle for name in names for handle in LAYERS[name].handles(results, frame)]
-
-
-def draw_layers(names: tuple[str, ...], axes: Axes, results: Recording, frame: int) -> None:
-    """Draw some layers."""
-    for name in names:
-        LAYERS[name].draw(axes, results, frame)
-
-
 def _centres(results: Recording, frame: int) -> Floats:
     """Return the middle of the vertices of each block, m, (n, 2)."""
     start = results.block_start

@@ -115,7 +115,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     shown = draw_blocks.within(cut, cut.vertices, *part)
     _draw_blocks(axes, cut, paint, shown)
     _draw_voids(axes, voids)
-    draw_edges(axes, paint.edges, part, size[0], number)
+    draw_edges(axes, paint.edges, part, number)
     _draw_names(axes, cut, part)
     keys.draw(figure, sheet)
     return figure

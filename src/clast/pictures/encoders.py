@@ -9,12 +9,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
 from clast.errors import CaseError
-from clast.pictures.film.film_frames import Pixels
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -26,6 +25,8 @@ FASTEST_GIF = 50.0
 COLOURS = 255
 """Colours of a GIF beside that of paper, which Pillow would make a light grey."""
 
+Pixels: TypeAlias = np.ndarray[Any, np.dtype[np.uint8]]
+"""A picture: rows from above, pixels, red green blue alpha, shape (height, width, 4)."""
 Encoder = Callable[[Path, Iterator[Pixels], Sequence[int], float], None]
 """Writes pictures into a file, each for a number of ticks, so many ticks a second."""
 

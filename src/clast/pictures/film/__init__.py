@@ -1,1 +1,0 @@
-"""Films of runs: MP4, animated GIF and WebP."""

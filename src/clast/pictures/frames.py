@@ -1,0 +1,230 @@
+"""A frame of a run on axes, drawn alike in still pictures, pairs of frames and films."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Floats, Ints
+from clast.model.stages.records import counted_from
+from clast.pictures import canvas, draw_blocks, draw_bolts
+from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
+from clast.pictures.draw_water import (
+    draw_water,
+    handles_of_water,
+    pressures_of,
+    waters_of,
+    with_levels,
+)
+from clast.pictures.fields import KINDS, SCALARS, check_field
+from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.layers.still_layers import LAYERS
+from clast.pictures.scale import ColourScale, scale_of
+from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, edges_by_joint, handles_of
+from clast.pictures.supports.draw_links import draw_links, handles_of_links
+from clast.results import Recording
+from clast.results.frames import absent_in_frame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TOGETHER = 1e-3
+"""Edges of two blocks are drawn as one up to this distance, as a share of the picture."""
+POINT_NAMES_MAX = 12
+"""Measured points drawn with their names."""
+
+
+class FrameDrawing:
+    """Draws frames of a run with one field, in one part.
+
+    ``part`` has the corners (2,), m, of what is shown: all blocks in the frames and at the start,
+    or ``zoom``.  Raises CaseError for a field that is not known and for a part without blocks.
+    """
+
+    def __init__(
+        self,
+        results: Recording,
+        frames: Sequence[int],
+        field: str,
+        zoom: tuple[float, float, float, float] | None,
+        layers: Sequence[str] = (),
+    ) -> None:
+        check_field(field, JOINT_FIELDS)
+        self.results, self.field = results, field
+        self.layers = [LAYERS[name] for name in layers if name in LAYERS]
+        self.start = results.vertices(0)
+        self.part = _part(results, frames, zoom)
+        self.has_scale = field in SCALARS or field in JOINT_FIELDS
+        places = places_of_points(results, frames)
+        self._points = dict(zip(frames, places, strict=True))
+
+    @property
+    def label(self) -> str:
+        """The name of the field on a picture."""
+        if self.field in KINDS:
+            return KINDS[self.field]
+        return (JOINT_FIELDS if self.field in JOINT_FIELDS else SCALARS)[self.field].label
+
+    def scale(
+        self, frames: Sequence[int], seen: canvas.Part, limits: tuple[float, float] | None
+    ) -> ColourScale | None:
+        """Return one scale for the free blocks or joints seen in some frames; None without any."""
+        results, field = self.results, self.field
+        if field in JOINT_FIELDS:
+            faces = together([JOINT_FIELDS[field].faces(results, frame) for frame in frames])
+            return scale_of_faces(faces, faces.within(*seen), limits)
+        if field not in SCALARS:
+            return None
+        values, areas = [], []
+        for frame in frames:
+            here = results.vertices(frame)
+            free = ~(results.fixed | absent_in_frame(results, frame))
+            inside = free & draw_blocks.within(results, here, *seen)
+            counted = inside if inside.any() else free
+            values.append(SCALARS[field].values(results, frame)[counted])
+            areas.append(draw_blocks.areas_of(results, here)[counted])
+        every = np.concatenate(values)
+        return scale_of(every, np.concatenate(areas), limits) if len(every) else None
+
+    def paint(self, artist: Any, values: Floats, scale: ColourScale) -> str:
+        """Colour an artist by values (k,) of the field; return label and unit for a colour bar."""
+        unit = (JOINT_FIELDS if self.field in JOINT_FIELDS else SCALARS)[self.field].unit
+        return f"{self.label} ({draw_blocks.paint(artist, values, scale, unit)})"
+
+    def handles(self, frame: int) -> list[Any]:
+        """Return the legend of a frame."""
+        results, waters = self.results, waters_of(self.results, frame)
+        pressures = pressures_of(results, waters, frame, results.vertices(frame))
+        return [
+            *_block_handles(results, self.field, frame),
+            *handles_of(self._edges(frame), self.part),
+            *handles_of_water(waters, pressures),
+            *draw_bolts.handles_of(results.bolts(frame)),
+            *handles_of_links(results, frame),
+            *(handle for layer in self.layers for handle in layer.handles(results, frame)),
+        ]
+
+    def draw(
+        self, axes: Axes, frame: int, seen: canvas.Part, scale: ColourScale | None
+    ) -> tuple[Any, str]:
+        """Draw a frame on axes that show ``seen``; return the coloured artist and its label."""
+        results, field = self.results, self.field
+        here, absent = results.vertices(frame), absent_in_frame(results, frame)
+        edges, label = self._edges(frame), ""
+        draw_blocks.draw_start(axes, results, self.start, absent)
+        outlines = 0.0 if edges else 1.0
+        coloured: Any = draw_blocks.draw_blocks(
+            axes, results, here, outlines, absent, results.awaited(frame)
+        )
+        drawn = ~(results.fixed | absent)
+        if field in JOINT_FIELDS:
+            coloured.set_facecolor(GROUND)
+            if scale is not None:
+                faces = JOINT_FIELDS[field].faces(results, frame)
+                coloured = draw_faces(axes, faces, scale)
+                label = self.paint(coloured, faces.value, scale)
+        elif scale is None:
+            draw_blocks.paint_kinds(coloured, results, field, frame, drawn)
+        else:
+            label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
+        draw_water(axes, results, waters_of(results, frame), frame, seen)
+        draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
+        draw_bolts.draw_bolts(axes, results.bolts(frame))
+        for layer in self.layers:
+            layer.draw(axes, results, frame)
+        draw_links(axes, results, frame)
+        if field == "block":
+            draw_blocks.draw_names(axes, results, here, absent)
+        _draw_points(axes, results.point_name, self._points[frame])
+        return coloured, label
+
+    def _edges(self, frame: int) -> Sequence[EdgeGroup]:
+        """Return the edges in the colours of their joints, if they are asked for."""
+        if self.field != "joint":
+            return ()
+        together = TOGETHER * float((self.part[1] - self.part[0]).max())
+        return edges_by_joint(self.results, frame, together)
+
+
+def _part(
+    results: Recording, frames: Sequence[int], zoom: tuple[float, float, float, float] | None
+) -> canvas.Part:
+    """Return the part to show: where blocks are in some frames, with water, or the given part."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    passed = False
+    part = None if zoom is None else (np.array(zoom[:2]), np.array(zoom[2:]))
+    for frame in dict.fromkeys((0, *frames)):
+        here = results.vertices(frame)
+        low, high = np.minimum(low, here.min(axis=0)), np.maximum(high, here.max(axis=0))
+        if part is not None and frame in frames:
+            passed = passed or bool(draw_blocks.within(results, here, *part).any())
+    if part is None:
+        return with_levels(results, waters_of(results, frames[-1]), (low, high))
+    if not passed:
+        raise canvas.empty_part(low, high)
+    return part
+
+
+def places_of_points(results: Recording, frames: Sequence[int] | Ints) -> Floats:
+    """Return where the measured points are in some frames, m, shape (frames, points, 2)."""
+    places = np.zeros((len(frames), len(results.point_name), 2))
+    for k, (name, start) in enumerate(zip(results.point_name, results.point_start, strict=True)):
+        history = results.history(name)
+        rows = results.rows_at(history.time, np.asarray(frames))
+        before = [counted_from(results.stages, k, float(history.time[row])) for row in rows]
+        places[:, k] = start + np.reshape(before, (-1, 2)) + history.displacement[rows]
+    return places
+
+
+def _draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
+    """Mark the measured points (k, 2) where they are, the first few with their names."""
+    for name, at in list(zip(names, places, strict=True))[:POINT_NAMES_MAX]:
+        axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
+        text, side = _beside(axes, name, float(at[0]))
+        axes.annotate(
+            canvas.literal(text),
+            at,
+            xytext=(4, 4) if side == "left" else (-4, 4),
+            textcoords="offset points",
+            ha=side,
+            fontsize=SMALL_SIZE,
+            color=INK,
+            bbox=NAME_BOX,
+            zorder=7,
+        )
+
+
+def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
+    """Return a name as it fits beside a point at ``x``, m, and which of its ends is there."""
+    figure = axes.get_figure(root=True)
+    low, high = axes.get_xlim()
+    width = float(axes.get_position().width * (figure.get_size_inches()[0] if figure else 1.0))
+    right = (high - x) / (high - low) * width + canvas.RIGHT
+    left = (x - low) / (high - low) * width + canvas.LEFT
+    if canvas.letters_in(right, SMALL_SIZE) > len(name) or right >= left:
+        return canvas.cut_to(name, right, SMALL_SIZE), "left"
+    return canvas.cut_to(name, left, SMALL_SIZE), "right"
+
+
+def _block_handles(results: Recording, field: str, frame: int) -> list[Any]:
+    """Return the legend of outlines, fixed and excavated blocks, and rocks."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
+    absent = absent_in_frame(results, frame)
+    if (absent & ~results.awaited(frame)).any():
+        dashed = Line2D([], [], color=FAINT, lw=0.6, ls=draw_blocks.EXCAVATED, label="excavated")
+        handles.append(dashed)
+    if (results.fixed & ~absent).any():
+        handles.append(
+            Patch(fc=draw_blocks.FIXED, ec=FAINT, hatch=draw_blocks.HATCH, lw=0.5, label="fixed")
+        )
+    if field == "rock":
+        handles += [
+            Patch(fc=draw_blocks.kind_colour(rock), ec=INK, lw=0.5, label=canvas.literal(name))
+            for rock, name in enumerate(results.rock_name)
+        ]
+    return handles
