@@ -105,8 +105,9 @@ env-docs: $(VENV)/.stamp-env-docs
 demo: $(VENV)/.stamp-env
 	@mkdir -p build
 	@env -u PYTHONDONTWRITEBYTECODE $(BIN)/clast warmup --first
-	@echo "Running cases/incline.toml"
-	@$(BIN)/clast run cases/incline.toml -o build/incline.vtkhdf
+	@rm -f build/incline.toml
+	@$(BIN)/clast new build/incline
+	@$(BIN)/clast run build/incline.toml -o build/incline.vtkhdf
 	@echo "Wrote build/incline.vtkhdf (opens in ParaView)"
 	@$(BIN)/clast plot build/incline.vtkhdf -o build/incline.png
 	@echo "Wrote build/incline.png"

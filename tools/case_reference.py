@@ -45,7 +45,7 @@ def page(schema: Schema) -> str:
     """Return the page as Markdown."""
     tables = schema["$defs"]
     # tables that only stand in another one are written there
-    properties = _present(schema["properties"])
+    properties = schema["properties"]
     top = {"": _table(properties, schema["required"])}
     for key, value in properties.items():
         name = _reference(value)
@@ -58,11 +58,6 @@ def page(schema: Schema) -> str:
     return "".join(parts)
 
 
-def _present(keys: Schema) -> Schema:
-    """Return keys without earlier names, which the schema has for editors."""
-    return {key: value for key, value in keys.items() if not value.get("deprecated")}
-
-
 def _heading(key: str, value: Schema) -> str:
     """Return how a table of the file is written."""
     if value.get("type") == "array":
@@ -72,7 +67,7 @@ def _heading(key: str, value: Schema) -> str:
 
 def _section(table: Schema, tables: Schema) -> str:
     """Return the description of a table, its keys and the tables within it."""
-    keys, required = _present(table["properties"]), table.get("required", [])
+    keys, required = table["properties"], table.get("required", [])
     text = _plain(table.get("description", "")) + "\n\n"
     if table["title"] == "MethodTable":
         text += METHOD_HEAD

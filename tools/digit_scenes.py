@@ -20,7 +20,7 @@ import clast
 
 Floats = NDArray[np.float64]
 
-CASES = Path(__file__).resolve().parents[1] / "cases"
+CASES = Path(__file__).resolve().parents[1] / "src" / "clast" / "case" / "templates"
 YOUNG = 5e9
 """Young's modulus of most scenes, Pa."""
 CUT = 64.0

@@ -65,7 +65,7 @@ def case_of(name: str) -> Case:
     """Return a template, or a worked case, in the folder that is the working one."""
     if name in TEMPLATES:
         file = Path(f"{name}.toml")
-        file.write_text(TEMPLATES[name](), encoding="utf-8")
+        file.write_text(TEMPLATES[name], encoding="utf-8")
         return Case.from_toml(file)
     worked = WORKED[name.removeprefix("worked-")]
     page = (DOCS / "how-to" / f"{name.removeprefix('worked-')}.md").read_text("utf-8")

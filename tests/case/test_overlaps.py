@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import Voronoi
 
 from clast.case.case_file import Case
-from clast.case.templates import heap
+from clast.case.templates import TEMPLATES
 from clast.errors import ModelError
 from clast.inputs.builder import InputBuilder
 from clast.run.preflight import examine
@@ -243,8 +243,8 @@ def test_an_overlap_that_no_contact_leaves_is_refused_by_the_run():
 
 @pytest.mark.slow
 def test_the_overlaps_of_a_moving_heap_are_explained():
-    case = Case.from_toml(heap(2, 3), ["time.end=0.5"])
+    case = Case.from_toml(TEMPLATES["heap"], ["time.end=0.5"])
     deepest = []
     run = case.run(progress=lambda step: deepest.append(step.penetration))
     assert max(deepest) > 0.0
-    assert continued(run, young=5e9, poisson=0.2, density=2500.0).block_count == 9
+    assert continued(run, young=5e9, poisson=0.2, density=2500.0).block_count == 67

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.masonry_templates import shaken_wall
-from clast.case.rock_templates import SLOPE, TUNNEL
+from clast.case.templates import TEMPLATES
 
 
 def outcomes(run):
@@ -17,7 +16,7 @@ def outcomes(run):
 
 @pytest.mark.slow
 def test_cables_hold_the_slope_when_water_comes():
-    run = Case.from_toml(SLOPE).run()
+    run = Case.from_toml(TEMPLATES["slope"]).run()
     assert set(outcomes(run).values()) == {"equilibrium"}
     assert not run.report.warnings
     assert np.hypot(*run.history("crest").displacement[-1]) < 2e-4
@@ -25,20 +24,20 @@ def test_cables_hold_the_slope_when_water_comes():
 
 @pytest.mark.slow
 def test_without_cables_the_slope_stands_dry_and_slides_wet():
-    run = Case.from_toml(SLOPE, ["bolt=[]"]).run()
+    run = Case.from_toml(TEMPLATES["slope"], ["bolt=[]"]).run()
     assert outcomes(run) == {"dry": "equilibrium", "cables": "equilibrium", "water": "moving"}
     assert np.hypot(*run.history("crest").displacement[-1]) > 0.02
 
 
 @pytest.mark.slow
 def test_a_lower_level_of_water_needs_no_cables():
-    run = Case.from_toml(SLOPE, ["bolt=[]", "water.1.line=[[0,15],[26,6]]"]).run()
+    run = Case.from_toml(TEMPLATES["slope"], ["bolt=[]", "water.1.line=[[0,15],[26,6]]"]).run()
     assert set(outcomes(run).values()) == {"equilibrium"}
 
 
 @pytest.mark.slow
 def test_bolts_hold_the_wall_of_the_tunnel():
-    run = Case.from_toml(TUNNEL).run()
+    run = Case.from_toml(TEMPLATES["tunnel"]).run()
     assert outcomes(run)["settled"] == outcomes(run)["support"] == "equilibrium"
     assert not run.report.warnings
     assert np.hypot(*run.field("displacement")[-1].T).max() < 2e-3
@@ -46,15 +45,15 @@ def test_bolts_hold_the_wall_of_the_tunnel():
 
 @pytest.mark.slow
 def test_without_bolts_a_block_of_the_tunnel_comes_loose():
-    run = Case.from_toml(TUNNEL, ["bolt_pattern=[]", "stage.3.time=0.2"]).run()
+    run = Case.from_toml(TEMPLATES["tunnel"], ["bolt_pattern=[]", "stage.3.time=0.2"]).run()
     assert outcomes(run)["support"] == "moving"
     assert f"block '{run.stages[-1].mover.block}'" in run.report.warnings[0]
     assert (np.hypot(*run.field("displacement")[-1].T) > 0.02).sum() == 1
 
 
-@pytest.mark.parametrize(("peak", "frequency"), [(8.0, 1.5), (3.0, 5.0)])
-def test_the_ground_of_the_shaken_wall_ends_where_it_began(peak, frequency):
-    model = Case.from_toml(shaken_wall(peak=peak, frequency=frequency)).model()
+def test_the_ground_of_the_shaken_wall_ends_where_it_began():
+    peak, frequency = 8.0, 1.5
+    model = Case.from_toml(TEMPLATES["shaken-wall"]).model()
     record = model.ground_motion.accelerogram
     end = record.time[-1]
     assert np.abs(record.velocity(end)).max() < 1e-12
@@ -72,6 +71,6 @@ def test_the_ground_of_the_shaken_wall_ends_where_it_began(peak, frequency):
 @pytest.mark.one_in(2)
 def test_the_shaken_wall_cracks_and_twice_as_strong_a_pier_comes_apart(scale, least, most):
     settings = [f"ground_motion.scale={scale}", "time.step=4e-3"]
-    run = Case.from_toml(shaken_wall(), settings).run()
+    run = Case.from_toml(TEMPLATES["shaken-wall"], settings).run()
     assert outcomes(run)["rest"] == "equilibrium"
     assert least < np.hypot(*run.field("displacement")[-1].T).max() < most

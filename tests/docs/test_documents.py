@@ -13,7 +13,7 @@ import pytest
 import clast
 from clast.case import api
 from clast.case.case_file import Case
-from clast.case.templates import INCLINE
+from clast.case.templates import FOLDER, INCLINE
 from clast.inputs import builder as model_builder
 from scenes.places import ROOT
 
@@ -58,7 +58,7 @@ def test_the_readme_builds_and_runs_a_model():
 
 @pytest.mark.parametrize("module", [clast, model_builder, api], ids=lambda m: m.__name__)
 def test_the_examples_of_docstrings_run(module, monkeypatch):
-    monkeypatch.chdir(ROOT / "cases")
+    monkeypatch.chdir(FOLDER)
     executed(indented(module.__doc__), module.__name__)
 
 

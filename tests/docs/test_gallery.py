@@ -25,7 +25,7 @@ def test_a_template_is_in_the_gallery(name):
     page = (DOCS / "gallery" / f"{name}.html").read_text("utf-8")
     data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', page, re.DOTALL)
     scene = json.loads(data[1])
-    case = clast.Case.from_text(TEMPLATES[name](), f"{name}.toml")
+    case = clast.Case.from_text(TEMPLATES[name], f"{name}.toml")
     assert scene["title"] == case.title
     assert len(scene["blocks"]) == case.model().block_count
     assert (scene["faces"]["slip"]["of"] > 0) == (name not in FALLS)

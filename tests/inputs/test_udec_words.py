@@ -42,7 +42,7 @@ def test_a_word_of_udec_is_answered_with_that_of_clast(word: str, said: str):
 
 
 def test_all_are_keys_and_on_the_page():
-    page = (ROOT / "docs" / "how-to" / "from-udec.md").read_text("utf-8")
+    page = (ROOT / "docs" / "how-to" / "from-other-programs.md").read_text("utf-8")
     tables = [Case, *(table_in(one.annotation) for one in Case.model_fields.values())]
     keys = {key for table in tables if table is not None for key in keys_of(table)}
     assert set(UDEC.values()) <= keys

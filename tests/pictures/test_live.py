@@ -471,7 +471,7 @@ def test_a_run_that_is_resumed_has_its_page(tmp_path):
 def test_the_commands_give_the_address_of_the_page(tmp_path):
     """clast run --live and clast resume --live say where it is, and end when nobody looks."""
     case = tmp_path / "block.toml"
-    case.write_text(TEMPLATES["incline"](), encoding="utf-8")
+    case.write_text(TEMPLATES["incline"], encoding="utf-8")
     for command in (
         ["run", "block.toml", "--set", "time.end=0.01", "--set", "output.checkpoint_every=0.005"],
         ["resume", "block.checkpoint.h5", "--set", "time.end=0.02"],

@@ -65,7 +65,7 @@ def test_a_settling_wall_goes_on_to_the_bit_after_a_kill(tmp_path: Path, process
         f"method.process={process}",
         f"method.contact_law={law}",
     ]
-    case = clast.Case.from_text(TEMPLATES["settling-wall"](), "wall", settings)
+    case = clast.Case.from_text(TEMPLATES["settling-wall"], "wall", settings)
     text, whole, part = (tmp_path / name for name in ("wall.toml", "whole.vtkhdf", "part.vtkhdf"))
     text.write_text(case.to_toml(), "utf-8")
     clast.Case.from_toml(text).run(output=whole)

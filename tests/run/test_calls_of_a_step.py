@@ -9,11 +9,11 @@ from __future__ import annotations
 import cProfile
 import pstats
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 import clast
+from clast.case.templates import INCLINE
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -21,12 +21,11 @@ from clast.step.method import Method
 from clast.studies.bench import SCENES, BenchSettings
 from clast.studies.bench.settings import method_for
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
 STEP = 1e-3
 
 
 def incline() -> tuple[Model, Method]:
-    case = clast.load(CASES / "incline.toml")
+    case = clast.Case.from_toml(INCLINE)
     model = case.model()
     return model, case.method(model)
 

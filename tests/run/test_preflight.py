@@ -184,7 +184,7 @@ def test_each_warning(name, tmp_path):
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_there_are_no_warnings_about_the_templates(name, tmp_path):
     case = tmp_path / "case.toml"
-    case.write_text(TEMPLATES[name](), encoding="utf-8")
+    case.write_text(TEMPLATES[name], encoding="utf-8")
     assert without_compilation(clast_command("check", case).stderr) == ""
 
 

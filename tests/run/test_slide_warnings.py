@@ -83,4 +83,4 @@ def test_even_ground_and_other_systems_are_not_warned_of():
     assert not list(slide_warnings(system(slide(90.0, lower=UPPER), fixed=[0])))
     assert not list(slide_warnings(system(slide(None), fixed=[])))
     for name in TEMPLATES:
-        assert not list(slide_warnings(Case.from_toml(TEMPLATES[name]()).model())), name
+        assert not list(slide_warnings(Case.from_toml(TEMPLATES[name]).model())), name

@@ -92,7 +92,7 @@ def test_initial_stress_that_contacts_do_not_hold_is_said(stress, said):
 
 @pytest.mark.parametrize("name", ["incline", "wall"])
 def test_templates_are_not_warned_of(name):
-    assert not Case.from_toml(TEMPLATES[name](), ["time.end=0.1"]).run().report.warnings
+    assert not Case.from_toml(TEMPLATES[name], ["time.end=0.1"]).run().report.warnings
 
 
 def test_overlap_is_in_the_report_and_comes_back_from_it():

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from clast.case.masonry_templates import block_text
-
 HEAD = """schema = 1
 gravity = [0.0, -9.8]
 time = {step = 1e-3, end = 0.5, max_displacement = 0.005}
@@ -20,6 +18,12 @@ friction_angle = 30.0
 contact_law = {name = "penalty", normal_stiffness = "auto"}
 critdis = 0.002
 """
+
+
+def block_text(name: str, corners: list[tuple[float, float]], more: str = "") -> str:
+    """Return [[block]] with its corners, m, and ``more`` lines."""
+    vertices = ", ".join(f"[{x:.9g}, {y:.9g}]" for x, y in corners)
+    return f'[[block]]\nname = "{name}"\nvertices = [{vertices}]\n{more}'
 
 
 def listed_wall(rows: int, columns: int) -> str:

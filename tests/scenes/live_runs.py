@@ -10,7 +10,7 @@ from clast.case.templates import TEMPLATES
 @contextmanager
 def live_command(folder):
     """Yield the process of a long ``clast run --live`` in a folder, and the address of its page."""
-    (folder / "block.toml").write_text(TEMPLATES["incline"](), encoding="utf-8")
+    (folder / "block.toml").write_text(TEMPLATES["incline"], encoding="utf-8")
     keys = ["--set", "time.end=1000", "--set", "output.every=0.1"]
     run = subprocess.Popen(
         [sys.executable, "-m", "clast", "run", "block.toml", *keys, "--live"],

@@ -4,4 +4,4 @@ from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]
 ROOT = TESTS.parent
-CASES = ROOT / "cases"
+CASES = ROOT / "src" / "clast" / "case" / "templates"

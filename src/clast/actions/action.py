@@ -9,7 +9,7 @@ to ``ModelBuilder.actions``, is one more (see the how-to page on actions).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import InitVar, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
@@ -23,7 +23,6 @@ from clast.contact.clipped_spring import Springs
 from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
-from clast.renamed import earlier_argument, names_of
 
 INSTANT = 1e-5
 """Time over which a mean is taken as the value of an instant, s."""
@@ -202,10 +201,6 @@ class ActionResult:
     """
     state: Any = None
     """Its own state at the end of the step."""
-    own: InitVar[Any] = None
-
-    def __post_init__(self, own: Any) -> None:
-        object.__setattr__(self, "state", earlier_argument("own", "state", own, self.state))
 
 
 NOTHING = ActionResult(work=0.0, ledger=Ledger())
@@ -269,9 +264,3 @@ class ReportsEvents(Protocol):
         own states of the action.
         """
         ...
-
-
-__getattr__ = names_of(
-    "clast.actions.action",
-    {"Share": "Contribution", "Done": "ActionResult", "Telling": "ReportsEvents"},
-)

@@ -8,11 +8,11 @@ Each group of tables has a file in ``tables``; ``clast schema`` prints their key
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
@@ -24,12 +24,6 @@ from clast.inputs.builder import InputBuilder
 from clast.inputs.damping import Damping, chosen_damping
 from clast.inputs.declaring import serialise as case_writing
 from clast.inputs.declaring import text as case_text
-from clast.inputs.declaring.earlier_keys import (
-    as_written,
-    case_with_present_keys,
-    present_path,
-    warning_of,
-)
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Share, Table
 from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusal
@@ -78,10 +72,6 @@ class Case(BaseModel):
     """A case of the discontinuous deformation analysis program clast."""
 
     model_config = Table.model_config
-    EARLIER: ClassVar[Mapping[str, str]] = {
-        "table": "amplitude",
-        "gravity_factor": "gravity_amplitude",
-    }
 
     schema_: Literal[1] = Field(1, alias="schema")
     """Version of this format."""
@@ -175,7 +165,6 @@ class Case(BaseModel):
     _text: str | None = PrivateAttr(None)
     _origin: str | None = PrivateAttr(None)
     _cut: CutCase | None = PrivateAttr(None)
-    _renamed: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
@@ -254,8 +243,7 @@ class Case(BaseModel):
         settings = list(settings)
         content = case_text.parse(text, file)
         if settings:
-            present, _ = case_with_present_keys(content, cls)
-            content = case_text.with_values(present, [_present_setting(one) for one in settings])
+            content = case_text.with_values(content, settings)
             tables = {setting.replace("=", ".").split(".")[0].strip() for setting in settings}
             if tables - SAME_SYSTEM and "reference" not in tables:
                 content.pop("reference", None)
@@ -267,17 +255,12 @@ class Case(BaseModel):
     @classmethod
     def validated(cls, content: dict[str, Any], file: str) -> Case:
         """Return the case with a content from ``file``; its faults become one CaseError."""
-        present, renamed = case_with_present_keys(content, cls)
         try:
-            case = cls.model_validate(present)
+            case = cls.model_validate(content)
         except ValidationError as error:
-            faults = [
-                dataclasses.replace(one, place=as_written(one.place, content, cls))
-                for one in faults_of(error, explained(cls))
-            ]
+            faults = faults_of(error, explained(cls))
             raise error_of(faults, file=file, content=content) from None
         case._file = file
-        case._renamed = warning_of(renamed)
         return case
 
     def with_method(self, **choices: Any) -> Case:
@@ -419,7 +402,6 @@ class Case(BaseModel):
             summary = examine(model, method, self.schedule())
         folder = self._folder
         remarks = [text for _, table in self._tables() for text in table.remarks(folder)]
-        remarks += self._renamed
         cut = self._cut.warnings if self._cut else ()
         doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, self.schedule().stages)
         return dataclasses.replace(summary, warnings=(*summary.warnings, *cut, *remarks, *doubts))
@@ -511,13 +493,6 @@ class Case(BaseModel):
         )
 
     __str__ = __repr__
-
-
-def _present_setting(setting: str) -> str:
-    """Return a setting, table.key=value, with the present names of its keys."""
-    path, equals, value = setting.partition("=")
-    keys = [key.strip() for key in path.split(".")]
-    return ".".join(present_path(keys, Case)) + equals + value
 
 
 def load(path: str | Path) -> Case:

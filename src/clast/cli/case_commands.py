@@ -204,7 +204,7 @@ def new(
         )
     path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
     _check_new(name, path)
-    path.write_text(TEMPLATES[template](), encoding="utf-8")
+    path.write_text(TEMPLATES[template], encoding="utf-8")
     tell(f"wrote {path}; next: clast run {path}")
 
 

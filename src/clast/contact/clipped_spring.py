@@ -22,7 +22,6 @@ from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints
 from clast.read_only import changed
-from clast.renamed import Renamed, earlier_argument
 
 # --- one spring ----------------------------------------------------------------------------
 
@@ -126,8 +125,6 @@ class Springs:
     def __repr__(self) -> str:
         return f"Springs({len(self)} between {len(self.pairs)} pairs of blocks)"
 
-    levers = Renamed("arms")
-
     @cached_property
     def arrays(self) -> tuple[Floats, ...]:
         """Normal springs and shear springs as kernels take them, eight arrays in all.
@@ -187,20 +184,16 @@ def table(
     *,
     vertex_block: Ints,
     edge_block: Ints,
-    arms: Floats | None = None,
+    arms: Floats,
     gap: Floats,
     slip: Floats,
     normal: Clipped,
     shear: Clipped,
-    levers: Floats | None = None,
 ) -> tuple[Springs, Ints]:
     """Return links between any blocks as a table in the order of their pairs, and their rows (m,).
 
-    Links of the same pair keep their order.  ``levers`` is the earlier name of ``arms``.
+    Links of the same pair keep their order.
     """
-    arms = earlier_argument("levers", "arms", levers, arms)
-    if arms is None:
-        raise TypeError("table() lacks arms")
     lower, higher = np.minimum(vertex_block, edge_block), np.maximum(vertex_block, edge_block)
     key = lower.astype(np.int64) * (int(higher.max(initial=0)) + 1) + higher
     order = np.argsort(key, kind="stable")

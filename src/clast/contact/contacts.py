@@ -8,7 +8,6 @@ import numpy as np
 
 from clast.contact.jacobian import rows_of
 from clast.model.model import Bools, Floats, Ints
-from clast.renamed import Renamed
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -98,8 +97,6 @@ class Contacts:
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats
     """Normal force that bounds friction, N/m; nan: the force of the moment, shape (m,)."""
-
-    levers = Renamed("arms")
 
     @property
     def ground(self) -> int:

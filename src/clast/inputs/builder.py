@@ -86,7 +86,6 @@ from clast.model.model import (
 )
 from clast.model.names import check_names
 from clast.model.outline import edges_on
-from clast.renamed import Renamed, names_of
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -120,8 +119,6 @@ class InputBuilder(Inputs):
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     repair: Any = single("repair", RepairTable)
-    mending: Any = field(default=Renamed("repair"), repr=False, compare=False)
-    gravity_factor: Any = field(default=Renamed("gravity_amplitude"), repr=False, compare=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
@@ -158,7 +155,6 @@ class InputBuilder(Inputs):
     """Hold a point of a block in place: ``[[fixed_point]]``."""
     add_amplitude = gives_named("amplitude", Amplitude, "time", "value")
     """Add a factor of loads over time, ``[amplitude.NAME]``, and return its name."""
-    add_table = Renamed("add_amplitude")
     point_load = gives("point_load", PointLoad, "at", "force", "block", "amplitude", "name")
     """Apply a force at a point of a block: ``[[point_load]]``."""
     line_load = gives(
@@ -516,6 +512,3 @@ def _origin(vertices: Floats) -> Floats:
         return np.zeros(2)
     unit = 10.0 ** math.floor(math.log10(size))
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
-
-
-__getattr__ = names_of("clast.inputs.builder", {"ModelBuilder": "InputBuilder"})

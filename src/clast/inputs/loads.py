@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Self
 
@@ -64,8 +63,6 @@ class Amplitude(Table):
 class PointLoad(Table):
     """A force at a point that moves with its block."""
 
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
-
     at: Point
     """Coordinates [x, y], m."""
     force: tuple[Force, Force]
@@ -80,8 +77,6 @@ class PointLoad(Table):
 
 class LineLoad(Table):
     """A traction along a line that moves with its block, usually along an edge."""
-
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     start: Point
     """First end [x, y], m."""
@@ -113,8 +108,6 @@ class Pressure(Table):
     It acts on the parts of edges that lie on the line at the start of the run, from outside the
     blocks, and goes with them.
     """
-
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     start: Point
     """First end of the line [x, y], m."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
@@ -35,8 +34,6 @@ def _kind_of_share(value: Any) -> str:
 
 class Water(Table):
     """Water that presses on all edges below its surface, and follows the blocks."""
-
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     name: StrictStr | None = None
     """Name by which stages refer to it."""

@@ -7,7 +7,6 @@ from typing import Protocol
 from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
 from clast.model.model import Floats
-from clast.renamed import names_of
 
 
 class Factorisation(Protocol):
@@ -28,6 +27,3 @@ class LinearSolver(Protocol):
         matrix; a solver that keeps nothing leaves it alone.
         """
         ...
-
-
-__getattr__ = names_of("clast.linear.factor", {"Factor": "Factorisation"})

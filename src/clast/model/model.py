@@ -31,7 +31,6 @@ from clast.model.supports.reactions import Reactions, numbered
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 from clast.read_only import kept_property, seal
-from clast.renamed import Renamed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -290,8 +289,6 @@ class Model:
     def __post_init__(self) -> None:
         """Make the arrays read-only, but for actions of a script."""
         seal(self, but=("actions",))
-
-    gone = Renamed("absent")
 
     @property
     def block_count(self) -> int:

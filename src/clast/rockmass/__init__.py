@@ -1,6 +1,5 @@
 """Rock masses: joint sets, traces, openings and masonry, and the blocks that they cut."""
 
-from clast.renamed import names_of
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
 from clast.rockmass.cutting import Cut, cut
@@ -21,8 +20,6 @@ from clast.rockmass.joints.spacing_distributions import (
 )
 from clast.rockmass.repair.block_repair import BlockRepair
 from clast.rockmass.repair.repair import Repaired, RepairReport, repaired
-
-__getattr__ = names_of("clast.rockmass", {"Mender": "BlockRepair", "Report": "CutReport"})
 
 __all__ = [
     "CONSTRUCTION",

@@ -14,7 +14,6 @@ from clast.actions.active import actions_of, own_states
 from clast.model.model import Model
 from clast.model.stages.records import Event
 from clast.model.state import State
-from clast.renamed import warn_of
 from clast.step.method import Method, StepResult
 
 Reporter = Callable[[Model, Any, Any], Iterable[tuple[str, str, str]]]
@@ -50,13 +49,7 @@ class Listener:
 
 def _reporter(action: Any) -> Reporter | None:
     """Return the method by which an action reports events; None where it has none."""
-    if isinstance(action, ReportsEvents):
-        return action.events
-    if hasattr(action, "told"):
-        warn_of("the method told of an action", "events")
-        earlier: Reporter = action.told
-        return earlier
-    return None
+    return action.events if isinstance(action, ReportsEvents) else None
 
 
 def joints_wear(model: Model, stage: str, result: StepResult) -> Iterator[Event]:

@@ -11,8 +11,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from clast.renamed import warn_of
-
 if TYPE_CHECKING:
     from clast.studies.comparing import Combination as Combination
     from clast.studies.comparing import ComparedMethods as ComparedMethods
@@ -38,14 +36,7 @@ HOME = {
 __all__ = list(HOME)
 
 
-EARLIER = {"Comparison": "ComparedMethods", "Row": "ComparedRun"}
-"""Earlier public name -> present name."""
-
-
 def __getattr__(name: str) -> Any:
-    if name in EARLIER:
-        warn_of(f"clast.studies.{name}", EARLIER[name])
-        name = EARLIER[name]
     if name not in HOME:
         raise AttributeError(f"module 'clast.studies' has no attribute '{name}'")
     return getattr(import_module(HOME[name]), name)

@@ -270,7 +270,7 @@ def test_a_lining_there_from_the_start_bears_its_share_of_the_stress_in_situ(tur
 @pytest.mark.slow
 def test_a_heading_with_multipliers_closes_as_with_stiff_contacts():
     """Multipliers that began at zero in each static step let joints slip on the way to balance."""
-    text = TEMPLATES["lined-tunnel"]()
+    text = TEMPLATES["lined-tunnel"]
     keys = tomllib.loads(text)
     for name in ("bolt_kind", "bolt_pattern", "lining", "ground_motion"):
         del keys[name]
@@ -310,7 +310,7 @@ def in_a_mirror(case: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_a_lined_tunnel_bears_the_same_in_a_mirror():
-    keys = tomllib.loads(TEMPLATES["lined-tunnel"]())
+    keys = tomllib.loads(TEMPLATES["lined-tunnel"])
     del keys["ground_motion"], keys["stage"][-1]
     crown, found = [], []
     for case in (keys, in_a_mirror(keys)):

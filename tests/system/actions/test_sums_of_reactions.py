@@ -45,7 +45,7 @@ def course(name: str, settings: list[str]) -> tuple[Run, Any, Any, Any]:
 
     Momenta (k, 2), N s/m, are of the free blocks at the end of each step.
     """
-    case = clast.Case.from_text(TEMPLATES[name](), name, [*MOVING[name], *settings, EACH_STEP])
+    case = clast.Case.from_text(TEMPLATES[name], name, [*MOVING[name], *settings, EACH_STEP])
     run = case.run()
     fixed, moved = run.reaction("fixed blocks"), run.reaction(run.reaction_name[1])
     free = ~run.model.fixed

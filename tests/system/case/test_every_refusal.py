@@ -22,7 +22,6 @@ from clast.inputs.declaring.validation_messages import is_tables
 
 HERE = Path(__file__).parent
 KEPT = HERE / "every_refusal.txt"
-CASES = HERE.parents[2] / "cases"
 
 BASE = """
 title = "all tables"
@@ -859,12 +858,8 @@ OBJECTS: dict[str, tuple[Callable[[dict[str, Any]], None], dict[str, Any]]] = {
 
 def written() -> Iterator[str]:
     """Give digests of what cases and scripts are written as."""
-    texts = {path.name: path.read_text() for path in sorted(CASES.glob("*.toml"))}
-    for name in sorted(templates.TEMPLATES):
-        texts[f"template {name}"] = templates.TEMPLATES[name]()
-    for name, text in texts.items():
-        case = clast.Case.from_text(text, str(CASES / "x"))
-        yield f"written, {name}: {digest(case)}"
+    for name, text in sorted(templates.TEMPLATES.items()):
+        yield f"written, template {name}: {digest(clast.Case.from_text(text, 'x'))}"
     yield f"written, all tables: {digest(clast.Case.from_text(BASE, 'x'))}"
     yield f"written, rock mass: {digest(clast.Case.from_text(ROCK_MASS, 'x'))}"
     builder = scene()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.case.rock_templates import SLOPE
+from clast.case.templates import TEMPLATES
 from clast.verification.limit_analysis import (
     GROUND,
     NoEquilibriumError,
@@ -32,7 +32,7 @@ factor that was found (docs/how-to/factor-of-safety.md)."""
 
 def case_of(seed, reduction=1.0, stiffness=None):
     """Return the dry template slope with another network of cross joints, its strength reduced."""
-    content = tomllib.loads(SLOPE)
+    content = tomllib.loads(TEMPLATES["slope"])
     for table in ("bolt", "bolt_kind", "water", "amplitude"):
         content.pop(table)
     content["stage"] = deepcopy(content["stage"][:1])

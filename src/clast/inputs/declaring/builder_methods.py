@@ -24,14 +24,12 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from clast.errors import ModelError, shortened
-from clast.inputs.declaring.earlier_keys import with_present_keys
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.serialise import as_plain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
 from clast.model.model import PLANES, Plane
 from clast.model.names import check_names
-from clast.renamed import warn_of
 
 T = TypeVar("T", bound=Table)
 F = TypeVar("F", bound=Callable[..., Any])
@@ -52,7 +50,7 @@ def gives(
     """
 
     def method(self: Inputs, *values: Any, **keys: Any) -> str | None:
-        keys = turned(_present(kind, _by_name(key, places, values, keys)))
+        keys = turned(_by_name(key, places, values, keys))
         return record_of(kind, keys, (key, self.count(kind))).add_to(self, key, HERE)
 
     return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
@@ -68,7 +66,7 @@ def gives_named(
     default: Any = Parameter.empty if usual is None else usual
 
     def method(self: Inputs, name: Any = usual, *values: Any, **keys: Any) -> str:
-        keys = _present(kind, _by_name(key, places, values, keys))
+        keys = _by_name(key, places, values, keys)
         known, said = self.named(kind), key.replace("_", " ")
         check_names(said, [name])
         if name in known:
@@ -148,14 +146,6 @@ def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: K
     if len(values) > len(places) or keys.keys() & set(places[: len(values)]):
         raise TypeError(f"{key}() takes {len(places)} values by place: {', '.join(places)}")
     return {**dict(zip(places, values, strict=False)), **keys}
-
-
-def _present(kind: type[Table], keys: Keys) -> Keys:
-    """Return the keys by their present names, with a warning of earlier ones."""
-    present, said = with_present_keys(keys, kind)
-    for earlier in said:
-        warn_of(earlier, kind.EARLIER[earlier], depth=4)
-    return present
 
 
 def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ...]) -> T:

@@ -6,7 +6,7 @@ the table in the file.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -33,14 +33,6 @@ Stresses = tuple[Stress, Stress, Stress]
 Loop = list[Point]
 
 
-def _with_earlier_keys(schema: dict[str, Any], table: type[BaseModel]) -> None:
-    """Add the earlier keys of a table to its JSON Schema, as deprecated."""
-    keys = schema.get("properties", {})
-    for earlier, name in getattr(table, "EARLIER", {}).items():
-        meaning = f"Earlier name of {name}."
-        keys[earlier] = {**keys[name], "deprecated": True, "description": meaning}
-
-
 class Table(BaseModel):
     """A table of the case file, or its keys from a script.
 
@@ -52,12 +44,9 @@ class Table(BaseModel):
         extra="forbid",
         frozen=True,
         allow_inf_nan=False,
-        json_schema_extra=_with_earlier_keys,
     )
     NAMED: ClassVar[bool] = False
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
-    EARLIER: ClassVar[Mapping[str, str]] = {}
-    """Earlier names of keys, which are read for one version more -> present names."""
 
     def add_to(self, builder: Any, key: str, folder: Path) -> str | None:
         """Add the table to the system of blocks; return the name that it then has.

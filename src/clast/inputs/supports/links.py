@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
@@ -197,8 +197,6 @@ def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
 
 class Moment(Table):
     """A moment on a block."""
-
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     block: StrictStr
     """Block."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Self
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Discriminator, StrictStr, Tag, model_validator
@@ -59,8 +59,6 @@ class Motion(Table):
     Components that are left out stay free, or fixed where the block is fixed.  Time counts from
     where the motion begins.
     """
-
-    EARLIER: ClassVar[Mapping[str, str]] = {"factor": "amplitude"}
 
     name: StrictStr | None = None
     """Name, also of its reaction; "motion" and its number if absent."""

@@ -18,7 +18,6 @@ from pydantic import BaseModel
 
 from clast import spelling
 from clast.errors import CaseError, shortened
-from clast.inputs.declaring.earlier_keys import present_path
 from clast.study.variables.distributions import Discrete, Distribution, Times, Value, Values
 
 PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
@@ -73,9 +72,7 @@ def keys_of(path: str) -> tuple[str, ...]:
 
 def places(content: Mapping[str, Any], path: str) -> list[Keys]:
     """Return where a path leads to in a case; raises CaseError where that is nowhere."""
-    from clast.case.case_file import Case
-
-    keys = present_path(keys_of(path), Case)
+    keys = keys_of(path)
     found = list(_found(content, keys, (), path))
     if not found:
         raise CaseError(

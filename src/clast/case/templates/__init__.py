@@ -1,0 +1,26 @@
+"""Cases to begin with, the TOML files beside this one: ``clast new NAME --template wall``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+NAMES = (
+    "incline",
+    "slope",
+    "tunnel",
+    "lined-tunnel",
+    "key-block",
+    "wall",
+    "shaken-wall",
+    "settling-wall",
+    "arch",
+    "spreading-arch",
+    "column",
+    "dominoes",
+    "shear-box",
+    "heap",
+)
+FOLDER = Path(__file__).parent
+TEMPLATES = {name: (FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in NAMES}
+"""Name -> text of a case file."""
+INCLINE = TEMPLATES["incline"]
