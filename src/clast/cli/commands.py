@@ -110,6 +110,7 @@ COMMANDS = (
     result_commands.info,
     result_commands.plot,
     result_commands.page,
+    result_commands.report,
     films.film,
     exports.export,
     case_commands.new,

@@ -1,4 +1,4 @@
-"""Commands on result files: info, plot, page."""
+"""Commands on result files: info, plot, page, report."""
 
 from __future__ import annotations
 
@@ -275,6 +275,21 @@ def page(
     target = output or file.with_suffix(".html")
     write_page(read_results(file), target, budget=_bytes("--budget", budget))
     tell(f"page: {target} ({target.stat().st_size / 1e6:.3g} MB); open it in a browser")
+
+
+def report(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Argument(metavar="OUT.html", help="Report; FILE-report.html if absent."),
+    ] = None,
+) -> None:
+    """Write a report of a run for a client: figures, tables and verdicts, to be printed."""
+    from clast.pictures.report_page import write_report
+    from clast.results import read_results
+
+    target = write_report(read_results(file), output or file.with_name(f"{file.stem}-report.html"))
+    tell(f"report: {target}; a browser prints it or saves it as PDF")
 
 
 SIZES = {"": 1.0, "B": 1.0, "KB": 1e3, "MB": 1e6, "GB": 1e9}
