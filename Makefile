@@ -4,7 +4,7 @@
 #   WORKERS      processes for the tests
 #   PORT         port on which docs-serve shows the documentation site
 #   SINCE        branch or commit since which test-changed looks for changes
-#   BENCH_ARGS   arguments of clast bench, for example BENCH_ARGS="slope --size 100"
+#   BENCH_ARGS   arguments of benchmarks.bench, for example BENCH_ARGS="slope --size 100"
 #   EXTRAS       extras of clast that tests are run with; CI adds those that one test needs
 #   PYTEST_ARGS  further arguments for pytest, for example PYTEST_ARGS="-k incline"
 
@@ -118,7 +118,7 @@ demo: $(VENV)/.stamp-env
 
 paper: env
 	@echo "Running the paper's studies (some minutes)"
-	@$(BIN)/python -m clast.studies.paper cases/paper docs/paper.md
+	@$(BIN)/python -m benchmarks.paper cases/paper docs/paper.md
 	@echo "Wrote docs/paper.md"
 
 verify: env
@@ -134,9 +134,10 @@ performance: env
 	@$(PIP) install --quiet -c constraints.txt pymunk pyb2d3 || \
 	    echo "Chipmunk and Box2D could not be installed: clast alone"
 	@mkdir -p build
-	@$(BIN)/clast bench wall stack heap slope whole --size 100,1000 --output build/bench.json
-	@$(BIN)/python benchmarks/peers.py
-	@$(BIN)/python benchmarks/peers.py --page
+	@$(BIN)/python -m benchmarks.bench wall stack heap slope whole \
+	    --size 100,1000 --output build/bench.json
+	@$(BIN)/python -m benchmarks.peers
+	@$(BIN)/python -m benchmarks.peers --page
 	@echo "Wrote docs/performance.md"
 
 docs: env-docs
@@ -186,7 +187,7 @@ digits: env
 	    else $(BIN)/python tools/digits.py --write; fi
 
 bench: env
-	@$(BIN)/clast bench $(BENCH_ARGS)
+	@$(BIN)/python -m benchmarks.bench $(BENCH_ARGS)
 
 sizes:
 	@$(PYTHON) tools/sizes.py
@@ -195,7 +196,7 @@ english:
 	@$(PYTHON) tools/english.py --list
 
 compile-cost: $(VENV)/.stamp-env
-	@$(BIN)/python tools/compile_cost.py
+	@$(BIN)/python -m tools.compile_cost
 
 mutations: env-test
 	@$(BIN)/python tools/mutations.py

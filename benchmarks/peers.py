@@ -1,14 +1,14 @@
 """clast beside Chipmunk and Box2D v3: the same scenes, one program after the other.
 
     pip install -c constraints.txt pymunk pyb2d3    Chipmunk and Box2D, the group "peers"
-    python benchmarks/peers.py --walls 105 --heaps --wholes    seconds: one small wall
-    python benchmarks/peers.py --walls --heaps --wholes rest   a heap to rest, 100 and 1000 squares
-    python benchmarks/peers.py                                 all of it: hours
-    python benchmarks/peers.py --page               write docs/performance.md from what is kept
+    python -m benchmarks.peers --walls 105 --heaps --wholes    seconds: one small wall
+    python -m benchmarks.peers --walls --heaps --wholes rest   a heap to rest, 100 and 1000 squares
+    python -m benchmarks.peers                                 all of it: hours
+    python -m benchmarks.peers --page               write docs/performance.md from what is kept
 
 Measured are the time of the processor for a simulated second, the largest horizontal movement of a
 brick that should stand still, and how deep blocks overlap at the end.  Whole scenes are those of
-`clast bench whole`, from beginning to end: a heap to rest, a wall that collapses, dominoes, a
+benchmarks.scenes, from beginning to end: a heap to rest, a wall that collapses, dominoes, a
 slide.  A program that is not installed is left out.  Figures are kept in build/peers.json; they
 belong to one machine, and another one starts anew.
 """
@@ -24,12 +24,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from performance import page
-from programs import Box2D, Chipmunk, Clast, Outcome, Program, Setting
 
-from clast.studies.bench import WHOLE_SCENES, deepest_overlap
-from clast.studies.bench.machine import PACKAGES, this_machine
-from clast.studies.bench.scenes import box, outlines_of_heap, outlines_of_wall
+from benchmarks.bench import deepest_overlap
+from benchmarks.memory import PACKAGES, this_machine
+from benchmarks.performance import page
+from benchmarks.programs import Box2D, Chipmunk, Clast, Outcome, Program, Setting
+from benchmarks.scenes import WHOLE_SCENES, box, outlines_of_heap, outlines_of_wall
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "peers.json"
@@ -146,7 +146,7 @@ def keep(rows: Sequence[Figures]) -> None:
 
 def machine() -> dict[str, Any]:
     """Return the machine with the versions of all programs, ready for JSON."""
-    return this_machine((*PACKAGES, "pymunk", "pyb2d3")).as_dict()
+    return this_machine((*PACKAGES, "pymunk", "pyb2d3"))
 
 
 def say(text: str) -> None:

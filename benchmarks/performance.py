@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import groupby
 from textwrap import fill
 from typing import Any
 
+from benchmarks.tables import (
+    BENCH_HEADINGS,
+    PEER_HEADINGS,
+    WHOLE_HEADINGS,
+    bench_cells,
+    machine_text,
+    peer_cells,
+    whole_cells,
+)
 from clast.studies.comparison_pages import markdown_table
 
 INTRODUCTION = """\
 # Performance
 
-Written by `make performance`, which takes hours, from figures of one machine: {machine}.{note}
-It times scenes by stage (`clast bench`, with *whole* scenes from beginning to end), then other
-programs beside clast (`python benchmarks/peers.py`), and writes this page from what both keep in
-`build` (`python benchmarks/peers.py --page`).
+Written by `make performance`, which takes hours, from figures of one machine: {machine}.{note} It
+times scenes by stage (`python -m benchmarks.bench`, with *whole* scenes from beginning to end),
+then other programs beside clast (`python -m benchmarks.peers`), and writes this page from what both
+keep in `build` (`python -m benchmarks.peers --page`).
 
 ## Beside other programs
 
-Made by `python benchmarks/peers.py`, one program after the other. All have the same outlines,
+Made by `python -m benchmarks.peers`, one program after the other. All have the same outlines,
 tan phi = 0.5, 2600 kg/m3, no damping, no sleeping of blocks, and one thread. The blocks of Chipmunk
 and Box2D are rigid and their steps explicit; clast's blocks are deformable (E 5 GPa, nu 0, so that
 any drift is an error) and its steps are implicit, so they may be longer. *Drift* is the largest
@@ -40,9 +49,9 @@ then.
 SCENES = """\
 ## Cost by scene and size
 
-Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
-{solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
-triad over as many bytes (which fit in the cache up to about 10,000 blocks), and of the triad in
+Made by `python -m benchmarks.bench -o build/bench.json`: h = {step:g} s, p/E = {stiffness:g},
+solver {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of
+a triad over as many bytes (which fit in the cache up to about 10,000 blocks), and of the triad in
 main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step spent on systems of
 equations, factors and couplings included; *small islands* is the share of the minimisation of small
 groups of blocks without other contacts, from the first to the last iteration, with their systems
@@ -55,7 +64,7 @@ increases (see below).
 WHOLE = """\
 ## Scenes from beginning to end
 
-Made by `clast bench whole --size 100,1000`, on {machine}: h = 2.5 ms,
+Made by `python -m benchmarks.bench whole --size 100,1000`, on {machine}: h = 2.5 ms,
 p/E = 0.1. Squares that fall into a trough and come to *rest*; the *collapse* of a wall that loses
 the ground under its right half; rows of *dominoes*; a *slide* of blocks down a hillside. Times are
 processor times without compilation: *detection*, *impacts* and *minimisation* (law,
@@ -66,23 +75,6 @@ largest at the end; *numerical* is the energy removed or added by the time integ
 A change to detection, impacts, minimisation or the sequence of a step is judged by this table,
 with runs before and after it alternating on one machine.
 """
-WHOLE_HEADINGS = (
-    "scene",
-    "blocks",
-    "simulated, s",
-    "steps",
-    "processor",
-    "µs per block and step",
-    "passes",
-    "detection",
-    "impacts",
-    "minimisation",
-    "overlap, mm",
-    "speed, m/s",
-    "numerical",
-    "unaccounted",
-)
-MINIMISATION = ("law", "small islands", "assembly", "solve", "line search")
 TITLES = {
     "wall": "Wall at rest",
     "heap": "Heap, the first two seconds",
@@ -96,9 +88,9 @@ ORDER = list(TITLES)
 CUTTING = """\
 ## Cutting
 
-`clast bench cut` cuts a square by two joint sets, from drawn lines to blocks with their report,
-and gives the time of each stage. On one core of a slow machine shared with other programs (AMD
-EPYC, 23.5 GiB) the processor times were
+`python -m benchmarks.bench cut` cuts a square by two joint sets, from drawn lines to blocks with
+their report, and gives the time of each stage. On one core of a slow machine shared with other
+programs (AMD EPYC, 23.5 GiB) the processor times were
 
 - 10.7 s for 101,844 blocks of persistent sets (target 20 s), with at most 563 MiB of memory,
 - 19.1 s for 98,732 blocks of Baecher traces (target 40 s), with 758 MiB.
@@ -140,18 +132,18 @@ Apart from the runs above, on an Intel Xeon with 2 cores and 23.5 GiB, before im
   (docs/solver-performance.md), and 16.0, 22.8 and 23.4 µs at 5 ms (ten steps), where the largest
   need 15 iterations of conjugate gradients for a direction instead of 9. In the table above the
   height increases: scenes of 1,000 blocks are 32 storeys or 45 courses high.
-- `--threads 2` with 10,000 blocks, one and two threads alternating, medians of four: the first
+- Two threads with 10,000 blocks, one and two threads alternating, medians of four: the first
   four steps of a wall at 5 ms are 1.69 times as fast as with one thread, at 1 ms 1.69, of a slope
   1.87 and 1.73, of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88, if
   the second core is idle. Below 800 blocks one thread is used. The results are the
   same to the last bit.
-- `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 6 s and take 1.2 µs per block and step, 2.1 minutes with first and last
-  state saved (0.7 GB), and 2.7 GiB of memory at most.
-- `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
-  squares at rest on 3,960,000 contacts, h = 1 ms, take 2.3 µs per block and step, 4 minutes with
-  first and last state saved (1 GB), and 6.0 GiB of memory at most; the matrix product reaches
-  27 GB/s there, 91 % of the triad over as many bytes by as many threads.
+- `python -m benchmarks.bench heap --size 1e6 --step 2.5e-3 --steps 100 --results build`: a million
+  falling squares are built in 6 s and take 1.2 µs per block and step, 2.1 minutes with first and
+  last state saved (0.7 GB), and 2.7 GiB of memory at most.
+- `NUMBA_NUM_THREADS=2 python -m benchmarks.bench stack --size 1e6 --steps 100 --results build`:
+  20,000 towers of 50 squares at rest on 3,960,000 contacts, h = 1 ms, take 2.3 µs per block and
+  step, 4 minutes with first and last state saved (1 GB), and 6.0 GiB of memory at most; the matrix
+  product reaches 27 GB/s there, 91 % of the triad over as many bytes by as many threads.
 
 Before the rough first minimum (docs/solver-performance.md), on an AMD EPYC with 2 cores and
 23.5 GiB:
@@ -164,25 +156,6 @@ Before the rough first minimum (docs/solver-performance.md), on an AMD EPYC with
   7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the triad in main memory
   by as many threads, measured in turns with it.
 """
-PEER_HEADINGS = ("program", "processor per simulated second", "drift", "overlap", "remark")
-BENCH_HEADINGS = (
-    "scene",
-    "blocks",
-    "contacts",
-    "ms per step",
-    "µs per block and step",
-    "passes",
-    "pcg",
-    "drift, mm",
-    "penetration, mm",
-    "B/block",
-    "B/contact",
-    "peak, MiB",
-    "solves",
-    "small islands",
-    "product",
-    "product, main memory",
-)
 
 
 def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None, note: str = "") -> str:
@@ -211,80 +184,3 @@ def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None, note: str = 
         cells = [bench_cells(row, bench["triad"]) for row in bench["rows"]]
         lines += [*markdown_table(BENCH_HEADINGS, cells), "", STATICS, CUTTING, LARGE]
     return "\n".join(lines).rstrip() + "\n"
-
-
-def machine_text(machine: Mapping[str, Any]) -> str:
-    """Return a machine in words."""
-    versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
-    memory = machine["memory"] / 2**30
-    return f"{machine['cpu']}, {machine['cores']} cores, {memory:.3g} GiB; {versions}"
-
-
-def peer_cells(row: Mapping[str, Any]) -> Sequence[str]:
-    """Return the texts of a row of the first tables."""
-    return (
-        row["program"],
-        f"{row['per_simulated_second']:.3g} s",
-        _millimetres(row["drift"]),
-        _millimetres(row["overlap"]),
-        row["remark"],
-    )
-
-
-def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
-    """Return the texts of a row of the last table, given the triad's rate in main memory."""
-    counts, product = row["counts_per_step"], row["product"]
-    return (
-        row["scene"],
-        str(row["blocks"]),
-        str(row["contacts"]),
-        f"{row['ms_per_step']:.3g}",
-        f"{1e3 * row['ms_per_step'] / row['blocks']:.3g}",
-        f"{counts['passes']:.3g}",
-        f"{counts['pcg']:.3g}" if "pcg" in counts else "-",
-        "-" if row["drift"] is None else f"{1e3 * row['drift']:.3g}",
-        f"{1e3 * row['largest_penetration']:.3g}",
-        f"{row['bytes_per_block']:.0f}",
-        f"{row['bytes_per_contact']:.0f}",
-        f"{row['peak_memory'] / 2**20:.0f}",
-        _share(row, "solve"),
-        _share(row, "small islands"),
-        "-" if product is None else f"{100.0 * product['share']:.0f} %",
-        "-" if product is None else f"{100.0 * product['rate'] / triad:.0f} %",
-    )
-
-
-def whole_cells(row: Mapping[str, Any]) -> Sequence[str]:
-    """Return the texts of a row of the table of scenes from beginning to end."""
-    used, counts, turned = (
-        row["processor_seconds"],
-        row["counts_per_step"],
-        row["energy_turned_over"],
-    )
-    stages = row["processor_seconds_by_stage"]
-    minimised = sum(stages.get(name, 0.0) for name in MINIMISATION)
-    return (
-        row["scene"],
-        str(row["blocks"]),
-        f"{row['simulated']:.3g}",
-        str(row["steps"]),
-        f"{used:.3g} s",
-        f"{1e6 * used / row['steps'] / row['blocks']:.3g}",
-        f"{counts.get('passes', 0.0):.3g}",
-        f"{100.0 * stages.get('contacts', 0.0) / used:.0f} %",
-        f"{100.0 * row['share_of_impacts']:.0f} %",
-        f"{100.0 * minimised / used:.0f} %",
-        f"{1e3 * row['overlap_at_end']:.3g}",
-        f"{row['speed_at_end']:.1e}",
-        f"{abs(row['energy_lost_by_integration']) / turned:.1e}" if turned else "-",
-        f"{abs(row['energy_unaccounted']) / turned:.1e}" if turned else "-",
-    )
-
-
-def _share(row: Mapping[str, Any], stage: str) -> str:
-    """Return which share of a step a stage takes."""
-    return f"{100.0 * row['ms_per_step_by_stage'].get(stage, 0.0) / row['ms_per_step']:.0f} %"
-
-
-def _millimetres(value: float | None) -> str:
-    return "-" if value is None else f"{1e3 * value:.3g} mm"

@@ -15,14 +15,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from benchmarks.bench import warm_up
+from benchmarks.scenes import DENSITY, GRAVITY, SCENES, BenchSettings, method_for, model_of
 from clast.compute.compilation import COMPILATION
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
+from clast.model.model import Floats
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench import BenchSettings, warm_up
-from clast.studies.bench.scenes import DENSITY, FRICTION_ANGLE, GRAVITY, SCENES, YOUNG
-from clast.studies.bench.settings import method_for
 
 FRICTION = 0.5
 """tan(phi) of every contact."""
@@ -97,7 +95,7 @@ class Clast:
         """Simulate with compiled kernels."""
         settings = BenchSettings(step=self.step, share=self.share, solver=self.solver)
         warm_up([SCENES["wall"]], settings)
-        model = model_of(setting)
+        model = model_of(setting.name, setting.free, setting.fixed)
         usual = method_for(model, settings)
         method = replace(usual, max_displacement=self.travel * usual.max_displacement)
         begun = perf_counter()
@@ -116,16 +114,6 @@ class Clast:
             free=free.reshape(-1, 4, 2),
             remark="" if run.report.finished else f"stopped after {limit:g} s",
         )
-
-
-def model_of(setting: Setting) -> Model:
-    """Return the model with the rock and the joints of the scenes of ``clast bench``."""
-    builder = InputBuilder(title=setting.name, gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
-    builder.add_joint(friction_angle=FRICTION_ANGLE)
-    builder.blocks(vertices=setting.fixed, fixed=True)
-    builder.blocks(vertices=setting.free)
-    return builder.build()
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Measure the page of a run: its size, and how fast a browser goes through its frames.
 
-    python tools/page_speed.py                       walls of 100, 1,000 and 10,000 blocks
-    python tools/page_speed.py --blocks 1000 --frames 50 --keep build/pages
-    python tools/page_speed.py FILE.vtkhdf           a run of one's own
+    python -m tools.page_speed                       walls of 100, 1,000 and 10,000 blocks
+    python -m tools.page_speed --blocks 1000 --frames 50 --keep build/pages
+    python -m tools.page_speed FILE.vtkhdf           a run of one's own
 
 The walls collapse, with a frame for each step.  A row of the table is a page: its size and the
 processor time to write it; frames a second while it is scrubbed through, with the blocks coloured
@@ -28,10 +28,9 @@ from typing import Any
 import numpy as np
 
 import clast
+from benchmarks.scenes import WHOLE_SCENES, WHOLE_SHARE, WHOLE_STEP, YOUNG
 from clast.pictures.page.document import write_page
 from clast.results import Results, read_results
-from clast.studies.bench.scenes import YOUNG
-from clast.studies.bench.whole_scenes import SHARE, STEP, WHOLE_SCENES
 
 RENDERERS = {
     "canvas": ["--disable-gpu"],
@@ -63,11 +62,11 @@ def collapsed(count: int, frames: int, path: Path) -> Results:
     """Return the results of a collapsing wall of about ``count`` bricks, a frame for each step."""
     clast.simulate(
         WHOLE_SCENES["collapse"].build(count),
-        step=STEP,
-        end=STEP * (frames - 1),
-        every=STEP,
+        step=WHOLE_STEP,
+        end=WHOLE_STEP * (frames - 1),
+        every=WHOLE_STEP,
         output=path,
-        contact_law={"name": "penalty", "normal_stiffness": SHARE * YOUNG},
+        contact_law={"name": "penalty", "normal_stiffness": WHOLE_SHARE * YOUNG},
     )
     return read_results(path)
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 
 import numpy as np
-import peers
-import performance
-import programs
 import pytest
 
-from clast.studies.bench import WHOLE_SCENES, BenchSettings, benchmark
+from benchmarks import peers, performance, programs
+from benchmarks.bench import benchmark
+from benchmarks.scenes import WHOLE_SCENES, BenchSettings, model_of
 
 PROGRAMS = (
     programs.Clast(0.005),
@@ -57,7 +56,7 @@ def test_overlaps_are_measured_by_their_thickness():
 @pytest.mark.parametrize("name", WHOLE_SCENES)
 def test_other_programs_get_the_outlines_of_whole_scenes(name):
     setting = peers.whole(name, 30)
-    model = programs.model_of(setting)
+    model = model_of("whole", setting.free, setting.fixed)
     assert len(setting.free) == pytest.approx(30, abs=5)
     assert np.array_equal(model.vertices, WHOLE_SCENES[name].build(30).vertices)
 
@@ -73,7 +72,7 @@ def test_the_page_shows_what_is_kept(small_wall):
     outcome = programs.Clast(0.005).simulate(small_wall, 0.01, 60.0)
     row = asdict(peers.figures(small_wall, programs.Clast(0.005), outcome))
     whole = asdict(replace(peers.figures(small_wall, programs.Clast(0.005), outcome), scene="rest"))
-    bench = benchmark(BenchSettings(scenes=("stack", "rest"), sizes=(12,), steps=2)).as_dict()
+    bench = benchmark(("stack", "rest"), (12,), BenchSettings(steps=2))
     page = performance.page({"machine": peers.machine(), "rows": [whole, row]}, bench)
     assert page.index("### Wall at rest, 10 blocks") < page.index("### Heap to rest, 10 blocks")
     assert "| clast, h = 5 ms, p = 1 E |" in page

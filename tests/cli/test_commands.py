@@ -336,7 +336,7 @@ def test_help_is_printed_without_rich():
     )
     done = run_python("-c", code)
     assert done.returncode == 0, done.stderr
-    assert "bench" in done.stdout
+    assert "warmup" in done.stdout
     assert done.stdout.splitlines()[-1] == "False"
 
 

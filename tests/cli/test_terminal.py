@@ -60,7 +60,7 @@ def test_errors_do_not_obey_either(arguments: list[str], tmp_path: Path, monkeyp
         *(["run", "a.toml", "--set", LONG], ["run", "a.toml", "--set", f"{LONG}=1"]),
         *(["run", "a.toml", "-o", LONG], ["run", LONG], ["run", "a.toml", f"--{LONG}"]),
         *(["info", LONG], ["plot", LONG], [LONG], ["new", "a", "--template", LONG]),
-        *(["compare", "a.toml", "--law", LONG], ["verify", LONG], ["bench", LONG]),
+        *(["compare", "a.toml", "--law", LONG], ["verify", LONG]),
         ["run", "a.toml", "--set", f"time.end='{'x ' * 5000}'"],
     ],
     ids=lambda arguments: " ".join(argument[:9] for argument in arguments),

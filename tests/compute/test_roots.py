@@ -34,7 +34,7 @@ def fits(root: Root) -> bool:
 def test_what_is_listed_is_there_and_takes_as_many_arguments():
     """One in ten may have changed since: a kernel that the list lacks is compiled when needed."""
     wrong = [f"{one.module}.{one.name}" for one in ROOTS if not fits(one)]
-    assert 10 * len(wrong) <= len(ROOTS), f"python tools/compile_cost.py --write: {wrong}"
+    assert 10 * len(wrong) <= len(ROOTS), f"python -m tools.compile_cost --write: {wrong}"
 
 
 LACKING = """
@@ -53,11 +53,11 @@ def test_what_small_cases_call_is_listed():
     """In a process of its own: other tests call other kernels."""
     done = subprocess.run([sys.executable, "-c", LACKING], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split() == [], "python tools/compile_cost.py --write"
+    assert done.stdout.split() == [], "python -m tools.compile_cost --write"
 
 
 def test_no_kernel_is_larger_than_it_was():
-    """More than this makes the first run wait longer: python tools/compile_cost.py --count."""
+    """More than this makes the first run wait longer: python -m tools.compile_cost --count."""
     numbers = statements(*(root.kernel() for root in THERE))
     largest = sorted(zip(numbers, [root.name for root in THERE], strict=True), reverse=True)
     over = [one for one, most in zip(largest, LARGEST, strict=False) if one[0] > most]

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast.block.elasticity import strains
 from clast.contact import flush_faces
 from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench import SCENES, BenchSettings
-from clast.studies.bench.settings import method_for
 
 REACH = SearchDistance(front=0.02, depth=0.02, critdis=0.02)
 
@@ -28,7 +27,7 @@ REACH = SearchDistance(front=0.02, depth=0.02, critdis=0.02)
 def settled(request: Any) -> dict[str, Any]:
     """Return what candidates are found from, of blocks that have settled for some steps."""
     model = SCENES[request.param].build(40)
-    method = method_for(model, BenchSettings(scenes=(request.param,), sizes=(40,), share=0.05))
+    method = method_for(model, BenchSettings(share=0.05))
     state = simulate(model, method, Schedule(step=5e-3, end=0.03, every=0.03)).state
     at = state.vertices, model.block_start
     return {

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.memory import system_of_step
+from benchmarks.scenes import SCENES, stack
 from clast.linear.block_matrix import coupled_pairs, inertia_shares
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import (
@@ -15,8 +17,6 @@ from clast.linear.solvers import (
     solve,
     suffices_alone,
 )
-from clast.studies.bench.bandwidth import system_of_step
-from clast.studies.bench.scenes import SCENES, stack
 from scenes.systems import at_start, by_convex, open_ledger
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.scenes import SCENES
 from clast.compute.parallel import CONTACTS
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.solvers import Direct
 from clast.linear.system import gap_at_end, slip_in_step
 from clast.minimise import interior_point as interior
 from clast.minimise.interior_point import InteriorPoint
-from clast.studies.bench.scenes import SCENES
 from scenes.potentials import (
     Scheduled,
     at_rest,

@@ -9,10 +9,10 @@ from scipy.optimize import brentq
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from benchmarks.scenes import SCENES
 from clast.linear.solvers import Automatic
 from clast.minimise.islands import connected, listed
 from clast.minimise.strategy import MinimisationStrategy, SmallIslands
-from clast.studies.bench.scenes import SCENES
 from scenes.potentials import at_rest, by_newton, caught, some_of, strengthened, tolerance_of, work
 from scenes.systems import at_start, box, bricks, by_convex, heap, open_ledger, system, wall
 

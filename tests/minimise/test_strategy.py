@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.scenes import SCENES
+from benchmarks.scenes import heap as falling_squares
 from clast.minimise.newton import Newton, best_of
 from clast.minimise.strategy import (
     MinimisationStrategy,
@@ -13,8 +15,6 @@ from clast.minimise.strategy import (
     unfinished,
 )
 from clast.minimise.subproblem import subproblem, touched, with_neighbours
-from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.scenes import heap as falling_squares
 from scenes.potentials import (
     Scheduled,
     at_rest,

@@ -13,13 +13,12 @@ from collections.abc import Callable
 import pytest
 
 import clast
+from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast.case.templates import INCLINE
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
-from clast.studies.bench import SCENES, BenchSettings
-from clast.studies.bench.settings import method_for
 
 STEP = 1e-3
 
@@ -32,7 +31,7 @@ def incline() -> tuple[Model, Method]:
 
 def of_bench(name: str, size: int) -> tuple[Model, Method]:
     model = SCENES[name].build(size)
-    return model, method_for(model, BenchSettings(scenes=(name,), sizes=(size,)))
+    return model, method_for(model, BenchSettings())
 
 
 def calls(model: Model, method: Method, steps: int) -> int:

@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 import pytest
 
+from benchmarks.scenes import SCENES
 from clast.actions.active import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
 from clast.compute.reductions import is_any, largest_size, least
 from clast.compute.stopwatch import Stages
 from clast.read_only import changed
 from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, GrowingTable
-from clast.studies.bench import SCENES
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 import clast
+from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast import Stage
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.settings import BenchSettings, method_for
 from clast.verification.problems.masonry import arch_spread
 from clast.verification.problems.masonry.arch_push import OPPENHEIM
 from clast.verification.variants import CONVEX

@@ -26,6 +26,7 @@ TIERS = {
 """Tiers in the order in which they are run."""
 
 WHOLE_CHAPTERS = {
+    "benchmarks": "system",
     "docs": "system",
     "exports": "system",
     "pictures": "system",

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.scenes import wall
 from clast.compute.chunks import SHARED
 from clast.contact.jacobian import rows_of
-from clast.studies.bench.scenes import wall
 from scenes.potentials import caught
 
 

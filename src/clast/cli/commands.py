@@ -117,7 +117,6 @@ COMMANDS = (
     case_commands.schema,
     comparison_commands.verify,
     case_commands.compare,
-    comparison_commands.bench,
     comparison_commands.warmup,
 )
 """All commands, in the order in which they are listed."""

@@ -1,4 +1,4 @@
-"""Commands that run many models: verify, bench, warmup."""
+"""Commands about the program itself: verify, warmup."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import typer
 
 from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, Threads, make_folder, words
-from clast.cli.terminal import compiling, json_text, print_json, print_table, status
-from clast.cli.terminal_tables import print_benchmark, verification_table
+from clast.cli.terminal import compiling, print_json, print_table, status
+from clast.cli.terminal_tables import verification_table
 from clast.errors import CaseError
 
 Problems = Annotated[
@@ -70,89 +70,6 @@ def verify(
         typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
     if missed:
         raise typer.Exit(MISSED)
-
-
-Scenes = Annotated[
-    list[str] | None,
-    typer.Argument(
-        metavar="SCENE",
-        help="wall, stack, heap, slope; all of these if none is named; "
-        "whole: scenes from beginning to end, or one of them, rest, collapse, dominoes, slide; "
-        "cut: networks of joints that are only cut, or one of them, persistent or baecher.",
-    ),
-]
-Sizes = Annotated[
-    str | None,
-    typer.Option(
-        metavar="N,...",
-        help="Numbers of blocks, separated by commas; 100,1000 if absent, whole: 100, cut: 100000.",
-    ),
-]
-Step = Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")]
-Steps = Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")]
-End = Annotated[
-    float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
-]
-Settle = Annotated[int, typer.Option(metavar="K", help="Steps run beforehand and not counted.")]
-Stiffness = Annotated[
-    float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
-]
-SolverName = Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")]
-JsonFile = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="FILE", help="Also write JSON to this file."),
-]
-StatesFolder = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FOLDER", help="Keep the first and last state of every run in this folder."
-    ),
-]
-
-
-def bench(
-    scenes: Scenes = None,
-    size: Sizes = None,
-    step: Step = 1e-3,
-    steps: Steps = None,
-    end: End = None,
-    settle: Settle = 0,
-    stiffness: Stiffness = 1.0,
-    solver: SolverName = "auto",
-    output: JsonFile = None,
-    results: StatesFolder = None,
-    threads: Threads = None,
-    as_json: AsJson = False,
-) -> None:
-    """Benchmark scenes of any size: time by stage, iterations, accuracy, memory.
-
-    Of scenes from beginning to end: processor time by stage, share of impacts, steps,
-    iterations, overlap, unaccounted energy; they have their own step and stiffness.
-    Of networks that are only cut: time by stage, memory, and the error of the total area.
-    """
-    from clast.studies.bench import SCENES, BenchSettings, benchmark, sizes_in
-
-    wanted = BenchSettings(
-        scenes=tuple(dict.fromkeys(scenes or SCENES)),
-        sizes=None if size is None else sizes_in(size),
-        step=step,
-        steps=steps,
-        end=end,
-        settle=settle,
-        share=stiffness,
-        solver=solver,
-        results=results,
-    )
-    if output is not None and not output.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(output), remedy="create it first")
-    with status() as say:
-        measured = benchmark(wanted, say)
-    if output is not None:
-        output.write_text(json_text(measured.as_dict()) + "\n", encoding="utf-8")
-    if as_json:
-        print_json(measured.as_dict())
-    else:
-        print_benchmark(measured)
 
 
 def warmup(

@@ -1,4 +1,4 @@
-"""Terminal output of runs, cases, verification, comparisons and benchmarks, as tables."""
+"""Terminal output of runs, cases, verification and comparisons, as tables."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from clast.results import Report, Run
     from clast.run.preflight import CaseSummary
     from clast.studies import ComparedMethods, Deviation
-    from clast.studies.bench import Benchmark
     from clast.verification import Row
 
 STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
@@ -235,50 +234,6 @@ def comparison_table(comparison: ComparedMethods) -> Table:
         bench_table.add_column(heading, justify="left" if words else "right", no_wrap=not wraps)
     for row in comparison.rows:
         bench_table.add_row(*(Text(cell) for cell in cells(comparison, row)))
-    return bench_table
-
-
-def print_benchmark(measured: Benchmark) -> None:
-    """Print the cost of scenes by stage, and the remarks on it."""
-    from clast.studies.bench import bench_table
-
-    rows, cuts = measured.rows, measured.cuts
-    if cuts:
-        cells = [bench_table.cut_cells(cuts, row) for row in cuts]
-        print_table(_plain_table(bench_table.cut_headings(cuts), cells, title="cutting, s"))
-    wholes = measured.wholes
-    if wholes:
-        print_table(
-            _plain_table(
-                bench_table.WHOLE_HEADINGS, [bench_table.whole_cells(row) for row in wholes]
-            )
-        )
-        by_stage = [bench_table.whole_stage_cells(wholes, row) for row in wholes]
-        headings = bench_table.whole_stage_headings(wholes)
-        print_table(_plain_table(headings, by_stage, title="share of the processor's time"))
-    if rows:
-        print_table(_plain_table(bench_table.HEADINGS, [bench_table.cells(row) for row in rows]))
-        by_stage = [bench_table.stage_cells(measured, row) for row in rows]
-        print_table(
-            _plain_table(bench_table.stage_headings(measured), by_stage, title="ms per step")
-        )
-        memory = [bench_table.memory_cells(measured, row) for row in rows]
-        print_table(_plain_table(bench_table.MEMORY_HEADINGS, memory, title="memory"))
-    for remark in bench_table.remarks(measured):
-        tell(remark)
-
-
-def _plain_table(
-    headings: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
-) -> Table:
-    """Return texts as a table whose first column is words and the others numbers."""
-    from rich.table import Table
-
-    bench_table = Table(title=title, title_justify="left")
-    for number, heading in enumerate(headings):
-        bench_table.add_column(heading, justify="right" if number else "left", no_wrap=True)
-    for row in rows:
-        bench_table.add_row(*row)
     return bench_table
 
 

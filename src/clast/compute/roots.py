@@ -3,7 +3,7 @@
 A kernel that others call becomes part of them (compute/linking.py); only those that Python calls
 are kept on disk.  They are listed in roots.json, so that several processes can share the work of
 compiling them before anybody waits for it:  `clast warmup` does so, and `make env` at its end.
-`python tools/compile_cost.py --write` lists them anew.  Kernels that are not listed are compiled
+`python -m tools.compile_cost --write` lists them anew.  Kernels that are not listed are compiled
 when first needed, as ever.
 
 Types are written as numba has them: `float64`, `int64[2]` for an array of two dimensions in the

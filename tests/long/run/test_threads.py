@@ -19,12 +19,12 @@ import numpy as np
 import pytest
 
 import clast
+from benchmarks.scenes import slope_of
 from clast.compute.jit import BY_THREADS
 from clast.compute.parallel import BLOCKS, CONTACTS
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench.scenes import slope_of
 from scenes.places import TESTS
 from scenes.systems import box, by_convex, courses_of_bricks, heap, wall
 

@@ -1,4 +1,4 @@
-"""The paper's studies: formulas, verdicts, and the page made of invented findings."""
+"""The paper's studies: formulas, verdicts, and the page made of invented results."""
 
 from __future__ import annotations
 
@@ -8,23 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.paper import rest, stiffness_study, table_1
+from benchmarks.paper.__main__ import STUDIES
+from benchmarks.paper.page import Claim, write_page
+from benchmarks.paper.runs import PaperResult, PaperResults, PaperRun, run_job
 from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.model.state import Ledger
 from clast.results import Report
 from clast.studies.comparing import ComparedRun
-from clast.studies.paper import (
-    STUDIES,
-    JobResult,
-    JobResults,
-    PaperRun,
-    rest,
-    stiffness_study,
-    table_1,
-    write_page,
-)
-from clast.studies.paper.jobs import found
-from clast.studies.paper.paper_page import Claim
 
 CASES = Path(__file__).parents[2] / "cases" / "paper"
 
@@ -68,15 +60,15 @@ def test_every_job_is_a_case():
 
 def test_a_job_is_run():
     job = next(job for job in rest.jobs(CASES) if job.study == "rest")
-    finding = found(replace(job, settings=(*job.settings, "time.end=0.3")))
-    assert finding.finished
-    assert finding.row.penetration == pytest.approx(rest.WEIGHT / (2 * job.value), rel=1e-3)
-    assert finding.row.normal_force == pytest.approx(rest.WEIGHT, rel=1e-3)
-    assert finding.stability == pytest.approx(2 * rest.beta(job.value))
+    result = run_job(replace(job, settings=(*job.settings, "time.end=0.3")))
+    assert result.finished
+    assert result.row.penetration == pytest.approx(rest.WEIGHT / (2 * job.value), rel=1e-3)
+    assert result.row.normal_force == pytest.approx(rest.WEIGHT, rel=1e-3)
+    assert result.stability == pytest.approx(2 * rest.beta(job.value))
 
 
-def invented(job: PaperRun) -> JobResult:
-    """A finding as it might be: stiff runs of the modified process stop."""
+def invented(job: PaperRun) -> PaperResult:
+    """A result as it might be: stiff runs of the modified process stop."""
     case = Case.from_toml(job.file, job.settings)
     finished = not (job.combination.process == "modified" and job.value > 1e10)
     report = Report(
@@ -103,15 +95,15 @@ def invented(job: PaperRun) -> JobResult:
         normal_force=rest.WEIGHT,
         stiffness=job.value,
     )
-    return JobResult(job=job, row=row, stability=1e-10 * job.value, drift=1e-5)
+    return PaperResult(job=job, row=row, stability=1e-10 * job.value, drift=1e-5)
 
 
 def test_page(tmp_path):
-    by_study: dict[str, list[JobResult]] = {}
+    by_study: dict[str, list[PaperResult]] = {}
     for job in all_jobs():
         by_study.setdefault(job.study, []).append(invented(job))
     (tmp_path / "images").mkdir()
-    sections = [study.section(JobResults(by_study), tmp_path / "images") for study in STUDIES]
+    sections = [study.section(PaperResults(by_study), tmp_path / "images") for study in STUDIES]
     write_page(sections, tmp_path / "paper.md")
     page = (tmp_path / "paper.md").read_text(encoding="utf-8")
     pictures = re.findall(r"\]\((images/[^)]*)\)", page)
@@ -124,4 +116,4 @@ def test_page(tmp_path):
 
 def test_a_missing_folder(tmp_path):
     with pytest.raises(CaseError, match="no such file"):
-        found(next(iter(table_1.jobs(tmp_path))))
+        run_job(next(iter(table_1.jobs(tmp_path))))

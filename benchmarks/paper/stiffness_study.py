@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of, stiffness_table
+from benchmarks.paper.runs import EVERY_COMBINATION, PaperResult, PaperResults, PaperRun
+from benchmarks.paper.table_1 import error, exact_distance, ranges
 from clast.model.model import Floats
 from clast.pictures.curves import Diagram, draw_diagrams
-from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, JobResult, JobResults, PaperRun
-from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
-from clast.studies.paper.table_1 import error, exact_distance, ranges
 
 STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12, 5e12)
 """Normal stiffnesses, N/m per m."""
@@ -42,14 +41,14 @@ def jobs(folder: Path) -> Iterable[PaperRun]:
             )
 
 
-def section(findings: JobResults, images: Path) -> StudySection:
+def section(results: PaperResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
-    series = findings.series("stiffness")
+    series = results.series("stiffness")
     exact = exact_distance(ANGLE)
     errors = {
-        label: np.array([error(one, exact) for one in found]) for label, found in series.items()
+        label: np.array([error(one, exact) for one in runs]) for label, runs in series.items()
     }
-    depths = {label: np.array([one.depth for one in found]) for label, found in series.items()}
+    depths = {label: np.array([one.depth for one in runs]) for label, runs in series.items()}
     draw_diagrams(_diagrams(errors, depths), images / FIGURE)
     return StudySection(
         title="Contact stiffness",
@@ -58,14 +57,18 @@ def section(findings: JobResults, images: Path) -> StudySection:
         "the first impact of the block on its springs.",
         claims=_claims(series, errors),
         tables=[
-            _table(series, lambda one: one.text_if_finished(percent(error(one, exact)))),
-            _table(series, lambda one: one.text_if_finished(f"{1e3 * one.depth:.2g} mm")),
+            stiffness_table(
+                series, YOUNG, lambda one: one.text_if_finished(percent(error(one, exact)))
+            ),
+            stiffness_table(
+                series, YOUNG, lambda one: one.text_if_finished(f"{1e3 * one.depth:.2g} mm")
+            ),
         ],
         figure=FIGURE,
     )
 
 
-def _claims(series: Mapping[str, list[JobResult]], errors: Mapping[str, Floats]) -> list[Claim]:
+def _claims(series: Mapping[str, list[PaperResult]], errors: Mapping[str, Floats]) -> list[Claim]:
     soft = np.array(STIFFNESSES) <= SOFT
     at_soft = {label: each[soft] for label, each in errors.items()}
     stability = [one.stability for one in next(iter(series.values()))]
@@ -99,20 +102,6 @@ def _words(low: float, high: float) -> str:
     if high == float("inf"):
         return f"everywhere, to p h²/m = {low:.3g}"
     return f"up to p h²/m = {low:.3g}, no longer at {high:.3g}"
-
-
-def _table(series: Mapping[str, list[JobResult]], text: Callable[[JobResult], str]) -> list[str]:
-    first = next(iter(series.values()))
-    rows = [
-        (
-            f"{value:.0e}",
-            f"{value / YOUNG:g}",
-            f"{first[k].stability:.2g}",
-            *(text(found[k]) for found in series.values()),
-        )
-        for k, value in enumerate(STIFFNESSES)
-    ]
-    return markdown_table(("p, N/m per m", "p/E", "p h²/m", *series), rows)
 
 
 def _diagrams(errors: Mapping[str, Floats], depths: Mapping[str, Floats]) -> list[Diagram]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from benchmarks.paper.page import PASSES, Claim, StudySection, listed, stiffness_table
+from benchmarks.paper.runs import LAWS, PROCESSES, PaperResult, PaperResults, PaperRun
+from benchmarks.paper.stiffness_study import LIMIT
 from clast.case.case_file import Case
 from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
 from clast.studies.comparing import Combination
-from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import LAWS, PROCESSES, JobResult, JobResults, PaperRun
-from clast.studies.paper.paper_page import PASSES, Claim, StudySection, listed
-from clast.studies.paper.stiffness_study import LIMIT
 
 STIFFNESSES = (5e7, 2e8, 5e8, 5e9, 5e10)
 """Normal stiffnesses, N/m per m."""
@@ -43,10 +42,10 @@ def jobs(folder: Path) -> Iterable[PaperRun]:
                 )
 
 
-def section(findings: JobResults, images: Path) -> StudySection:
+def section(results: PaperResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
-    series = findings.series("iteration")
-    _draw({label: found[STIFFNESSES.index(YOUNG)] for label, found in series.items()}, images)
+    series = results.series("iteration")
+    _draw({label: runs[STIFFNESSES.index(YOUNG)] for label, runs in series.items()}, images)
     return StudySection(
         title="With and without open-close iteration",
         text="A wall of 18 bricks, 1 m x 0.5 m, in running bond, E = 5e9 Pa, undamped, for 0.2 s "
@@ -55,18 +54,18 @@ def section(findings: JobResults, images: Path) -> StudySection:
         "stood if the run reached its end and no corner moved sideways by 1 mm. The figure shows "
         "the walls at p = E; a stopped one as it was last.",
         claims=_claims(series),
-        tables=[_table(series)],
+        tables=[stiffness_table(series, YOUNG, _text)],
         figure=FIGURE,
     )
 
 
-def stood(finding: JobResult) -> bool:
+def stood(result: PaperResult) -> bool:
     """Return True for a wall that has stood."""
-    return finding.finished and finding.drift < STILL
+    return result.finished and result.drift < STILL
 
 
-def _claims(series: Mapping[str, list[JobResult]]) -> list[Claim]:
-    stands = {label: [stood(one) for one in found] for label, found in series.items()}
+def _claims(series: Mapping[str, list[PaperResult]]) -> list[Claim]:
+    stands = {label: [stood(one) for one in runs] for label, runs in series.items()}
     stable = [one.stability <= LIMIT for one in next(iter(series.values()))]
 
     def of(*starts: str) -> dict[str, list[bool]]:
@@ -110,30 +109,16 @@ def _stood_at(stands: Stood) -> str:
     return "the wall stands at p/E = " + listed(texts)
 
 
-def _table(series: Mapping[str, list[JobResult]]) -> list[str]:
-    first = next(iter(series.values()))
-    rows = [
-        (
-            f"{value:.0e}",
-            f"{value / YOUNG:g}",
-            f"{first[k].stability:.2g}",
-            *(_text(found[k]) for found in series.values()),
-        )
-        for k, value in enumerate(STIFFNESSES)
-    ]
-    return markdown_table(("p, N/m per m", "p/E", "p h²/m", *series), rows)
-
-
-def _text(finding: JobResult) -> str:
+def _text(result: PaperResult) -> str:
     """Return how far the wall moved sideways, mm, and the passes, or when the run stopped."""
-    return finding.text_if_finished(
-        f"{1e3 * finding.drift:.2g} mm, passes: {finding.row.passes_per_step:.2g}"
+    return result.text_if_finished(
+        f"{1e3 * result.drift:.2g} mm, passes: {result.row.passes_per_step:.2g}"
     )
 
 
-def _draw(findings: Mapping[str, JobResult], images: Path) -> None:
+def _draw(results: Mapping[str, PaperResult], images: Path) -> None:
     """Draw the walls at one stiffness side by side, a row for each law."""
-    model = Case.from_toml(next(iter(findings.values())).job.file).model()
+    model = Case.from_toml(next(iter(results.values())).job.file).model()
     panels = [
         Panel(
             title=label,
@@ -141,7 +126,7 @@ def _draw(findings: Mapping[str, JobResult], images: Path) -> None:
             finished=one.finished,
             vertices=one.row.vertices,
         )
-        for label, one in findings.items()
+        for label, one in results.items()
     ]
     scene = SideBySide(
         title="Wall of bricks at p = E",

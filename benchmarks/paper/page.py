@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.paper.runs import PaperResult
 from clast.model.model import Floats
 from clast.pictures.curves import Series
 from clast.studies.comparison_pages import markdown_table
@@ -105,3 +106,20 @@ def percent(share: float) -> str:
 def listed(texts: Mapping[str, str]) -> str:
     """Return texts with their labels, in one line."""
     return "; ".join(f"{label}: {text}" for label, text in texts.items())
+
+
+def stiffness_table(
+    series: Mapping[str, list[PaperResult]], young: float, text: Callable[[PaperResult], str]
+) -> list[str]:
+    """Return a table of runs over the normal stiffness, a column for each label."""
+    first = next(iter(series.values()))
+    rows = [
+        (
+            f"{one.job.value:.0e}",
+            f"{one.job.value / young:g}",
+            f"{one.stability:.2g}",
+            *(text(runs[k]) for runs in series.values()),
+        )
+        for k, one in enumerate(first)
+    ]
+    return markdown_table(("p, N/m per m", "p/E", "p h²/m", *series), rows)

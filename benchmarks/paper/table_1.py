@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
+from benchmarks.paper.runs import EVERY_COMBINATION, PaperResult, PaperResults, PaperRun
 from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, JobResult, JobResults, PaperRun
-from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
 
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 """Friction angles of the table, degrees."""
@@ -43,17 +43,17 @@ def exact_distance(friction_angle: float) -> float:
     return float(0.5 * downhill * np.cos(np.radians(45.0)) * DURATION**2)
 
 
-def miss(finding: JobResult, exact: float) -> float:
+def miss(result: PaperResult, exact: float) -> float:
     """Return the distance of the slider from its exact place, m; nan where the run stopped."""
-    if not finding.finished:
+    if not result.finished:
         return float("nan")
-    u, v = finding.row.displacement["A"]
+    u, v = result.row.displacement["A"]
     return float(np.hypot(u - exact, v + exact))
 
 
-def error(finding: JobResult, exact: float) -> float:
+def error(result: PaperResult, exact: float) -> float:
     """Return the miss over the exact distance, -."""
-    return miss(finding, exact) / (np.sqrt(2.0) * exact)
+    return miss(result, exact) / (np.sqrt(2.0) * exact)
 
 
 def lag(friction_angle: float) -> float:
@@ -66,15 +66,15 @@ def tangent(degrees: float) -> float:
     return float(np.tan(np.radians(degrees)))
 
 
-def section(findings: JobResults, images: Path) -> StudySection:
+def section(results: PaperResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
-    series = findings.series("table 1")
+    series = results.series("table 1")
     moving = np.array(ANGLES[:-1])
     errors = {
-        label: np.array([error(one, exact_distance(one.job.value)) for one in found[:-1]])
-        for label, found in series.items()
+        label: np.array([error(one, exact_distance(one.job.value)) for one in runs[:-1]])
+        for label, runs in series.items()
     }
-    stays = {label: miss(found[-1], 0.0) for label, found in series.items()}
+    stays = {label: miss(runs[-1], 0.0) for label, runs in series.items()}
     draw_diagrams([_diagram(moving, errors)], images / FIGURE)
     return StudySection(
         title="Table 1: the incline",
@@ -90,12 +90,14 @@ def section(findings: JobResults, images: Path) -> StudySection:
 
 
 def _claims(
-    series: Mapping[str, list[JobResult]], errors: Mapping[str, Floats], stays: Mapping[str, float]
+    series: Mapping[str, list[PaperResult]],
+    errors: Mapping[str, Floats],
+    stays: Mapping[str, float],
 ) -> list[Claim]:
     flat = {label: each[:-1] for label, each in errors.items()}
     last = {label: float(each[-1]) for label, each in errors.items()}
     largest = PAPER_ERRORS[1]
-    cut = {k: sum(one.row.report.cut_steps for one in found) for k, found in series.items()}
+    cut = {k: sum(one.row.report.cut_steps for one in runs) for k, runs in series.items()}
     return [
         Claim(
             "Errors are 0.06 to 0.66 % (the paper): not larger up to 35 degrees",

@@ -49,7 +49,7 @@ class PaperRun:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JobResult:
+class PaperResult:
     """The result of a job."""
 
     job: PaperRun
@@ -77,27 +77,27 @@ class JobResult:
 
 
 @dataclass(frozen=True)
-class JobResults:
-    """All findings, by study."""
+class PaperResults:
+    """All results, by study."""
 
-    by_study: Mapping[str, Sequence[JobResult]] = field(default_factory=dict)
-    """Name of a study -> its findings, in the order of its jobs."""
+    by_study: Mapping[str, Sequence[PaperResult]] = field(default_factory=dict)
+    """Name of a study -> its results, in the order of its jobs."""
 
-    def series(self, study: str) -> dict[str, list[JobResult]]:
-        """Return the findings of a study by label, in the order of their values."""
-        found: dict[str, list[JobResult]] = {}
-        for finding in self.by_study[study]:
-            found.setdefault(finding.job.label, []).append(finding)
-        return {label: sorted(s, key=lambda one: one.job.value) for label, s in found.items()}
+    def series(self, study: str) -> dict[str, list[PaperResult]]:
+        """Return the results of a study by label, in the order of their values."""
+        series: dict[str, list[PaperResult]] = {}
+        for result in self.by_study[study]:
+            series.setdefault(result.job.label, []).append(result)
+        return {label: sorted(s, key=lambda one: one.job.value) for label, s in series.items()}
 
 
-def found(job: PaperRun) -> JobResult:
+def run_job(job: PaperRun) -> PaperResult:
     """Run a job."""
     case = Case.from_toml(job.file, job.settings)
     applied = job.combination.applied_to(case)
     model = applied.model()
     row = row_of(case, job.combination)
-    return JobResult(
+    return PaperResult(
         job=job,
         row=row,
         stability=examine(model, applied.method(model), applied.schedule()).stability_number,
@@ -105,10 +105,10 @@ def found(job: PaperRun) -> JobResult:
     )
 
 
-def run_all(jobs: Sequence[PaperRun], workers: int = WORKERS) -> JobResults:
+def run_all(jobs: Sequence[PaperRun], workers: int = WORKERS) -> PaperResults:
     """Run all jobs, some at a time; the results do not depend on how many."""
-    by_study: dict[str, list[JobResult]] = {}
+    by_study: dict[str, list[PaperResult]] = {}
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for finding in pool.map(found, jobs, chunksize=1):
-            by_study.setdefault(finding.job.study, []).append(finding)
-    return JobResults(by_study)
+        for result in pool.map(run_job, jobs, chunksize=1):
+            by_study.setdefault(result.job.study, []).append(result)
+    return PaperResults(by_study)

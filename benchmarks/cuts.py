@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from time import process_time
 from typing import Any
 
+from benchmarks.memory import forget_peak, peak_memory
 from clast.compute.stopwatch import Stages
 from clast.rockmass import (
     Baecher,
@@ -28,7 +29,6 @@ from clast.rockmass import (
     VonMises,
     cut,
 )
-from clast.studies.bench.machine import forget_peak, peak_memory
 
 CUT_SIZE = 100_000
 """Blocks by default."""
@@ -116,59 +116,26 @@ CUTS = {
 """All networks by name."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeasuredCut:
-    """The cost of one network of one size."""
+def measure_cut(scene: CutScene, size: int) -> dict[str, Any]:
+    """Cut a network and return the cost, ready for JSON.
 
-    scene: CutScene
-    """The network."""
-    wanted: int
-    """Requested number of blocks."""
-    blocks: int
-    """Number of blocks."""
-    seconds: dict[str, float]
-    """Wall time of each stage, s: lines drawn and clipped, nodes where they meet, faces, short
-    edges and small blocks tidied, vertices, rocks and joints of the blocks, report."""
-    processor_seconds: float
-    """Time of the processor in all, s: less than the wall time where others use it too."""
-    area_error: float
-    """Difference of the sum of areas from that of the domain, as a share of it."""
-    peak: int
-    """Largest resident memory of the process while it was cut, bytes."""
-
-    @property
-    def total(self) -> float:
-        """Wall time of the whole cut, s."""
-        return sum(self.seconds.values())
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return it as plain numbers and texts, ready for JSON."""
-        return {
-            "scene": self.scene.name,
-            "title": self.scene.title,
-            "wanted": self.wanted,
-            "blocks": self.blocks,
-            "wall_seconds": self.total,
-            "processor_seconds": self.processor_seconds,
-            "seconds_by_stage": dict(self.seconds),
-            "area_error": self.area_error,
-            "peak_memory": self.peak,
-        }
-
-
-def measure_cut(scene: CutScene, size: int) -> MeasuredCut:
-    """Cut a network and return the cost."""
+    Seconds by stage are wall time: lines drawn and clipped, nodes where they meet, faces, short
+    edges and small blocks tidied, vertices, rocks and joints of the blocks, report.  The error of
+    the sum of areas is relative.
+    """
     domain, sets = scene.network(size)
     gc.collect()
     forget_peak()
-    stages, begun = Stages(), process_time()
-    found = cut(domain, sets, seed=SEED, stages=stages)
-    return MeasuredCut(
-        scene=scene,
-        wanted=size,
-        blocks=found.block_count,
-        seconds=stages.seconds,
-        processor_seconds=process_time() - begun,
-        area_error=found.report.area_error,
-        peak=peak_memory(),
-    )
+    stages, start = Stages(), process_time()
+    rock_mass = cut(domain, sets, seed=SEED, stages=stages)
+    return {
+        "scene": scene.name,
+        "title": scene.title,
+        "wanted": size,
+        "blocks": rock_mass.block_count,
+        "wall_seconds": sum(stages.seconds.values()),
+        "processor_seconds": process_time() - start,
+        "seconds_by_stage": stages.seconds,
+        "area_error": rock_mass.report.area_error,
+        "peak_memory": peak_memory(),
+    }

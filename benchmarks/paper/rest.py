@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
+from benchmarks.paper.runs import EVERY_COMBINATION, PROCESSES, PaperResult, PaperResults, PaperRun
 from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, PROCESSES, JobResult, JobResults, PaperRun
-from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
 
 STIFFNESSES = (1e8, 1e9, 1e10)
 """Normal stiffnesses, N/m per m."""
@@ -68,9 +68,9 @@ def share(stiffness: float, solves: float) -> float:
     return beta(stiffness) / ((1.0 + beta(stiffness)) ** solves - 1.0)
 
 
-def section(findings: JobResults, images: Path) -> StudySection:
+def section(results: PaperResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
-    series, counted = findings.series("rest"), findings.series("solves")
+    series, counted = results.series("rest"), results.series("solves")
     plain = {process: _penetrations(series[f"{process}, penalty"]) for process in PROCESSES}
     over_p = {p: _penetrations(series[f"{p}, ALM"]) / plain[p] for p in PROCESSES}
     over_n = {p: _penetrations(counted[f"{p}, ALM"]) / plain[p][0] for p in PROCESSES}
@@ -88,9 +88,9 @@ def section(findings: JobResults, images: Path) -> StudySection:
     )
 
 
-def _penetrations(found: list[JobResult]) -> Floats:
+def _penetrations(runs: list[PaperResult]) -> Floats:
     """Return the penetrations at the end, m, shape (k,); nan where a run stopped."""
-    return np.array([one.row.penetration if one.finished else np.nan for one in found])
+    return np.array([one.row.penetration if one.finished else np.nan for one in runs])
 
 
 def _left(share: float) -> str:
@@ -98,12 +98,12 @@ def _left(share: float) -> str:
     return f"{share:.4f}" if np.isfinite(share) else "stopped"
 
 
-def _claims(series: Mapping[str, list[JobResult]], over_p: Mapping[str, Floats]) -> list[Claim]:
+def _claims(series: Mapping[str, list[PaperResult]], over_p: Mapping[str, Floats]) -> list[Claim]:
     exact = np.array([share(value, PAPER_SOLVES) for value in STIFFNESSES])
     off = np.abs(np.array(list(over_p.values())) / exact - 1.0).max(axis=0)
     unbalanced = {
-        label: max(abs(one.row.normal_force / WEIGHT - 1.0) for one in found)
-        for label, found in series.items()
+        label: max(abs(one.row.normal_force / WEIGHT - 1.0) for one in runs)
+        for label, runs in series.items()
     }
     return [
         Claim(
