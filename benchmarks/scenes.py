@@ -18,7 +18,7 @@ import numpy as np
 
 from clast.inputs.builder import InputBuilder
 from clast.inputs.method import MethodTable
-from clast.inputs.time_and_output import TRAVEL_SHARE
+from clast.inputs.method import TRAVEL_SHARE
 from clast.model.model import Floats, Model
 from clast.run.schedule import Schedule
 from clast.step.method import Method

@@ -315,8 +315,8 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         ("water 1", "gravity is [0, 0]", "give gravity = [0.0, -9.81]"),
     ),
     "share above 1": (
-        water("factor = 2"),
-        ("[[water]] 1 'lake' factor", "not a valid share", "from 0 to 1"),
+        water("amplitude = 2"),
+        ("[[water]] 1 'lake' amplitude", "not a valid share", "from 0 to 1"),
     ),
     "water without a name": (water("").replace("lake", ""), ("water 1 ''", "has no name")),
     # dashpots

@@ -12,9 +12,8 @@ import clast
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.laws import AugmentedLagrangian, Carried, Penalty
 from clast.errors import CaseError
-from clast.inputs.damping import DAMPING
 from clast.inputs.declaring.alternatives import Choice
-from clast.inputs.method import ALTERNATIVES
+from clast.inputs.method import ALTERNATIVES, DAMPING
 from clast.inputs.stages import StageTable, given_stages
 from clast.model.stages.stage import Stage
 from clast.step.modified import Modified

@@ -8,8 +8,7 @@ import clast
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.errors import CaseError
-from clast.inputs.declaring.udec_words import UDEC
-from clast.inputs.declaring.validation_messages import keys_of, table_in
+from clast.inputs.declaring.validation_messages import UDEC, keys_of, table_in
 from scenes.places import ROOT
 
 

@@ -31,14 +31,12 @@ from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.builder_methods import singles, with_keys
-from clast.inputs.declaring.serialise import as_plain, table_of
-from clast.inputs.declaring.table import Table
+from clast.inputs.declaring.table import Table, as_plain, table_of
 from clast.inputs.declaring.validation_messages import table_in
-from clast.inputs.linings.lining_table import Lining
+from clast.inputs.linings.linings import Lining
 from clast.inputs.materials import Joint
-from clast.inputs.method import MethodTable
+from clast.inputs.method import MethodTable, OutputTable, TimeTable
 from clast.inputs.stages import given_stages, stage_keys
-from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.model.checks import BlockOutlines
 from clast.model.model import PLANES, Model, Plane
 from clast.model.stages.stage import Stage

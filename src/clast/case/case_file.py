@@ -21,8 +21,7 @@ from clast.errors import ModelError
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import InputBuilder
-from clast.inputs.damping import Damping, chosen_damping
-from clast.inputs.declaring import serialise as case_writing
+from clast.inputs.declaring import table as case_writing
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Share, Table
@@ -30,7 +29,7 @@ from clast.inputs.declaring.validation_messages import Fault, error_of, faults_o
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
-from clast.inputs.linings.lining_table import Lining
+from clast.inputs.linings.linings import Lining
 from clast.inputs.loads import Amplitude, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import (
@@ -40,7 +39,7 @@ from clast.inputs.measurements import (
     Reference,
     point_faults,
 )
-from clast.inputs.method import MethodTable
+from clast.inputs.method import Damping, MethodTable, OutputTable, TimeTable, chosen_damping
 from clast.inputs.placing import plausibility
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import (
@@ -53,7 +52,6 @@ from clast.inputs.rock_mass import (
 from clast.inputs.stages import StageTable
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
-from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
 from clast.model.model import Model

@@ -16,7 +16,7 @@ from clast.case.case_file import Case
 from clast.case.rerun_stage import check_fits, not_as_before, stage_before
 from clast.case.run_source import LARGEST_NAMED, named_files, named_print
 from clast.errors import CaseError, shortened
-from clast.inputs.time_and_output import OutputTable
+from clast.inputs.method import OutputTable
 from clast.model.model import Model
 from clast.results import Run
 from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source

@@ -41,14 +41,31 @@ from clast.inputs.declaring.values import (
 )
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
-from clast.inputs.linings import place_linings
-from clast.inputs.linings.lining_table import Lining
-from clast.inputs.loads import Amplitude, FixedPoint, LineLoad, PointLoad, Pressure
-from clast.inputs.measurements import MeasuredContact, MeasuredPoint, MeasuredReaction
+from clast.inputs.linings import linings as place_linings
+from clast.inputs.linings.linings import Lining
+from clast.inputs.loads import (
+    Amplitude,
+    FixedPoint,
+    LineLoad,
+    PointLoad,
+    Pressure,
+    line_loads_of,
+    located,
+    places_of,
+    point_loads_of,
+    pressed_edges,
+)
+from clast.inputs.materials import joint_table, joints_of_edges
+from clast.inputs.measurements import (
+    MeasuredContact,
+    MeasuredPoint,
+    MeasuredReaction,
+    Supported,
+    contacts_measured,
+    reactions_in,
+)
 from clast.inputs.placing.bolt_lines import Ground
-from clast.inputs.placing.bolt_springs import placed_bolts
-from clast.inputs.placing.contact_places import contacts_measured
-from clast.inputs.placing.dashpots import check_incoming, viscous_edges
+from clast.inputs.placing.bolts import placed_bolts
 from clast.inputs.placing.place_blocks import (
     Entry,
     Label,
@@ -58,17 +75,16 @@ from clast.inputs.placing.place_blocks import (
     Vector,
     rocks_of,
 )
-from clast.inputs.placing.place_joints import joint_table, joints_of_edges
-from clast.inputs.placing.place_openings import openings_of
-from clast.inputs.placing.place_reactions import Supported, reactions_in
-from clast.inputs.placing.points import line_loads_of, located, places_of, point_loads_of
-from clast.inputs.placing.pressures import pressed_edges
-from clast.inputs.placing.wetting import Bed, waters_in
-from clast.inputs.rock_mass import OpeningTable, of_blocks
+from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
-from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
-from clast.inputs.water import Water
+from clast.inputs.viscous_boundaries import (
+    ViscousBoundary,
+    check_incoming,
+    viscous_edges,
+    with_where,
+)
+from clast.inputs.water import Bed, Water, waters_in
 from clast.model import checks as model_checks
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, RepairedBlocks
@@ -161,7 +177,7 @@ class InputBuilder(Inputs):
         "line_load", LineLoad, "start", "end", "traction", "block", "amplitude", "name"
     )
     """Apply a traction along a line of a block: ``[[line_load]]``."""
-    pressure = gives("pressure", Pressure, "start", "end", "value", "block", "factor", "name")
+    pressure = gives("pressure", Pressure, "start", "end", "value", "block", "amplitude", "name")
     """Press on the edges along a line: ``[[pressure]]``."""
     measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""

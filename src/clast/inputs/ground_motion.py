@@ -15,8 +15,7 @@ from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Acceleration, Instant, Table
 from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.inputs.records.baseline import correction_of
-from clast.inputs.records.columns import read_record
+from clast.inputs.records.columns import check_rising, check_sizes, doubted_times, read_record
 from clast.inputs.records.components import (
     OTHER_UNIT,
     Component,
@@ -25,10 +24,8 @@ from clast.inputs.records.components import (
     component,
     together,
 )
-from clast.inputs.records.conversion import STOPPING, Samples, brought_to_rest
-from clast.inputs.records.csv import check_rising
+from clast.inputs.records.conversion import STOPPING, Samples, brought_to_rest, correction_of
 from clast.inputs.records.formats import format_of
-from clast.inputs.records.instants import check_sizes, doubted_times
 from clast.model import ranges
 from clast.model.ground_motion import (
     Accelerogram,

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
 
 import numpy as np
+import shapely
 from pydantic import Discriminator, StrictStr, Tag, model_validator
 
+from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Force, Instant, Point, Stress, Table
+from clast.inputs.declaring.table import Force, Inputs, Instant, Point, Stress, Table
 from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.values import number_of
+from clast.inputs.measurements import MeasuredPoint
 from clast.model import ranges
-from clast.model.factors import Factor
+from clast.model.checks import TOUCHING, BlockOutlines, Geometries, locate, point_text
+from clast.model.factors import NO_FACTOR, Factor
+from clast.model.model import EdgePressures, Floats, Ints, LineLoads, PointLoads
+from clast.model.names import check_text
 
 
 class FixedPoint(Table):
@@ -135,3 +144,269 @@ def check_length(start: Point, end: Point) -> None:
     """Refuse a line whose ends are one point."""
     if start == end:
         raise refusal(Fault(what="has no length", remedy="give two different ends"))
+
+
+@dataclass(frozen=True)
+class LoadPlace:
+    """A point, or a line from ``at`` to ``end``, on a block; ``load`` is its force or traction."""
+
+    label: str
+    at: Point
+    block: str | None
+    end: Point | None = None
+    load: Point = (0.0, 0.0)
+    factor: str | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class LoadPlaces:
+    """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors, names."""
+
+    block: Ints
+    at: Floats
+    end: Floats
+    load: Floats
+    factor: Ints
+    name: tuple[str, ...]
+
+
+def places_of(given: Inputs) -> dict[type[Table], list[LoadPlace]]:
+    """Return where everything is that is at points or along lines, by its kind."""
+    return {
+        FixedPoint: [
+            LoadPlace(f"fixed point {k}", one.at, one.block)
+            for k, one in enumerate(given.all(FixedPoint), 1)
+        ],
+        MeasuredPoint: [
+            LoadPlace(f"measured point '{shortened(one.name)}'", one.at, one.block)
+            for one in given.all(MeasuredPoint)
+        ],
+        PointLoad: [
+            LoadPlace(label, one.at, one.block, load=one.force, factor=one.amplitude, name=name)
+            for label, name, one in named_loads(given.all(PointLoad), "point load")
+        ],
+        LineLoad: [
+            LoadPlace(label, one.start, one.block, one.end, one.traction, one.amplitude, name)
+            for label, name, one in named_loads(given.all(LineLoad), "line load")
+        ],
+    }
+
+
+L = TypeVar("L", PointLoad, LineLoad, Pressure)
+
+
+def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, str, L]]:
+    """Give each load with how messages call it, and its name, "" where it has none."""
+    for number, one in enumerate(loads, 1):
+        label = f"{kind} {number}"
+        if one.name is not None:
+            check_text(one.name, label)
+        yield label, one.name or "", one
+
+
+def located(
+    entries: list[LoadPlace],
+    block_number: dict[str, int],
+    factor_number: dict[str, int],
+    outlines: BlockOutlines,
+    polygons: Geometries,
+    moved: float,
+) -> LoadPlaces:
+    """Return blocks and coordinates about the origin of points or lines.
+
+    ``moved``, m, is how far vertices may have moved since they were drawn.
+    """
+    count = len(entries)
+    at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
+    named, factor = np.full(count, -1, np.int64), np.full(count, NO_FACTOR, np.int64)
+    for k, entry in enumerate(entries):
+        at[k] = np.array(entry.at) - outlines.origin
+        if entry.end is not None:
+            end[k] = np.array(entry.end) - outlines.origin
+        load[k] = entry.load
+        if entry.block is not None:
+            named[k] = number_of(entry.block, block_number, "block", entry.label)
+        if entry.factor is not None:
+            factor[k] = number_of(
+                entry.factor, factor_number, "amplitude", f"{entry.label}, amplitude"
+            )
+    lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
+    shapes = np.array(shapely.points(at))
+    if lines.any():
+        shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
+    if count == 0:
+        return LoadPlaces(np.zeros(0, np.int64), at, end, load, factor, ())
+
+    def where(k: int) -> str:
+        return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
+
+    block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
+    return LoadPlaces(block, at, end, load, factor, tuple(entry.name for entry in entries))
+
+
+def point_loads_of(places: LoadPlaces) -> PointLoads:
+    """Return the point loads of a model, by where they are."""
+    return PointLoads(
+        block=places.block,
+        at=places.at,
+        force=places.load,
+        factor=places.factor,
+        name=places.name,
+    )
+
+
+def line_loads_of(places: LoadPlaces) -> LineLoads:
+    """Return the line loads of a model, by where they are."""
+    return LineLoads(
+        block=places.block,
+        start=places.at,
+        end=places.end,
+        traction=places.load,
+        factor=places.factor,
+        name=places.name,
+    )
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line about the origin: its first end, its unit direction and its length."""
+
+    start: Floats
+    along: Floats
+    length: float
+
+    def measured(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return how far points (k, 2) are along the line and to its left, m, shape (k,) each."""
+        away = points - self.start
+        return away @ self.along, away @ np.array([-self.along[1], self.along[0]])
+
+
+def pressed_edges(
+    pressures: Sequence[Pressure],
+    block_number: dict[str, int],
+    factor_number: dict[str, int],
+    outlines: BlockOutlines,
+) -> tuple[EdgePressures, tuple[str, ...]]:
+    """Return the parts of edges on which pressures act, and notes of lines that leave edges.
+
+    Raises ModelError where no edge lies along a line, or edges of two blocks do.
+    """
+    found = [EdgePressures()]
+    notes: list[str] = []
+    for label, name, one in named_loads(pressures, "pressure"):
+        line = _line(one, outlines)
+        ends = one.value if isinstance(one.value, tuple) else (one.value, one.value)
+        edges = np.arange(len(outlines.vertices))
+        if one.block is not None:
+            own = number_of(one.block, block_number, "block", f"{label}, block")
+            edges = edges[outlines.owner == own]
+        factor = NO_FACTOR
+        if one.amplitude is not None:
+            factor = number_of(one.amplitude, factor_number, "amplitude", f"{label}, amplitude")
+        edge, share, place = _parts(line, edges, outlines)
+        if len(edge) == 0:
+            _refuse_no_edge(label, line, edges, outlines)
+        _refuse_two_blocks(label, line, edge, np.sort(place, axis=1), outlines)
+        notes += _uncovered(label, line, place)
+        found.append(
+            EdgePressures(
+                block=outlines.owner[edge],
+                edge=edge,
+                share=share,
+                pressure=ends[0] + (ends[1] - ends[0]) * place / line.length,
+                factor=np.full(len(edge), factor),
+                name=(name,) * len(edge),
+            )
+        )
+    keys = ("block", "edge", "share", "pressure", "factor")
+    joined = {key: np.concatenate([getattr(part, key) for part in found]) for key in keys}
+    names = tuple(name for part in found for name in part.name)
+    return EdgePressures(**joined, name=names), tuple(notes)
+
+
+def _line(pressure: Pressure, outlines: BlockOutlines) -> _Line:
+    """Return the line of a pressure about the origin."""
+    start, end = (np.array(one) - outlines.origin for one in (pressure.start, pressure.end))
+    length = float(np.hypot(*(end - start)))
+    return _Line(start, (end - start) / length, length)
+
+
+def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
+    """Return how far edges may lie beside a line, m: as far as loads may beside their blocks."""
+    return np.asarray(TOUCHING * np.sqrt(np.abs(outlines.area)))[outlines.owner[edges]]
+
+
+def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Floats, Floats]:
+    """Return the edges along a line, the shares of them, and where these are on the line.
+
+    Shapes (k,), (k, 2), -, in the direction of the edge, and (k, 2), m.
+    """
+    reach = _reach(outlines, edges)
+    first = line.measured(outlines.vertices[edges])
+    last = line.measured(outlines.vertices[outlines.following[edges]])
+    low = np.clip(np.minimum(first[0], last[0]), 0.0, line.length)
+    high = np.clip(np.maximum(first[0], last[0]), 0.0, line.length)
+    long = np.flatnonzero(high - low > reach)  # with a length along the line, so none across it
+    way, side = last[0][long] - first[0][long], last[1][long] - first[1][long]
+    share = (np.stack([low, high], axis=1)[long] - first[0][long, None]) / way[:, None]
+    share = np.sort(share, axis=1)
+    beside = np.abs(first[1][long, None] + share * side[:, None]).max(axis=1)
+    near = beside <= reach[long]
+    chosen, share = long[near], share[near]
+    # what ends at a corner ends there to the last digit
+    close = reach[chosen, None] / np.abs(way[near, None])
+    share = np.where(share < close, 0.0, np.where(share > 1.0 - close, 1.0, share))
+    return edges[chosen], share, first[0][chosen, None] + share * way[near, None]
+
+
+def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: BlockOutlines) -> NoReturn:
+    """Raise ModelError for a line along no edge, with the edge that comes nearest."""
+    here, there = outlines.vertices[edges], outlines.vertices[outlines.following[edges]]
+    end = line.start + line.length * line.along
+    shape, sides = (
+        shapely.linestrings([line.start, end]),
+        shapely.linestrings(np.stack([here, there], axis=1)),
+    )
+    # how far the shorter one strays from the longer one
+    from_edge = [shapely.distance(shapely.points(points), shape) for points in (here, there)]
+    from_line = [shapely.distance(shapely.points(point), sides) for point in (line.start, end)]
+    away = np.minimum(np.max(from_edge, axis=0), np.max(from_line, axis=0))
+    nearest = int(np.argmin(away))
+    corners = " to ".join(point_text(one[nearest] + outlines.origin) for one in (here, there))
+    raise ModelError(
+        f"no edge lies along it; the nearest, {corners} of "
+        f"{outlines.label(int(outlines.owner[edges[nearest]]))}, is up to {away[nearest]:.3g} m "
+        "away",
+        where=label,
+        remedy="give start and end on the outline of a block (a line within a block is loaded by a "
+        "line load)",
+    )
+
+
+def _refuse_two_blocks(
+    label: str, line: _Line, edge: Ints, place: Floats, outlines: BlockOutlines
+) -> None:
+    """Refuse a line along which edges of two blocks lie in the same place (k, 2), m."""
+    order = np.argsort(place[:, 0], kind="stable")
+    edge, place = edge[order], place[order]
+    reach = _reach(outlines, edge)
+    for k in np.flatnonzero(place[1:, 0] < place[:-1, 1] - reach[1:])[:1]:
+        one, other = (int(block) for block in np.sort(outlines.owner[edge[k : k + 2]]))
+        at = line.start + place[k + 1, 0] * line.along + outlines.origin
+        raise ModelError(
+            f"edges of {outlines.label(one)} and {outlines.label(other)} both lie along it from "
+            f"{point_text(at)} on",
+            where=label,
+            remedy=f'name the one that is loaded, e.g. block = "{outlines.names[one]}"',
+        )
+
+
+def _uncovered(label: str, line: _Line, place: Floats) -> Iterator[str]:
+    """Say where a line has parts along no edge: nothing is pressed there."""
+    pressed = float(np.abs(np.diff(place, axis=1)).sum())
+    if pressed < (1.0 - TOUCHING) * line.length:
+        yield (
+            f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
+            "of it: the pressure acts on these only"
+        )

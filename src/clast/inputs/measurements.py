@@ -1,16 +1,26 @@
-"""[[measured_point]] and [[reference]]: points to record, and values known from elsewhere."""
+"""[[measured_point]], [[measured_contact]], [[measured_reaction]], [[reference]]."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Self
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Self
 
+import numpy as np
 from pydantic import StrictStr, model_validator
 
 from clast import spelling
-from clast.errors import shortened
+from clast.actions.motions.motions import Motions, OneMotion
+from clast.block import polygon
+from clast.errors import ModelError, shortened
 from clast.inputs.declaring.table import Point, Positive, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.values import number_of
+from clast.inputs.placing.bolt_lines import Ground
+from clast.model.joints import JointTable
+from clast.model.model import Floats, Ints, MeasuredContacts
+from clast.model.names import check_names
+from clast.model.supports.reactions import Reactions
 
 
 class MeasuredPoint(Table):
@@ -105,3 +115,155 @@ def point_faults(
                 what=f"there is no measured point '{reference.point}'",
                 remedy=spelling.advice(reference.point, names, kind="measured point"),
             )
+
+
+def contacts_measured(
+    given: Sequence[MeasuredContact], table: JointTable, origin: Floats
+) -> MeasuredContacts:
+    """Return the contacts to be recorded; raises ModelError for names that cannot be.
+
+    ``origin`` (2,), m, is the origin of the model's coordinates.
+    """
+    joints = [joint.name for joint in table.joints]
+    names: list[str] = []
+    for number, one in enumerate(given, 1):
+        where = f"measured_contact {number}"
+        if not one.name.strip() or one.name in names:
+            what = "is used twice" if one.name in names else "is not a valid name"
+            raise ModelError(
+                f"'{shortened(one.name)}' {what}", where=f"{where}, name", remedy="give another"
+            )
+        if one.joint is not None and one.joint not in joints:
+            raise ModelError(
+                f"there is no joint '{shortened(one.joint)}'",
+                where=f"{where}, joint",
+                remedy=spelling.advice(one.joint, joints, kind="joint"),
+            )
+        names.append(one.name)
+    nowhere = np.full(2, np.nan)
+    places = [nowhere if one.at is None else np.asarray(one.at) - origin for one in given]
+    return MeasuredContacts(
+        name=tuple(names),
+        at=np.array(places, np.float64).reshape(-1, 2),
+        joint=np.array(
+            [-1 if one.joint is None else joints.index(one.joint) for one in given], np.int64
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class Supported:
+    """Supports and motions of the blocks."""
+
+    ground: Ground
+    """The blocks."""
+    viscous_edges: int
+    """How many viscous edges there are."""
+    actions: tuple[Any, ...]
+    """Actions on the blocks."""
+
+    @property
+    def motions(self) -> dict[str, OneMotion]:
+        """The motions by their names."""
+        found = [action.each for action in self.actions if isinstance(action, Motions)]
+        return {one.name: one for each in found for one in each}
+
+    @property
+    def moved(self) -> Ints:
+        """Blocks that motions move, shape (k,)."""
+        blocks = [one.block for one in self.motions.values()]
+        return np.concatenate([np.zeros(0, np.int64), *blocks])
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A reaction: its name, its supports, and the point of its moment."""
+
+    name: str
+    blocks: Ints
+    fixed_points: Ints
+    viscous_edges: Ints
+    about: Floats
+    ground: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+
+
+def reactions_in(records: Sequence[MeasuredReaction], supports: Supported) -> Reactions:
+    """Return the reactions that are recorded of supports: totals, motions, ``records``."""
+    parts = [*_totals(supports), *(_measured(one, supports) for one in records)]
+    if not parts:
+        return Reactions()
+    check_names("reaction", [one.name for one in parts])
+
+    def pairs(kind: str) -> Ints:
+        rows = [(k, int(one)) for k, part in enumerate(parts) for one in getattr(part, kind)]
+        return np.array(rows, np.int64).reshape(-1, 2)
+
+    return Reactions(
+        name=tuple(one.name for one in parts),
+        about=np.array([one.about for one in parts]),
+        of_block=pairs("blocks"),
+        of_fixed_point=pairs("fixed_points"),
+        of_viscous_edge=pairs("viscous_edges"),
+        of_ground=pairs("ground"),
+    )
+
+
+def _totals(supports: Supported) -> Iterable[_Part]:
+    """Give the totals of each kind of support, and the reactions of motions."""
+    ground = supports.ground
+    still = np.setdiff1d(np.flatnonzero(ground.fixed), supports.moved)
+    none = np.zeros(0, np.int64)
+    places = [one.on_ground for one in supports.actions if hasattr(one, "on_ground")]
+    at = np.concatenate([np.zeros((0, 2)), *places])
+    if len(still) or len(at):
+        # what the ground holds by links and linings is held as by a fixed block
+        about = _middle(supports, still, none) if len(still) else at.mean(axis=0)
+        yield _Part("fixed blocks", still, none, none, about, np.zeros(min(1, len(at)), np.int64))
+    points = np.arange(len(supports.ground.points.block))
+    if len(points):
+        yield _Part("fixed points", none, points, none, _middle(supports, none, points))
+    if supports.viscous_edges:
+        everybody = np.arange(len(ground.fixed))
+        edges = np.arange(supports.viscous_edges)
+        yield _Part("viscous edges", none, none, edges, _middle(supports, everybody, none))
+    for name, one in supports.motions.items():
+        point = none if one.point is None else np.array([one.point])
+        yield _Part(name, one.block, point, none, _middle(supports, one.block, point))
+
+
+def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
+    """Return a reaction that is asked for; raises ModelError where nothing is held or moved."""
+    ground, none = supports.ground, np.zeros(0, np.int64)
+    where = f"measured reaction '{shortened(one.name)}'"
+    blocks, points = none, none
+    if one.fixed_point is not None:
+        at = np.array(one.fixed_point) - ground.outlines.origin
+        points = ground.fixed_points_at(at)
+        if not len(points):
+            what = f"there is no fixed point at {ground.text(at)}"
+            remedy = "give the coordinates of a [[fixed_point]]"
+            raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
+    else:
+        number = {name: k for k, name in enumerate(ground.outlines.names)}
+        key, names = ("blocks", one.blocks) if one.block is None else ("block", [one.block])
+        blocks = np.array(
+            [number_of(name, number, "block", f"{where}, {key}") for name in names or ()]
+        )
+        loose = [b for b in blocks.tolist() if not ground.fixed[b] and b not in supports.moved]
+        if loose or not len(blocks):
+            said = shortened(ground.outlines.names[loose[0]]) if loose else ""
+            what = f"block '{said}' is neither fixed nor moved" if loose else "names no block"
+            remedy = "name blocks with fixed = true or a [[motion]], or give a fixed_point"
+            raise ModelError(what, where=f"{where}, {key}", remedy=remedy)
+    about = _middle(supports, blocks, points)
+    if one.about is not None:
+        about = np.array(one.about) - ground.outlines.origin
+    return _Part(one.name, blocks, points, none, about)
+
+
+def _middle(supports: Supported, blocks: Ints, points: Ints) -> Floats:
+    """Return the mean of centroids of blocks and of fixed points, m, shape (2,)."""
+    outlines = supports.ground.outlines
+    _, centroid, _ = polygon.moments(outlines.vertices, outlines.start)
+    at = [centroid[blocks], supports.ground.points.at[points]]
+    return np.asarray(np.concatenate(at).mean(axis=0))

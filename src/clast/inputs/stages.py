@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
 
 from clast.errors import CaseError, shortened
-from clast.inputs.damping import Damping, chosen_damping
 from clast.inputs.declaring.alternatives import Number, default_of, within
 from clast.inputs.declaring.field_docs import explain
-from clast.inputs.declaring.serialise import as_plain
-from clast.inputs.declaring.table import Interval, Positive, Strength, Table
+from clast.inputs.declaring.table import Interval, Positive, Strength, Table, as_plain
 from clast.inputs.declaring.validation_messages import Fault, faults_of, keys_text, refusal
+from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
 from clast.model.stages.stage import Stage
 

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
+import shapely
 from pydantic import Field, StrictStr, model_validator
 
-from clast.errors import shortened
+from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.in_situ import Side
 from clast.model import ranges
+from clast.model.checks import BlockOutlines, Geometries, point_text
+from clast.model.ground_motion import GroundMotion, IncomingWave
+from clast.model.model import Bools, Ints
+from clast.model.outline import outline_edges
+from clast.model.viscous_edges import DOWNWARDS, ViscousEdges
 
 Multiple = Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)]
 
@@ -81,3 +89,187 @@ def with_where(keys: dict[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in keys.items() if key not in Where.model_fields}
     where = {key: keys[key] for key in Where.model_fields if keys.get(key) is not None}
     return {"where": where, **given}
+
+
+STATIC = {"hold": 1.0, "none": 0.0}
+"""Share of the support reactions that stays, by name."""
+BESIDE = 1e-6
+"""An edge lies on a line or beside another block up to this share of its own length."""
+OUTSIDE = np.array([0.05, 0.5, 0.95])
+"""Places along an edge, as shares of its length, where rock beyond it would be in a block."""
+
+
+def viscous_edges(
+    boundaries: Sequence[ViscousBoundary],
+    outlines: BlockOutlines,
+    polygons: Geometries,
+    fixed: Bools,
+) -> ViscousEdges:
+    """Return the edges of viscous boundaries, in their order.
+
+    Raises ModelError for edges within the rock, on fixed blocks or in two boundaries, and for
+    places without any edge.
+    """
+    found = [ViscousEdges()]
+    seen: dict[int, str] = {}
+    for number, one in enumerate(boundaries, 1):
+        label = f"viscous boundary {number}"
+        edge = _edges(label, one.where, outlines, polygons)
+        _refuse_fixed(label, edge, outlines, fixed)
+        for k in edge.tolist():
+            if k in seen:
+                raise ModelError(
+                    f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too",
+                    where=label,
+                    remedy="list each edge in one viscous boundary only",
+                )
+        seen |= dict.fromkeys(edge.tolist(), label)
+        numbers = {
+            "normal": one.normal,
+            "tangential": one.tangential,
+            "kept": STATIC[one.static],
+            "begins": one.begins if one.stage is None else np.inf,
+        }
+        columns = {name: np.full(len(edge), value) for name, value in numbers.items()}
+        stage = (one.stage or "",) * len(edge)
+        found.append(ViscousEdges(edge=edge, block=outlines.owner[edge], stage=stage, **columns))
+    names = ("edge", "block", "normal", "tangential", "kept", "begins")
+    joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
+    return ViscousEdges(**joined, stage=sum((one.stage for one in found), ()))
+
+
+def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: BlockOutlines) -> None:
+    """Refuse a wave from below where no viscous edge faces down."""
+    if not isinstance(motion, IncomingWave):
+        return
+    line = outlines.vertices[outlines.following[edges.edge]] - outlines.vertices[edges.edge]
+    down = -line[:, 0] <= DOWNWARDS * np.hypot(*line.T)
+    if not down.any():
+        what = "no viscous edge faces down" if len(edges) else "there are no viscous boundaries"
+        raise ModelError(
+            f"the wave needs a boundary to enter through, but {what}",
+            where="ground_motion",
+            remedy='give [[viscous_boundary]] with where = {side = "bottom"}, or let the motion '
+            'act as a "body-force" or on the "base"',
+        )
+
+
+def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometries) -> Ints:
+    """Return the edges of a boundary, in their order."""
+    if place.side is not None:
+        edge = _on_side(label, place.side, outlines)
+    elif place.edges is not None:
+        edge = _on_lines(label, place.edges, outlines)
+        inner = edge[~_is_outer(edge, outlines, polygons)]
+        for one in inner[:1].tolist():
+            raise ModelError(
+                f"{_edge_text(one, outlines)} borders on another block",
+                where=f"{label}, where",
+                remedy="give edges with no block beyond them: the waves leave the model there",
+            )
+    else:
+        edge = _within(label, place.polygon or [], outlines, polygons)
+    return np.unique(edge)
+
+
+def _on_side(label: str, side: str, outlines: BlockOutlines) -> Ints:
+    edge = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
+    if len(edge) == 0:
+        raise ModelError(
+            f"no edge lies on the {side} side of the box around all blocks, only corners",
+            where=f"{label}, where",
+            remedy="name the edges: edges = [[p, q], ...] with points p and q, or a polygon",
+        )
+    return edge
+
+
+def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockOutlines) -> Ints:
+    """Return the edges that lie along straight lines."""
+    here, there = outlines.vertices, outlines.vertices[outlines.following]
+    near = BESIDE * np.sqrt(np.abs(outlines.area))[outlines.owner]
+    found = []
+    for number, line in enumerate(lines, start=1):
+        where = f"{label}, where, edges {number}"
+        ends = np.array(line)
+        first, last = ends - outlines.origin
+        length = float(np.hypot(*(last - first)))
+        if length == 0.0:
+            raise ModelError("has no length", where=where, remedy="give two different ends")
+        along = (last - first) / length
+        on = np.ones(len(here), np.bool_)
+        for end in (here, there):
+            away = end - first
+            on &= np.abs(away[:, 0] * along[1] - away[:, 1] * along[0]) <= near
+            on &= (away @ along >= -near) & (away @ along <= length + near)
+        if not on.any():
+            ends_text = " to ".join(point_text(end) for end in ends)
+            raise ModelError(
+                f"no edge lies on the line from {ends_text}",
+                where=where,
+                remedy="give the corners of edges on the outline of the model",
+            )
+        found.append(np.flatnonzero(on))
+    if not found:
+        raise ModelError(
+            "is an empty list",
+            where=f"{label}, where, edges",
+            remedy="name the edges: edges = [[p, q], ...] with points p and q",
+        )
+    return np.concatenate(found)
+
+
+def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geometries) -> Ints:
+    """Return the outer edges whose middle lies in a polygon."""
+    where = f"{label}, where, polygon"
+    if len(polygon) < 3:
+        raise ModelError(
+            f"{len(polygon)} points do not make a polygon",
+            where=where,
+            remedy="give 3 points or more",
+        )
+    shape = shapely.Polygon(np.array(polygon) - outlines.origin)
+    if not shape.is_valid:
+        raise ModelError(
+            "the polygon crosses itself", where=where, remedy="order its points along its outline"
+        )
+    middle = 0.5 * (outlines.vertices + outlines.vertices[outlines.following])
+    edge = np.flatnonzero(shapely.covers(shape, shapely.points(middle)))
+    edge = edge[_is_outer(edge, outlines, polygons)]
+    if len(edge) == 0:
+        raise ModelError(
+            "no edge on the outline of the model has its middle in the polygon",
+            where=where,
+            remedy="enclose the edges through which waves should leave",
+        )
+    return edge
+
+
+def _is_outer(edge: Ints, outlines: BlockOutlines, polygons: Geometries) -> Bools:
+    """Return which edges (k,) have no other block right behind them, shape (k,)."""
+    first = outlines.vertices[edge]
+    line = outlines.vertices[outlines.following[edge]] - first
+    out = BESIDE * np.stack([line[:, 1], -line[:, 0]], axis=1)
+    at = first[:, None] + OUTSIDE[:, None] * line[:, None] + out[:, None]
+    tree = shapely.STRtree(polygons)
+    hit, block = tree.query(shapely.points(at.reshape(-1, 2)), predicate="intersects")
+    number = hit // len(OUTSIDE)
+    outer = np.ones(len(edge), np.bool_)
+    outer[number[block != outlines.owner[edge][number]]] = False
+    return outer
+
+
+def _refuse_fixed(label: str, edge: Ints, outlines: BlockOutlines, fixed: Bools) -> None:
+    """Refuse edges of blocks that do not move."""
+    for one in edge[fixed[outlines.owner[edge]]][:1].tolist():
+        raise ModelError(
+            f"{_edge_text(one, outlines)} is on a fixed block, which cannot absorb waves",
+            where=label,
+            remedy="remove fixed = true of the block; in-situ stress, or supports until the "
+            "dashpots begin (begins), hold it",
+        )
+
+
+def _edge_text(edge: int, outlines: BlockOutlines) -> str:
+    """Return how a message calls an edge."""
+    ends = " to ".join(point_text(outlines.at(k)) for k in (edge, int(outlines.following[edge])))
+    return f"{ends} of {outlines.label(int(outlines.owner[edge]))}"

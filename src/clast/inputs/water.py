@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
-from clast.errors import CaseError, ModelError
+from clast import spelling
+from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Coordinate, Inputs, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.model import ranges
+from clast.model.checks import BlockOutlines, point_text
+from clast.model.factors import Factor
+from clast.model.joints import JointTable
+from clast.model.model import Floats, Ints
+from clast.model.names import check_text
+from clast.model.water.drainage import distances, lowering, parts_between
+from clast.model.water.facing_edges import Edges, Facing, edges_of, facing_edges, outer_parts
+from clast.model.water.water import Water as WetWater
+from clast.model.water.water import (
+    WetFaces,
+    WetJoints,
+    ends_of_faces,
+    faces_of_joints,
+    surface_at,
+    wetted,
+)
 
 LIGHTEST = 100.0
 """Densities below are not kg/m3."""
@@ -127,3 +147,295 @@ def _points(path: Path) -> list[tuple[float, float]]:
     except CaseError as error:
         place = f"[[water]], line: {error.where}"
         raise ModelError(error.what, where=place, remedy=error.remedy) from None
+
+
+ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)}
+"""Whether outer edges and whether joints are wetted, by the name in ``acts_on``."""
+OPENED = {"open-and-closed": 1.0, "closed": 0.0}
+"""Opening of a joint at which its water runs out, in lengths of the joint."""
+CLOSED = 1e-3
+"""Opening that counts as closed, in units of the distance that faces may lie apart."""
+
+
+@dataclass(frozen=True)
+class Bed:
+    """The ground in which water stands: blocks, their joints, and gravity."""
+
+    outlines: BlockOutlines
+    table: JointTable
+    edge_joint: Ints
+    """Joint of each edge, -1: none of its own, shape (nv,)."""
+    block_rock: Ints
+    """Rock of each block, shape (n,)."""
+    gravity: Floats
+    """Gravity, m/s2, shape (2,)."""
+    factors: tuple[Factor, ...]
+    """Amplitudes."""
+
+
+def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
+    """Return the edges that water wets, and the remarks on it.
+
+    Raises ModelError for water that wets nothing or cannot be.
+    """
+    if not waters:
+        return (), ()
+    outlines = bed.outlines
+    edges = edges_of(outlines.vertices, outlines.following, outlines.owner, outlines.area)
+    facing = facing_edges(edges)
+    found, notes = [], []
+    for number, one in enumerate(waters, 1):
+        water, said = _water(f"water {number}", one, bed, edges, facing)
+        found.append(water)
+        notes += said
+    _refuse_same_names(waters)
+    return tuple(found), tuple(notes)
+
+
+def _water(
+    label: str, given: Water, bed: Bed, edges: Edges, facing: Facing
+) -> tuple[WetWater, list[str]]:
+    """Return one water, and the remarks on it."""
+    surface = _surface(label, given, bed.outlines)
+    share, factor = _share(label, given, bed.factors)
+    weight = given.density * _gravity(label, bed.gravity)
+    _refuse_dry(label, surface, bed.outlines)
+    on_faces, on_joints = ACTS_ON[given.acts_on]
+    faces, joints = WetFaces(), WetJoints()
+    notes: list[str] = []
+    if on_faces:
+        edge, part = outer_parts(edges, facing)
+        faces = WetFaces(edge=edge, share=part)
+    if on_joints:
+        joints, notes = _joints(label, given, surface, bed, edges, facing)
+    water = WetWater(
+        name=given.name or "",
+        surface=surface,
+        weight=weight,
+        share=share,
+        factor=factor,
+        faces=faces,
+        joints=joints,
+    )
+    return water, [*notes, _said(label, water, edges)]
+
+
+def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
+    """Return the points of the phreatic line about the origin, x rising, shape (m, 2)."""
+    if given.level is not None:
+        return np.array([[0.0, given.level - outlines.origin[1]]])
+    where = f"{label}, line"
+    points = np.array(given.line).reshape(-1, 2)
+    if len(points) < 2:
+        raise ModelError(
+            f"has {len(points)} points",
+            where=where,
+            remedy="give at least 2, or a level",
+        )
+    across = np.diff(points[:, 0])
+    if (across < 0.0).all():
+        points, across = points[::-1], -across[::-1]
+    for k in np.flatnonzero(across <= 0.0)[:1]:
+        raise ModelError(
+            f"x decreases at {point_text(points[k + 1])}: the water surface would have two "
+            "heights there",
+            where=where,
+            remedy="order the points by x, each x once; where the water falls steeply, give two x "
+            "a little apart",
+        )
+    return np.ascontiguousarray(points - outlines.origin)
+
+
+def _gravity(label: str, gravity: Floats) -> float:
+    """Return the size of gravity, m/s2; refuse one that gives water no level."""
+    across, up = gravity.tolist()
+    if across != 0.0 or up >= 0.0:
+        raise ModelError(
+            f"gravity is [{across:g}, {up:g}]: a water level needs gravity straight down",
+            where=label,
+            remedy="give gravity = [0.0, -9.81]; a constant horizontal load is "
+            "seismic_coefficient = [0.1, 0.0], an earthquake is [ground_motion]",
+        )
+    return float(-up)
+
+
+def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float, Factor | None]:
+    """Return the share of the full head, and the amplitude that it follows."""
+    name, where = given.amplitude, f"{label}, amplitude"
+    if isinstance(name, str):
+        known = {factor.name: factor for factor in factors}
+        if name not in known:
+            raise ModelError(
+                f"there is no amplitude '{shortened(name)}'",
+                where=where,
+                remedy=spelling.advice(name, known, kind="amplitude"),
+            )
+        values = known[name].value
+        if values.min() < 0.0 or values.max() > 1.0:
+            raise ModelError(
+                f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
+                where=where,
+                remedy=SHARE,
+            )
+        return 1.0, known[name]
+    return name, None
+
+
+def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
+    """Refuse water that lies below all blocks."""
+    x, y = outlines.vertices.T
+    depth = surface_at(surface, x) - y
+    if depth.max() > 0.0:
+        return
+    nearest = int(np.argmax(depth))
+    raise ModelError(
+        f"its surface lies below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
+        f"{outlines.vertex_label(nearest)}",
+        where=label,
+        remedy="give its height y in the coordinates of the case, not a depth",
+    )
+
+
+def _joints(
+    label: str, given: Water, surface: Floats, bed: Bed, edges: Edges, facing: Facing
+) -> tuple[WetJoints, list[str]]:
+    """Return the joints that water enters, and the remarks on their drains."""
+    if given.joints is not None:
+        chosen = _chosen(label, given.joints, bed, facing)
+        facing = Facing(facing.edge[chosen], facing.share[chosen])
+    if not len(facing.edge):
+        raise ModelError(
+            "no two blocks share a face: there is no joint for the water to enter",
+            where=label,
+            remedy='give acts_on = "faces", or use blocks that touch',
+        )
+    near = edges.near[facing.edge].min(axis=1)
+    apart = np.zeros((len(facing.edge), 2))
+    joints = WetJoints(edge=facing.edge, share=facing.share, lowered=apart)
+    drains = np.array(given.drained_at).reshape(-1, 2)
+    notes: list[str] = []
+    if len(drains):
+        drains = drains - bed.outlines.origin
+        ends = _middle(joints, edges)
+        _refuse_far(label, ends, near, drains, bed.outlines.origin)
+        part, share = parts_between(ends, near, drains)
+        width = joints.share[part, :, 1:] - joints.share[part, :, :1]
+        divided = joints.share[part, :, :1] + width * share[:, None]
+        joints = WetJoints(edge=joints.edge[part], share=divided, lowered=apart[part])
+        near, ends = near[part], _middle(joints, edges)
+        lowered = lowering(ends, near, surface, drains)
+        joints = WetJoints(edge=joints.edge, share=joints.share, lowered=lowered)
+        notes = list(_above(label, surface, drains, bed.outlines.origin))
+    one, other = faces_of_joints(joints, edges.vertices, edges.after)
+    length = np.hypot(*(one[:, 1] - one[:, 0]).T)
+    gap = np.hypot(*np.moveaxis(other - one, -1, 0)).max(axis=1)
+    opened = OPENED[given.wetted]
+    return WetJoints(
+        edge=joints.edge,
+        share=joints.share,
+        lowered=joints.lowered,
+        widest=gap + np.maximum(opened * length, CLOSED * near),
+    ), notes
+
+
+def _middle(joints: WetJoints, edges: Edges) -> Floats:
+    """Return the ends of joints halfway between their faces, m, shape (k, 2, 2)."""
+    one, other = faces_of_joints(joints, edges.vertices, edges.after)
+    return np.asarray(0.5 * (one + other))
+
+
+def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
+    """Return which parts of edges that lie along each other belong to named joints, (k,)."""
+    where = f"{label}, joints"
+    number = {joint.name: index for index, joint in enumerate(bed.table.joints)}
+    wanted = []
+    for name in names:
+        if name not in number:
+            raise ModelError(
+                f"there is no joint '{shortened(name)}'",
+                where=where,
+                remedy=spelling.advice(name, number, kind="joint"),
+            )
+        wanted.append(number[name])
+    pairs = bed.outlines.owner[facing.edge]
+    joint, named = bed.table.of_pairs(bed.block_rock, pairs)
+    own = bed.edge_joint[facing.edge]
+    own = np.where((own >= 0) & ~named[:, None], own, joint[:, None])
+    # an edge that has none of its own takes that of the other, as contacts do
+    other = own[:, ::-1]
+    bare = (bed.edge_joint[facing.edge] < 0) & ~named[:, None]
+    chosen = np.isin(np.where(bare, other, own), wanted).any(axis=1)
+    if not chosen.any():
+        raise ModelError(
+            f"no two blocks share a face along {', '.join(map(repr, names)) or 'none'}",
+            where=where,
+            remedy="name joints that edges, pairs of blocks or pairs of rocks have, or leave it "
+            "out: all joints",
+        )
+    return chosen
+
+
+def _refuse_far(label: str, ends: Floats, near: Floats, drains: Floats, origin: Floats) -> None:
+    """Refuse drains on no joint, with how far away the nearest one is."""
+    away = distances(ends, drains)
+    for k in np.flatnonzero(away > near.max())[:1]:
+        raise ModelError(
+            f"{point_text(drains[k] + origin)} is not on a joint that this water enters; the "
+            f"nearest is {away[k]:.3g} m away",
+            where=f"{label}, drained_at, point {k + 1}",
+            remedy="give a point on the joint itself, e.g. where it comes out of the slope",
+        )
+
+
+def _above(label: str, surface: Floats, drains: Floats, origin: Floats) -> Iterator[str]:
+    """Say which drains lie above the water."""
+    for k in np.flatnonzero(surface_at(surface, drains[:, 0]) <= drains[:, 1]):
+        yield f"{label}: the drain at {point_text(drains[k] + origin)} lies above the water"
+
+
+def _said(label: str, water: WetWater, edges: Edges) -> str:
+    """Return the note on wetted edges and pressure at the start; refuse water that wets none."""
+    faces = wetted(water.surface, ends_of_faces(water.faces, edges.vertices, edges.after))
+    one, other = faces_of_joints(water.joints, edges.vertices, edges.after)
+    joints = wetted(water.surface, 0.5 * (one + other), water.joints.lowered)
+    if not len(faces.line) and not len(joints.line):
+        raise ModelError(
+            "wets no edge: no joint or outer face lies below its surface",
+            where=label,
+            remedy="raise the level, drain less, or set acts_on to both faces and joints",
+        )
+    parts, most = [], 0.0
+    weight = water.weight * (water.share if water.factor is None else 1.0)
+    if len(faces.line):
+        line = faces.ends[:, 1] - faces.ends[:, 0]
+        pressed = 0.5 * faces.head.sum(axis=1)[:, None] * line
+        x, y = weight * np.array([-pressed[:, 1].sum(), pressed[:, 0].sum()]) + 0.0
+        parts.append(
+            f"{np.hypot(*line.T).sum():.6g} m of outer faces, on which it presses with "
+            f"({x:.6g}, {y:.6g}) N/m"
+        )
+        most = float(faces.head.max())
+    if len(joints.line):
+        length = np.hypot(*(joints.ends[:, 1] - joints.ends[:, 0]).T)
+        force = weight * float(np.sum(0.5 * joints.head.sum(axis=1) * length))
+        parts.append(
+            f"{length.sum():.6g} m of joints, which it presses apart with {force:.6g} N/m in all"
+        )
+        most = max(most, float(joints.head.max()))
+    rises = f", times table '{water.factor.name}'" if water.factor else ""
+    return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"
+
+
+def _refuse_same_names(waters: Sequence[Water]) -> None:
+    """Refuse two waters of one name."""
+    names = [one.name for one in waters if one.name is not None]
+    for number, one in enumerate(waters, 1):
+        if one.name is not None:
+            check_text(one.name, f"water {number}")
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(
+                "two [[water]] tables have this name",
+                where=f"water '{shortened(name)}'",
+                remedy="rename one of them",
+            )

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.inputs.records.at2 import read_at2
 from clast.inputs.records.components import Wanted, component
-from clast.inputs.records.formats import format_of
+from clast.inputs.records.formats import format_of, read_at2
 from clast.inputs.records.series import STANDARD_GRAVITY
 from scenes.records import GAL, INTERVAL, at2_text, csv_text, knet_text
 
@@ -176,7 +175,7 @@ def test_broken_records_are_refused(name, tmp_path):
 @pytest.mark.slow
 def test_reading_needs_no_pydantic():
     code = (
-        "import sys, clast.inputs.records.components, clast.inputs.records.baseline; "
+        "import sys, clast.inputs.records.components, clast.inputs.records.conversion; "
         "sys.exit('pydantic' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

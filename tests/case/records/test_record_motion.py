@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import quad
 
 from clast.errors import CaseError
-from clast.inputs.records.baseline import correction_of
 from clast.inputs.records.components import Component, along, together
 from clast.inputs.records.conversion import (
     Samples,
     brought_to_rest,
+    correction_of,
     from_displacement,
     from_velocity,
 )

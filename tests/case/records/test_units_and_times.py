@@ -10,7 +10,7 @@ import pytest
 
 from clast.case.case_file import Case
 from clast.errors import CaseError
-from clast.inputs.records.unit_names import unit_of_heading
+from clast.inputs.records.series import unit_of_heading
 
 UNITS = {
     "cm/s2": ["CM/SEC**2", "cm/s/s", "CM/SEC/SEC", "cm/s^2", "CM/SEC2", "(CM/SEC/SEC)", "cm/s²"],

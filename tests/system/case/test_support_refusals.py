@@ -80,7 +80,7 @@ MOTIONS: list[tuple[dict[str, Any], str]] = [
     ({"block": "box", "force": [0, -1e3], "stress": [0, -1e6], "limit_speed": 1}, "has both force"),
     ({"block": "box", "force": [0, -1e3]}, "limit_speed is missing"),
     ({"block": "box", "x": 1.0, "limit_speed": 1.0}, "limit_speed is for a servo"),
-    ({"block": "box", "x": 1.0, "factor": "way"}, "amplitude is for a servo"),
+    ({"block": "box", "x": 1.0, "amplitude": "way"}, "amplitude is for a servo"),
     ({**SERVO, "stress": [0, 0]}, "applies no force"),
     ({**SERVO, "y": 0.0}, "y is given both a motion and a force"),
     ({**SERVO, "block": "floor"}, "block 'floor' is fixed, so no force"),

@@ -25,8 +25,7 @@ from pydantic import ValidationError
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.field_docs import explain
-from clast.inputs.declaring.serialise import as_plain
-from clast.inputs.declaring.table import Inputs, Table
+from clast.inputs.declaring.table import Inputs, Table, as_plain
 from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
 from clast.model.model import PLANES, Plane
 from clast.model.names import check_names

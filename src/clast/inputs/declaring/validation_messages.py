@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -17,7 +18,50 @@ from pydantic_core import PydanticCustomError
 from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.text import is_tables
-from clast.inputs.declaring.udec_words import UDEC
+
+UDEC: Mapping[str, str] = MappingProxyType(
+    {
+        "jkn": "normal_stiffness",
+        "jks": "shear_stiffness",
+        "jfric": "friction_angle",
+        "jfriction": "friction_angle",
+        "jcoh": "cohesion",
+        "jcohesion": "cohesion",
+        "jten": "tensile_strength",
+        "jtension": "tensile_strength",
+        "jtens": "tensile_strength",
+        "jdil": "dilation_angle",
+        "jdilation": "dilation_angle",
+        "rescoh": "residual_cohesion",
+        "dens": "density",
+        "jmat": "joint",
+        "zone": "rock",
+        "jset": "joint_set",
+        "crack": "trace",
+        "voronoi": "joint_set",
+        "tunnel": "opening",
+        "jregion": "region",
+        "insitu": "in_situ",
+        "xvisc": "viscous_boundary",
+        "yvisc": "viscous_boundary",
+        "xvel": "motion",
+        "yvel": "motion",
+        "bound": "fixed_sides",
+        "bcond": "fixed_sides",
+        "damp": "damping",
+        "cycle": "stage",
+        "solve": "stage",
+        "delete": "excavate",
+        "cable": "bolt",
+        "reinforce": "bolt",
+        "struct": "lining",
+        "pfix": "water",
+        "history": "measured_point",
+        "hist": "measured_point",
+    }
+)
+"""Table or key of clast by UDEC's word, lower-case: see docs/how-to/from-other-programs.md."""
+
 
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""

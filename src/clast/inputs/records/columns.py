@@ -1,24 +1,94 @@
-"""Accelerograms from text files: two or three columns, t, ax and ay, with or without a heading."""
+"""Records as columns of numbers: time and one or two components, with or without a heading."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from clast.errors import CaseError, mistyped
+from clast.errors import CaseError, mistyped, shortened
 from clast.inputs.declaring.text import read_text
-from clast.inputs.records.instants import check_heading
+from clast.inputs.records.series import RecordSeries
 from clast.model.model import Floats, Ints
+
+OTHER_TIME = re.compile(
+    r"(?<![a-z])(ms|msecs?|millisec\w*|us|usecs?|\u00b5s|\u03bcs|microsec\w*|min|mins|minutes?|hours?)"
+    r"(?![a-z])"
+)
+"""Units of time that are not seconds."""
+COUNTER = re.compile(
+    r"\W*(index|idx|no|nr|n|i|k|id|samples?|sample[ _]?(no|nr|number|index)|steps?|points?|rows?|"
+    r"count|counter|number)\W*"
+)
+"""Names of a column that counts the values."""
+LONGEST, SHORTEST, LARGEST = 1e9, 1e-9, 1e12
+"""Longest time and shortest interval, s, and largest value, of a record that is believed."""
+SLOW, FEW = 1.0, 5
+"""So many instants a second or more apart, s, are seconds in no record of an earthquake."""
+
+
+def check_heading(heading: Sequence[str], path: Path) -> None:
+    """Refuse a record whose heading says that its first column is not the time in seconds."""
+    said = [line.strip(" \t#\ufeff").lower() for line in heading if line.strip(" \t#\ufeff")]
+    if not said:
+        return
+    parted = re.split(r"[,;\t]", said[-1])
+    words = said[-1].split()
+    first = parted[0] if len(parted) > 1 else said[-1]
+    unit = OTHER_TIME.search(first.replace("_", " "))
+    if unit:
+        raise CaseError(
+            f"the heading says that times are in {unit[1]}",
+            where=f"{path}: its heading",
+            remedy="give the time in s: convert the first column, and name the column t",
+        )
+    if COUNTER.fullmatch(parted[0] if len(parted) > 1 else words[0]):
+        raise CaseError(
+            "the first column counts the values: it is not time",
+            where=f"{path}: its heading",
+            remedy="give the time in s in the first column, in place of the counter",
+        )
+
+
+def check_sizes(time: Floats, values: Floats, name: str) -> None:
+    """Refuse numbers that overflow where a record is integrated or differentiated."""
+    shortest = float(np.diff(time).min())
+    if float(np.abs(time).max()) > LONGEST or shortest < SHORTEST:
+        raise CaseError(
+            f"times up to {float(np.abs(time).max()):.3g} s, {shortest:.3g} s apart, cannot be a "
+            "record",
+            where=name,
+            remedy="give the time in s in the first column",
+        )
+    if float(np.abs(values).max()) > LARGEST:
+        raise CaseError(
+            f"values of up to {float(np.abs(values).max()):.3g} are far too large",
+            where=name,
+            remedy="correct the file, its unit or its scale",
+        )
+
+
+def doubted_times(time: Floats, name: str) -> str | None:
+    """Return the evidence against times (k,) being seconds: a second or more between them."""
+    interval = float(time[-1] - time[0]) / (len(time) - 1)
+    if len(time) < FEW or interval < SLOW:
+        return None
+    counted = "counts the values, or is in ms" if interval == SLOW else "is in ms"
+    return (
+        f"{shortened(name)} has a value every {interval:g} s, which no record of an earthquake "
+        f"has: if its time {counted}, give it in s"
+    )
+
 
 SEPARATOR = re.compile(r"[,;\s]+")
 """Columns are separated by commas, semicolons or blanks."""
 REMEDY = "give lines of two or three numbers: time in s, acceleration x, acceleration y"
 BESIDE = "name a text file of numbers; its path begins at the folder of the case file"
-UNITS = {
+UNITS_IN_HEADINGS = {
     r"(?<![a-z0-9])g(?![a-z0-9])": ("g", 9.81),
     r"(?<![a-z])gals?(?![a-z])|\bcm/s|\bcm s-": ("cm/s2", 0.01),
     r"\bmm/s": ("mm/s2", 0.001),
@@ -89,7 +159,9 @@ def read_record(path: Path) -> Record:
 
 def _unit(heading: str) -> tuple[str, float] | None:
     """Return the one unit of acceleration that a heading names and its size in m/s2, or None."""
-    named = [unit for pattern, unit in UNITS.items() if re.search(pattern, heading.lower())]
+    named = [
+        unit for pattern, unit in UNITS_IN_HEADINGS.items() if re.search(pattern, heading.lower())
+    ]
     return named[0] if len(named) == 1 else None
 
 
@@ -105,3 +177,50 @@ def _numbers(words: list[str]) -> list[float] | None:
 def _looks_like_numbers(words: list[str]) -> bool:
     """Return whether a line is rather a row with a slip than a heading."""
     return 2 * sum(word[:1] in "+-.0123456789" for word in words) >= len(words)
+
+
+UNEVEN = 0.1
+"""Share of the interval by which instants may be off: times are rounded where they are printed."""
+
+
+def read_csv(path: Path) -> RecordSeries:
+    """Return the record in a file of two or three columns; raises CaseError with file and line.
+
+    Instants must rise by the same interval.
+    """
+    record = read_record(path)
+    check_rising(record, path)
+    _check_even(record, path)
+    return RecordSeries(
+        name=str(path),
+        format="csv",
+        time=record.time,
+        values=record.acceleration[:, : record.columns - 1],
+        guess=record.unit,
+    )
+
+
+def check_rising(record: Record, path: Path) -> None:
+    """Refuse instants that are not later than those before, by their line."""
+    if len(record.time) < 2:
+        remedy = "a record has at least 2 instants"
+        raise CaseError("has only one line of numbers", where=str(path), remedy=remedy)
+    for late in np.flatnonzero(np.diff(record.time) <= 0.0)[:1]:
+        raise CaseError(
+            f"time does not rise: {record.time[late + 1]:g} s comes after {record.time[late]:g} s",
+            where=f"{path}: line {record.lines[late + 1]}",
+            remedy="order the lines by time, each instant once; time is the first column",
+        )
+
+
+def _check_even(record: Record, path: Path) -> None:
+    """Refuse gaps: intervals that are not all the same, by the line after the first of them."""
+    interval = np.diff(record.time)
+    usual = float(np.sort(interval)[(len(interval) - 1) // 2])
+    for gap in np.flatnonzero(np.abs(interval - usual) > UNEVEN * usual)[:1]:
+        raise CaseError(
+            f"{interval[gap]:g} s lie before {record.time[gap + 1]:g} s, but {usual:g} s between "
+            "most instants",
+            where=f"{path}: line {record.lines[gap + 1]}",
+            remedy="fill the gap, or give the record at equal intervals",
+        )

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from clast.errors import CaseError, shortened
+from clast.inputs.records.columns import check_sizes, doubted_times
 from clast.inputs.records.conversion import CONVERSIONS, Samples
 from clast.inputs.records.formats import READERS, format_of
-from clast.inputs.records.instants import check_sizes, doubted_times
 from clast.inputs.records.series import UNITS, RecordSeries
 from clast.model.model import Floats
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from clast.case.case_file import Case
 from clast.errors import CaseError, ResultsLost, RunStopped
-from clast.inputs.time_and_output import TimeTable
+from clast.inputs.method import TimeTable
 from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
