@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from clast.inputs.builder import InputBuilder
-from clast.inputs.method import MethodTable
-from clast.inputs.method import TRAVEL_SHARE
+from clast.inputs.method import TRAVEL_SHARE, MethodTable
 from clast.model.model import Floats, Model
 from clast.run.schedule import Schedule
 from clast.step.method import Method

@@ -12,7 +12,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
@@ -22,9 +22,6 @@ from clast.errors import ModelError, shortened
 from clast.model.bodies import loops_round
 from clast.model.checks import point_text
 from clast.model.model import Floats, Ints
-
-if TYPE_CHECKING:
-    from clast.inputs.linings.linings import Lining
 
 GRID = 1e-8
 """Grid on which outlines are joined, in units of the size of the case."""
@@ -56,8 +53,8 @@ class LinesOfRock:
         self._grid = GRID * float(np.hypot(*(bounds[2:] - bounds[:2])))
         self._tree = shapely.STRtree(polygons)
 
-    def line(self, one: Lining, where: str) -> tuple[Floats, bool]:
-        """Return the points of the line of a lining, (c, 2), and whether it was turned round.
+    def line(self, one: Any, where: str) -> tuple[Floats, bool]:
+        """Return the points of the line of a lining (a Lining), (c, 2), and whether it was turned.
 
         A line that comes back does not repeat its first point.
         """
