@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.paper.runs import PaperResult
 from clast.model.model import Floats
-from clast.pictures.curves import Series
+from clast.pictures.charts import Curve
 from clast.studies.comparison_pages import markdown_table
 
 PASSES = 6
@@ -84,10 +84,10 @@ def write_page(sections: Sequence[StudySection], page: Path) -> None:
     page.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def series_of(x: Floats, values: Mapping[str, Floats]) -> list[Series]:
+def series_of(x: Floats, values: Mapping[str, Floats]) -> list[Curve]:
     """Return series by label: a colour for each process, dashed for the second law."""
     return [
-        Series(
+        Curve(
             label=label,
             group=GROUPS.index(label.split(", ")[0]),
             line="--" if label.endswith("ALM") else "-",

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
 from benchmarks.paper.runs import EVERY_COMBINATION, PROCESSES, PaperResult, PaperResults, PaperRun
 from clast.model.model import Floats
-from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
+from clast.pictures.charts import Chart, Curve, draw_charts, exact_curve
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
 
@@ -74,7 +74,7 @@ def section(results: PaperResults, images: Path) -> StudySection:
     plain = {process: _penetrations(series[f"{process}, penalty"]) for process in PROCESSES}
     over_p = {p: _penetrations(series[f"{p}, ALM"]) / plain[p] for p in PROCESSES}
     over_n = {p: _penetrations(counted[f"{p}, ALM"]) / plain[p][0] for p in PROCESSES}
-    draw_diagrams(_diagrams(over_n, over_p), images / FIGURE)
+    draw_charts(_diagrams(over_n, over_p), images / FIGURE)
     return StudySection(
         title="Penalty against augmented Lagrangian",
         text="A block of 1 m x 1 m at rest on two corners, static. With the penalty law each "
@@ -162,30 +162,31 @@ def _table_over_n(over_n: Mapping[str, Floats]) -> list[str]:
     return markdown_table(("solves n", "1/n", "exact share left", *shares), rows)
 
 
-def _marks(x: Floats, values: Mapping[str, Floats]) -> list[Series]:
+def _marks(x: Floats, values: Mapping[str, Floats]) -> list[Curve]:
     """Return series without lines: the exact curve is drawn between them."""
     return [replace(one, line="") for one in series_of(x, values)]
 
 
-def _diagrams(over_n: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> list[Diagram]:
+def _diagrams(over_n: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> list[Chart]:
     fine, dense = np.linspace(1.0, 8.0, 50), np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 50)
     at_counts = np.array([share(STIFFNESSES[0], n) for n in fine])
     at_stiffnesses = np.array([share(value, PAPER_SOLVES) for value in dense])
     exact = "β/((1 + β)ⁿ - 1)"
     return [
-        Diagram(
+        Chart(
             title=f"p = {STIFFNESSES[0]:.0e} N/m per m",
             x_label="multiplier solves n in a step",
             y_label="share of the penetration left",
-            series=_marks(np.array(COUNTS, float), over_n),
-            rules=[Rule(label=exact, x=fine, y=at_counts)],
+            curves=[*_marks(np.array(COUNTS, float), over_n), exact_curve(exact, fine, at_counts)],
         ),
-        Diagram(
+        Chart(
             title="4 solves",
             x_label="normal stiffness p, N/m per m",
             y_label="share of the penetration left",
             x_scale="log",
-            series=_marks(np.array(STIFFNESSES), over_p),
-            rules=[Rule(label=exact, x=dense, y=at_stiffnesses)],
+            curves=[
+                *_marks(np.array(STIFFNESSES), over_p),
+                exact_curve(exact, dense, at_stiffnesses),
+            ],
         ),
     ]

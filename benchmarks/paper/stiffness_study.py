@@ -11,7 +11,7 @@ from benchmarks.paper.page import Claim, StudySection, listed, percent, series_o
 from benchmarks.paper.runs import EVERY_COMBINATION, PaperResult, PaperResults, PaperRun
 from benchmarks.paper.table_1 import error, exact_distance, ranges
 from clast.model.model import Floats
-from clast.pictures.curves import Diagram, draw_diagrams
+from clast.pictures.charts import Chart, draw_charts
 
 STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12, 5e12)
 """Normal stiffnesses, N/m per m."""
@@ -49,7 +49,7 @@ def section(results: PaperResults, images: Path) -> StudySection:
         label: np.array([error(one, exact) for one in runs]) for label, runs in series.items()
     }
     depths = {label: np.array([one.depth for one in runs]) for label, runs in series.items()}
-    draw_diagrams(_diagrams(errors, depths), images / FIGURE)
+    draw_charts(_diagrams(errors, depths), images / FIGURE)
     return StudySection(
         title="Contact stiffness",
         text="The same incline at φ = 20 degrees with p from far below E (5e10 Pa) to far above. "
@@ -104,19 +104,19 @@ def _words(low: float, high: float) -> str:
     return f"up to p h²/m = {low:.3g}, no longer at {high:.3g}"
 
 
-def _diagrams(errors: Mapping[str, Floats], depths: Mapping[str, Floats]) -> list[Diagram]:
+def _diagrams(errors: Mapping[str, Floats], depths: Mapping[str, Floats]) -> list[Chart]:
     quantities = {
         "error, %": {label: 100.0 * each for label, each in errors.items()},
         "largest penetration, mm": {label: 1e3 * each for label, each in depths.items()},
     }
     return [
-        Diagram(
+        Chart(
             title=f"Incline at 20 degrees: {name.split(',')[0]}",
             x_label="normal stiffness p, N/m per m (crosses: the run stopped)",
             y_label=name,
             x_scale="log",
             y_scale="log",
-            series=series_of(np.array(STIFFNESSES), quantity),
+            curves=series_of(np.array(STIFFNESSES), quantity),
         )
         for name, quantity in quantities.items()
     ]

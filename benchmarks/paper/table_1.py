@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
 from benchmarks.paper.runs import EVERY_COMBINATION, PaperResult, PaperResults, PaperRun
 from clast.model.model import Floats
-from clast.pictures.curves import Diagram, Rule, draw_diagrams
+from clast.pictures.charts import Chart, draw_charts, exact_curve
 from clast.studies.comparison_pages import markdown_table
 
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
@@ -75,7 +75,7 @@ def section(results: PaperResults, images: Path) -> StudySection:
         for label, runs in series.items()
     }
     stays = {label: miss(runs[-1], 0.0) for label, runs in series.items()}
-    draw_diagrams([_diagram(moving, errors)], images / FIGURE)
+    draw_charts([_diagram(moving, errors)], images / FIGURE)
     return StudySection(
         title="Table 1: the incline",
         text="A block slides down 45 degrees for 1 s from rest; p = 1e9 N/m per m (E/50). The "
@@ -147,20 +147,23 @@ def _table(errors: Mapping[str, Floats], stays: Mapping[str, float]) -> list[str
     return markdown_table(("φ, degrees", "exact u = -v, m", "friction lag, %", *errors), rows)
 
 
-def _diagram(angles: Floats, errors: Mapping[str, Floats]) -> Diagram:
+def _diagram(angles: Floats, errors: Mapping[str, Floats]) -> Chart:
     lags = np.array([100.0 * lag(angle) for angle in angles[1:]])
     low, high = (100.0 * each for each in PAPER_ERRORS)
     # there and back: a frame around what the paper reports
-    quoted = Rule(
-        label=f"the paper: {low:g} to {high:g} %",
-        x=np.concatenate([angles, angles[::-1], angles[:1]]),
-        y=np.repeat([low, high, low], [len(angles), len(angles), 1]),
+    quoted = exact_curve(
+        f"the paper: {low:g} to {high:g} %",
+        np.concatenate([angles, angles[::-1], angles[:1]]),
+        np.repeat([low, high, low], [len(angles), len(angles), 1]),
     )
-    return Diagram(
+    return Chart(
         title="Table 1",
         x_label="friction angle φ, degrees",
         y_label="error, %",
         y_scale="log",
-        series=series_of(angles, {label: 100.0 * each for label, each in errors.items()}),
-        rules=[Rule(label="cost of friction lag", x=angles[1:], y=lags), quoted],
+        curves=[
+            *series_of(angles, {label: 100.0 * each for label, each in errors.items()}),
+            exact_curve("cost of friction lag", angles[1:], lags),
+            quoted,
+        ],
     )

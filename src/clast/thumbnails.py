@@ -14,8 +14,10 @@ WIDTH, HEIGHT = 320.0, 200.0
 MARGIN = 4.0
 MOST_BLOCKS = 5_000
 """Blocks that are drawn: more are shown by their box."""
-INKS = ("#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a")
-"""Colours of curves."""
+CURVE_COLOURS = (
+    *("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00", "#a8324a", "#4f5b66", "#00796b"),
+)
+"""Colours of curves in plots, histories, studies and verification, on pages and in notebooks."""
 FIXED, FREE, EDGE = "#dcdcdc", "#efe0b9", "#262626"
 RAMP = np.array([(255, 255, 204), (254, 204, 92), (253, 141, 60), (227, 26, 28)], np.float64)
 """Colours of values from 0 to 1."""
@@ -135,7 +137,7 @@ def curves(x: NDArray[Any], lines: Mapping[str, NDArray[Any]]) -> str:
     frame = f"{left:.1f},{top:.1f} {left:.1f},{foot:.1f} {left + WIDTH:.1f},{foot:.1f}"
     drawn.append(f'<polyline points="{frame}" fill="none" stroke="#999"/>')
     for number, (name, line) in enumerate(lines.items()):
-        ink = INKS[number % len(INKS)]
+        ink = CURVE_COLOURS[number % len(CURVE_COLOURS)]
         drawn.append(_text(left, LINE * (number + 1) - 2, name, ink))
         kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), 400)).astype(int))
         kept = kept[np.isfinite(np.asarray(line, np.float64)[kept])]

@@ -14,7 +14,7 @@ import clast
 from clast.errors import CaseError
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.figure_options import LAYERS, Look
-from clast.pictures.histories import _lines, plot_histories
+from clast.pictures.histories import _asked, plot_histories
 from clast.pictures.joints.joint_values import resultants_of
 from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
 from clast.pictures.plot import plot_two_frames
@@ -198,15 +198,14 @@ def test_numbers_below_a_colour_bar_do_not_touch(width, limits):
 def test_names_of_two_kinds_do_not_hide_each_other(sprayed, tmp_path, name, panels):
     """A point, a reaction and a lining are called "crown": each is drawn, with its own values."""
     results = clast.read(sprayed.output)
-    lines = _lines(results, name)
-    assert {line.quantity.removesuffix(" linings") for line in lines} == panels
-    for line in lines:
-        if line.label == "crown, y" and line.quantity == "Displacement":
-            assert np.array_equal(line.value, results.history("crown").displacement[:, 1])
-        if line.label == "crown, y" and line.quantity == "Reaction":
-            assert np.array_equal(line.value, results.reaction("crown").force[:, 1])
-        if line.quantity == "N of linings" and line.label == "crown, least":
-            assert np.array_equal(line.value, results.lining("crown").normal_force.min(axis=1))
+    asked = {one.panel.removesuffix(" linings"): one.lines for _, one in _asked(results, name)}
+    assert {*asked} - {"Velocity"} == panels
+    for panel, part, values in (
+        ("Displacement", "y", results.history("crown").displacement[:, 1]),
+        ("Reaction", "y", results.reaction("crown").force[:, 1]),
+        ("N of", "least", results.lining("crown").normal_force.min(axis=1)),
+    ):
+        assert panel not in panels or np.array_equal(asked[panel][part], values)
     plot_histories(results, tmp_path / "crown.svg", [name])
 
 
@@ -217,8 +216,8 @@ def test_what_is_called_as_the_ledger_does_not_hide_it(tmp_path):
     for name in ("energy", "steps"):
         builder.measured_point(name, (0.2, 0.2), block="steps")
     run = clast.simulate(builder, end=0.01, step=1e-3)
-    assert {line.quantity for line in _lines(run, "energy")} == {"Displacement", "Energy"}
-    assert {line.quantity for line in _lines(run, "run:energy")} == {"Energy"}
-    assert {line.quantity for line in _lines(run, "steps")} > {"Displacement", "Step"}
+    assert {one.panel for _, one in _asked(run, "energy")} > {"Displacement", "Energy"}
+    assert [(thing, one.panel) for thing, one in _asked(run, "run:energy")] == [("", "Energy")]
+    assert {one.panel for _, one in _asked(run, "steps")} > {"Displacement", "Step"}
     with pytest.raises(CaseError, match="there is no history 'bolt:energy'"):
-        _lines(run, "bolt:energy")
+        _asked(run, "bolt:energy")

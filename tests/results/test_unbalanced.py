@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.histories import plot_histories
-from clast.pictures.page.page_curves import curves_of
+from clast.pictures.histories import histories_of, plot_histories
 
 STAGES = [
     clast.Stage(name="rest", dynamic_ratio=0.0),
@@ -44,8 +43,8 @@ def test_each_step_of_a_stage_has_the_force_that_it_was_judged_by(staged: clast.
 
 
 def test_charts_have_it(staged: clast.Run, tmp_path: Path):
-    curve = next(one for one in curves_of(staged) if one["name"] == "Unbalanced force")
-    assert curve["lines"][0]["values"][0] == pytest.approx(staged.steps["unbalanced"][0], rel=1e-5)
+    curve = next(one for one in histories_of(staged) if one.title == "Unbalanced force")
+    assert np.array_equal(curve.lines["of all forces"], staged.steps["unbalanced"], equal_nan=True)
     text = plot_histories(staged, tmp_path / "steps.svg", ["steps"]).read_text("utf-8")
     assert "Unbalanced force" in text
 
@@ -53,4 +52,4 @@ def test_charts_have_it(staged: clast.Run, tmp_path: Path):
 def test_runs_without_stages_have_none(tmp_path: Path):
     run = clast.simulate(brick(), step=1e-3, end=5e-3, output=tmp_path / "brick.vtkhdf")
     assert np.isnan(run.steps["unbalanced"]).all()
-    assert all(one["name"] != "Unbalanced force" for one in curves_of(run))
+    assert all(one.title != "Unbalanced force" for one in histories_of(run))

@@ -26,6 +26,11 @@ FAINT = "#8c8c8c"
 NAME_BOX = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
 """Ground of names, so that they can be read on anything."""
 
+TEXT: dict[str, Any] = {"fontsize": 9.0, "color": INK}
+"""Labels of axes and colour bars."""
+LEGEND: dict[str, Any] = {"fontsize": 8.0, "labelcolor": INK, "frameon": False}
+"""Legends."""
+
 LEFT, RIGHT, BELOW = 0.75, 0.25, 0.55
 """Margins for the labels of the axes, inches."""
 BESIDE_TITLE = 0.5

@@ -1,8 +1,8 @@
-"""Several histories in one picture: points, bolts, contacts, supports, energy and steps."""
+"""Histories of a run: over time, or over a displacement, in pictures and on pages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,34 +13,135 @@ from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import LEGEND, TEXT
+from clast.pictures.charts import Curve
 from clast.pictures.fields import prefixed
+from clast.pictures.supports.draw_linings import DIAGRAMS
 from clast.results import Recording
+from clast.thumbnails import CURVE_COLOURS
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a6a00", "#56b4e9", "#444444", "#e69f00")
-"""Colours of lines, told apart by most eyes (after Okabe and Ito)."""
 DASHES = ("-", "--", ":")
 WIDTH, PANEL = 6.4, 1.75
 """Width of the picture and height of a panel, inches."""
 LEGEND_LINE = 0.172
 """Height of a line of the legend, inches."""
-MOST_LINES = 24
-"""Lines of a panel at most."""
+PANEL_LINES_MAX = 24
 COMPONENTS = {"x": 0, "y": 1}
 LOST = 4
 """State of a joint of a lining from which on it carries nothing."""
+BOLT_MARKS = {2: ("yielded", "#8e24aa"), 3: ("broke", "#c0143c")}
+"""State of a bolt -> its text in the history, and its colour."""
 
 
 @dataclass(frozen=True)
-class _Line:
-    """A quantity over time."""
+class History:
+    """A quantity of something over time."""
 
-    quantity: str
-    """Title of the panel."""
+    title: str
+    """Title of its chart on a page."""
+    panel: str
+    """Title of its panel beside others in a picture; "" where it has none."""
     unit: str
-    label: str
     time: Floats
-    value: Floats
+    """s, shape (t,)."""
+    lines: Mapping[str, Floats]
+    """Part or component, "" where there is one alone -> its values, shape (t,)."""
+
+
+def _of_point(results: Recording, name: str) -> Iterator[History]:
+    point = results.history(name)
+    for quantity, unit in (("displacement", "m"), ("velocity", "m/s")):
+        x, y = getattr(point, quantity).T
+        panel, title = quantity.capitalize(), f"Point {name}, {quantity}"
+        yield History(title, panel, unit, point.time, {"x": x, "y": y})
+
+
+def _of_bolt(results: Recording, name: str) -> Iterator[History]:
+    bolt = results.bolt_history(name)
+    yield History(f"Bolt {name}, force", "Force", "N/m", bolt.time, {"": bolt.force})
+
+
+def _of_contact(results: Recording, name: str) -> Iterator[History]:
+    rows = results.measured_contact(name)
+    for quantity, unit, columns in (
+        ("stress", "Pa", ("normal", "shear")),
+        ("slip", "m", ("slip", "slip_least", "slip_most")),
+        ("opening", "m", ("opening", "opening_least", "opening_most")),
+    ):
+        panel = f"{quantity} {'on' if quantity == 'stress' else 'of'} joints".capitalize()
+        lines = {column: rows[column] for column in columns}
+        yield History(f"Contact {name}, {quantity}", panel, unit, rows["time"], lines)
+
+
+def _of_reaction(results: Recording, name: str) -> Iterator[History]:
+    rows = results.reaction(name)
+    force = {"x": rows.force[:, 0], "y": rows.force[:, 1]}
+    yield History(f"Reaction {name}, force", "Reaction", "N/m", rows.time, force)
+    moment = {"": rows.moment}
+    title, panel = f"Reaction {name}, moment", "Moment of reactions"
+    yield History(title, panel, "N m/m", rows.time, moment)
+
+
+def _of_link(results: Recording, name: str) -> Iterator[History]:
+    link = results.link(name)
+    force = {"along": link.force[:, 0], "across": link.force[:, 1]}
+    yield History(f"Link {name}, force", "Force of links", "N/m", link["time"], force)
+    yield History(f"Link {name}, moment", "", "N m/m", link["time"], {"": link["moment"]})
+
+
+def _of_lining(results: Recording, name: str) -> Iterator[History]:
+    """Yield the largest and the least of N, Q and M along a lining."""
+    lining = results.lining(name)
+    carries = (lining.state > 0) & (lining.state < LOST)
+    for one in DIAGRAMS.values():
+        values = np.where(carries, np.nan_to_num(getattr(lining, one.column)), 0.0)
+        lines = {"most": values.max(axis=1), "least": values.min(axis=1)}
+        title, panel = f"Lining {name}, {one.letter}", f"{one.letter} of linings"
+        yield History(title, panel, one.unit, lining.time, lines)
+
+
+def _of_energy(results: Recording, name: str) -> Iterator[History]:
+    energy = results.energy
+    parts = {key: values for key, values in energy.items() if key != "time" and np.any(values)}
+    yield History("Energy", "Energy", "J/m", energy["time"], parts)
+
+
+def _of_steps(results: Recording, name: str) -> Iterator[History]:
+    steps = results.steps
+    if not len(steps):
+        return
+    time = steps["time"]
+    yield History("Step", "Step", "s", time, {"": steps["step"]})
+    yield History("Deepest penetration", "Penetration", "m", time, {"": steps["penetration"]})
+    yield History("Contacts", "", "", time, {"": steps["contacts"]})
+    if np.isfinite(steps["unbalanced"]).any():
+        ratio = {"of all forces": steps["unbalanced"]}
+        yield History("Unbalanced force", "Unbalanced force", "", time, ratio)
+
+
+RUN = ("energy", "steps")
+"""Kinds that are of the run itself."""
+KINDS: dict[
+    str,
+    tuple[Callable[[Recording], Sequence[str]], Callable[[Recording, str], Iterator[History]]],
+] = {
+    "point": (lambda results: results.point_name, _of_point),
+    "bolt": (lambda results: results.bolt_name, _of_bolt),
+    "contact": (lambda results: results.measured_contact_name, _of_contact),
+    "reaction": (lambda results: results.reaction_name, _of_reaction),
+    "link": (lambda results: results.link_name, _of_link),
+    "lining": (lambda results: results.lining_name, _of_lining),
+    "energy": (lambda _: RUN[:1], _of_energy),
+    "steps": (lambda _: RUN[1:], _of_steps),
+}
+"""Kind of thing -> the names of those in a run, and the histories of one."""
+
+
+def histories_of(results: Recording) -> Iterator[History]:
+    """Yield all histories of a run."""
+    for names, histories in KINDS.values():
+        for name in names(results):
+            yield from histories(results, name)
 
 
 def plot_histories(
@@ -53,49 +154,79 @@ def plot_histories(
     "time", or a displacement of a measured point: "crown:y".  Raises CaseError for names that do
     not exist.
     """
-    lines = [line for name in names for line in _lines(results, name)]
-    panels: dict[tuple[str, str], list[_Line]] = {}
-    for line in lines:
-        panels.setdefault((line.quantity, line.unit), []).append(line)
+    panels: dict[tuple[str, str], list[Curve]] = {}
     label, abscissa = _abscissa(results, against)
-    title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
-    tall = [max(PANEL, 0.25 + LEGEND_LINE * min(len(own), MOST_LINES)) for own in panels.values()]
-    high = canvas.BELOW + sum(tall) + 0.2 * len(tall) + 0.1 + canvas.LINE * (len(title) + 0.5)
-    figure = canvas.new_figure((WIDTH, high), 160)
-    canvas.head(figure, 0.85, title, "")
-    for place, ((quantity, unit), own) in enumerate(panels.items()):
-        up = canvas.BELOW + sum(tall[place + 1 :]) + 0.2 * (len(tall) - 1 - place)
-        axes = figure.add_axes((0.85 / WIDTH, up / high, 4.1 / WIDTH, tall[place] / high))
-        largest = max(float(np.nanmax(np.abs(line.value), initial=0.0)) for line in own)
-        factor, unit_drawn = prefixed(largest, unit) if unit else (1.0, "")
-        for number, line in enumerate(own[:MOST_LINES]):
-            axes.plot(
-                abscissa(line.time),
-                factor * line.value,
-                DASHES[number // len(COLOURS) % len(DASHES)],
-                color=COLOURS[number % len(COLOURS)],
-                lw=1.2,
-                label=canvas.literal(line.label),
-            )
-        axes.set_ylabel(
-            f"{quantity} ({unit_drawn})" if unit_drawn else quantity, fontsize=TEXT_SIZE, color=INK
-        )
-        axes.grid(color="#e4e4e4", lw=0.6)
-        axes.margins(x=0.01)
-        # beside the lines, not on them
-        axes.legend(
-            loc="upper left",
-            bbox_to_anchor=(1.01, 1.02),
-            frameon=False,
-            fontsize=SMALL_SIZE,
-            labelcolor=INK,
-        )
-        canvas.style(axes)
-        if place == len(panels) - 1:
-            axes.set_xlabel(label, fontsize=TEXT_SIZE, color=INK)
-        else:
-            axes.tick_params(labelbottom=False)
+    for name in names:
+        for thing, one in _asked(results, name):
+            # the velocity of a point is on its own picture
+            if one.panel not in ("", "Velocity"):
+                curves = panels.setdefault((one.panel, one.unit), [])
+                curves += _curves(one, thing, abscissa(one.time))
+    return canvas.save(_figure(results, panels, label, ""), Path(path))
+
+
+def plot_history(results: Recording, path: Path | str, point: str) -> Path:
+    """Draw displacement and velocity of a measured point against time; return the path."""
+    results.history(point)  # refuses a name that is not there
+    panels = {
+        (one.panel, one.unit): _curves(one, "", one.time) for one in _of_point(results, point)
+    }
+    below = f"Measured point {canvas.literal(point)}"
+    return canvas.save(_figure(results, panels, "Time (s)", below), Path(path))
+
+
+def plot_bolt_history(results: Recording, path: Path | str, bolt: str) -> Path:
+    """Draw force and elongation of a rock bolt against time; return the path.
+
+    Where it yielded or broke is marked.  Raises CaseError for a bolt that does not exist.
+    """
+    history = results.bolt_history(bolt)
+    panels = {
+        ("Force", "N/m"): [Curve(label="", x=history.time, y=history.force)],
+        ("Elongation", "m"): [Curve(label="", x=history.time, y=history.elongation)],
+    }
+    figure = _figure(results, panels, "Time (s)", f"Bolt {canvas.literal(bolt)}")
+    for state, (event, colour) in BOLT_MARKS.items():
+        for at in history.time[history.state == state][:1]:
+            for axes in figure.axes:
+                axes.axvline(at, color=colour, ls="--", lw=1.0, label=f"{event} at {at:.4g} s")
+    if figure.axes[0].get_legend_handles_labels()[1]:
+        figure.axes[0].legend(loc="best", **LEGEND)
     return canvas.save(figure, Path(path))
+
+
+def _asked(results: Recording, name: str) -> list[tuple[str, History]]:
+    """Return the histories of everything called so, or of one kind of it: "lining:crown".
+
+    They come with the name of the thing, "" for the run.  CaseError where nothing is called so.
+    """
+    asked, known = list[tuple[str, History]](), list[str]()
+    for kind, (names, histories) in KINDS.items():
+        known += names(results)
+        of = "run" if kind in RUN else kind
+        for one in dict.fromkeys((name, name.removeprefix(f"{of}:"))):
+            if one in names(results):
+                thing = "" if kind in RUN else one
+                asked += [(thing, history) for history in histories(results, one)]
+    if not asked:
+        raise CaseError(
+            f"there is no history '{name}'",
+            where="history",
+            remedy=spelling.advice(name, dict.fromkeys(known), kind="history"),
+        )
+    return asked
+
+
+def _curves(history: History, thing: str, x: Floats) -> list[Curve]:
+    """Return the curves of a history of a thing, "" for the run."""
+    curves = []
+    for part, values in history.lines.items():
+        if part.endswith(("_least", "_most")):
+            continue  # extremes along a contact are on pages
+        words = "" if part in ("slip", "opening") else part.replace("_", " ")
+        label = ", ".join(filter(None, (thing, words))) or history.panel.lower()
+        curves.append(Curve(label=label, x=x, y=values))
+    return curves
 
 
 def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats], Floats]]:
@@ -111,122 +242,44 @@ def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats],
             remedy=spelling.advice(against, ["time", *known], kind="abscissa"),
         )
     history = results.history(name)
-    moved = history.displacement[:, COMPONENTS[part]]
-    factor, unit = prefixed(float(np.abs(moved).max()), "m")
+    displacement = history.displacement[:, COMPONENTS[part]]
+    factor, unit = prefixed(float(np.abs(displacement).max()), "m")
     label = f"Displacement of {canvas.literal(name)} in {part} ({unit})"
-    return label, lambda time: np.asarray(factor * np.interp(time, history.time, moved))
+    return label, lambda time: np.asarray(factor * np.interp(time, history.time, displacement))
 
 
-def _lines(results: Recording, name: str) -> list[_Line]:
-    """Return the lines of everything called so, or of one kind of it: "lining:crown".
-
-    Raises CaseError where nothing is called so.
-    """
-    kinds: tuple[tuple[str, Sequence[str], Callable[[Recording, str], list[_Line]]], ...] = (
-        ("point", results.point_name, _of_point),
-        ("bolt", results.bolt_name, _of_bolt),
-        ("contact", results.measured_contact_name, _of_contact),
-        ("reaction", results.reaction_name, _of_reaction),
-        ("link", results.link_name, _of_link),
-        ("lining", results.lining_name, _of_lining),
-        ("run", ("energy",), _of_energy),
-        ("run", ("steps",), _of_steps),
-    )
-    lines = [
-        line
-        for kind, names, lines_of in kinds
-        for one in dict.fromkeys((name, name.removeprefix(f"{kind}:")))
-        if one in names
-        for line in lines_of(results, one)
+def _figure(
+    results: Recording, panels: Mapping[tuple[str, str], list[Curve]], label: str, below: str
+) -> Any:
+    """Return a figure of panels (quantity, unit) above each other, with a line below the title."""
+    title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
+    tall = [
+        max(PANEL, 0.25 + LEGEND_LINE * min(len(one), PANEL_LINES_MAX)) for one in panels.values()
     ]
-    if not lines:
-        known = list(dict.fromkeys(one for _, names, _ in kinds for one in names))
-        raise CaseError(
-            f"there is no history '{name}'",
-            where="history",
-            remedy=spelling.advice(name, known, kind="history"),
-        )
-    return lines
-
-
-def _of_point(results: Recording, name: str) -> list[_Line]:
-    history = results.history(name)
-    return [
-        _Line("Displacement", "m", f"{name}, {part}", history.time, history.displacement[:, k])
-        for part, k in COMPONENTS.items()
-    ]
-
-
-def _of_bolt(results: Recording, name: str) -> list[_Line]:
-    history = results.bolt_history(name)
-    return [_Line("Force", "N/m", name, history.time, history.force)]
-
-
-def _of_contact(results: Recording, name: str) -> list[_Line]:
-    history = results.measured_contact(name)
-    return [
-        _Line("Stress on joints", "Pa", f"{name}, normal", history.time, history["normal"]),
-        _Line("Stress on joints", "Pa", f"{name}, shear", history.time, history["shear"]),
-        _Line("Slip of joints", "m", name, history.time, history["slip"]),
-        _Line("Opening of joints", "m", name, history.time, history["opening"]),
-    ]
-
-
-def _of_energy(results: Recording, name: str) -> list[_Line]:
-    energy = results.energy
-    return [
-        _Line("Energy", "J/m", key.replace("_", " "), energy["time"], values)
-        for key, values in energy.items()
-        if key != "time" and np.any(values)
-    ]
-
-
-def _of_steps(results: Recording, name: str) -> list[_Line]:
-    steps = results.steps
-    return [
-        _Line("Step", "s", "step", steps["time"], steps["step"]),
-        _Line("Penetration", "m", "largest", steps["time"], steps["penetration"]),
-        *_unbalanced(steps),
-    ]
-
-
-def _unbalanced(steps: Mapping[str, Any]) -> list[_Line]:
-    """Return the unbalanced force of the steps of stages; an earlier clast did not keep it."""
-    if "unbalanced" not in steps or not np.isfinite(steps["unbalanced"]).any():
-        return []
-    return [_Line("Unbalanced force", "", "of all forces", steps["time"], steps["unbalanced"])]
-
-
-def _of_reaction(results: Recording, name: str) -> list[_Line]:
-    reaction = results.reaction(name)
-    return [
-        *(
-            _Line("Reaction", "N/m", f"{name}, {part}", reaction.time, reaction.force[:, k])
-            for part, k in COMPONENTS.items()
-        ),
-        _Line("Moment of reactions", "N m/m", name, reaction.time, reaction.moment),
-    ]
-
-
-def _of_link(results: Recording, name: str) -> list[_Line]:
-    link = results.link(name)
-    return [
-        _Line("Force of links", "N/m", f"{name}, {part}", link["time"], link.force[:, k])
-        for k, part in enumerate(("along", "across"))
-    ]
-
-
-def _of_lining(results: Recording, name: str) -> list[_Line]:
-    """Return the largest and the least of N, Q and M along a lining."""
-    lining = results.lining(name)
-    carries = (lining.state > 0) & (lining.state < LOST)
-    found = []
-    for quantity, unit, values in (
-        ("N of linings", "N/m", lining.normal_force),
-        ("Q of linings", "N/m", lining.shear_force),
-        ("M of linings", "N m/m", lining.moment),
-    ):
-        held = np.where(carries, values, 0.0)
-        for said, value in (("most", held.max(axis=1)), ("least", held.min(axis=1))):
-            found.append(_Line(quantity, unit, f"{name}, {said}", lining.time, value))
-    return found
+    lines = len(title) + (1.0 if below else 0.5)
+    high = canvas.BELOW + sum(tall) + 0.2 * len(tall) + 0.1 + canvas.LINE * lines
+    figure = canvas.new_figure((WIDTH, high), 160)
+    canvas.head(figure, 0.85, title, below)
+    named = any(one.label for curves in panels.values() for one in curves)
+    for place, ((quantity, unit), curves) in enumerate(panels.items()):
+        up = canvas.BELOW + sum(tall[place + 1 :]) + 0.2 * (len(tall) - 1 - place)
+        wide = (4.1 if named else 5.35) / WIDTH
+        axes = figure.add_axes((0.85 / WIDTH, up / high, wide, tall[place] / high))
+        largest = max(float(np.nanmax(np.abs(one.y), initial=0.0)) for one in curves)
+        factor, unit_drawn = prefixed(largest, unit) if unit else (1.0, "")
+        for k, one in enumerate(curves[:PANEL_LINES_MAX]):
+            colour = CURVE_COLOURS[k % len(CURVE_COLOURS)]
+            dashes = DASHES[k // len(CURVE_COLOURS) % len(DASHES)]
+            text = canvas.literal(one.label)
+            axes.plot(one.x, factor * one.y, dashes, color=colour, lw=1.2, label=text)
+        axes.set_ylabel(f"{quantity} ({unit_drawn})" if unit_drawn else quantity, **TEXT)
+        axes.grid(color="#e4e4e4", lw=0.6)
+        axes.margins(x=0.01)
+        if named:  # beside the lines, not on them
+            axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), **LEGEND)
+        canvas.style(axes)
+        if place == len(panels) - 1:
+            axes.set_xlabel(label, **TEXT)
+        else:
+            axes.tick_params(labelbottom=False)
+    return figure

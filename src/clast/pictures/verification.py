@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.water.water import faces_of_joints, surface_at, wetted
-from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE, label_logarithms, style
+from clast.pictures.canvas import LEGEND, TEXT, style
+from clast.pictures.charts import Chart, Curve, curve, draw_chart, exact_curve, merged
 from clast.pictures.draw_water import BLUE
 from clast.pictures.strokes import following
 from clast.pictures.supports.draw_links import COLOURS as COLOURS_OF_LINKS
@@ -23,24 +23,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+__all__ = ["Chart", "Curve", "curve", "draw_problem", "exact_curve"]
+
 ROCK, FIXED, OUTLINE = "#e6dccb", "#b7aea1", "#4a443c"
 """Colours of free blocks, fixed blocks and their outlines."""
 ARROW = "#c1440e"
 """Colour of loads and velocities."""
 SUPPORT = COLOURS_OF_LINKS["intact"]
 """Colour of bolts and links."""
-EXACT = "#222222"
-"""Colour of exact curves."""
-EXACT_STYLES = ("-", "--", ":", "-.")
-COMPUTED = ("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00")
-MARKS = ("o", "s", "^", "D", "v", "<", ">")
-"""Colours and marks of computed values, in turn: 35 pairs before the first comes again."""
 SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
 """Width of the set-up and of a chart, and their height, inches."""
 KEY, LETTER, LINE = 0.5, 0.062, 0.175
 """Width of a line in a legend, width of a letter and height of a line of text, inches."""
-APART, FEW = 0.03, 40
-"""Distance of the marks of a curve at least, in diagonals of the axes, and values all marked."""
 CROWD, ROOM, LEAST = 12, 0.12, 3
 """Arrows all drawn; of more, how far apart they are, in widths of the set-up, and how many at least
 tell something."""
@@ -57,62 +51,6 @@ DOTS = 150
 """Dots per inch."""
 COLOURS = 160
 """Colours of a picture."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Curve:
-    """Values over x: exact ones are drawn as a line, computed ones as marks."""
-
-    label: str
-    """Its text in the legend."""
-    x: Floats
-    """Abscissa, shape (k,)."""
-    y: Floats
-    """Ordinate, shape (k,)."""
-    exact: bool = False
-    """True for values of a formula."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Chart:
-    """Curves over one pair of axes."""
-
-    title: str
-    """Title; charts of the same title share their axes."""
-    x_label: str
-    """Quantity and unit of the abscissa."""
-    y_label: str
-    """Quantity and unit of the ordinate."""
-    curves: tuple[Curve, ...]
-    """The curves."""
-    x_scale: Literal["linear", "log"] = "linear"
-    """Scale of the abscissa."""
-    y_scale: Literal["linear", "log"] = "linear"
-    """Scale of the ordinate."""
-
-
-def curve(label: str, x: Any, y: Any) -> Curve:
-    """Return a curve of computed values."""
-    return Curve(label=label, x=np.asarray(x, float), y=np.asarray(y, float))
-
-
-def exact_curve(label: str, x: Any, y: Any) -> Curve:
-    """Return a curve of exact values."""
-    return replace(curve(label, x, y), exact=True)
-
-
-def merged(charts: Sequence[Chart]) -> list[Chart]:
-    """Return one chart for every title, with every exact curve once."""
-    by_title: dict[str, Chart] = {}
-    for chart in charts:
-        before = by_title.get(chart.title)
-        if before is None:
-            by_title[chart.title] = chart
-            continue
-        labels = {one.label for one in before.curves}
-        added = tuple(one for one in chart.curves if one.label not in labels)
-        by_title[chart.title] = replace(before, curves=before.curves + added)
-    return list(by_title.values())
 
 
 def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
@@ -135,7 +73,9 @@ def figure_of(set_up: Model, charts: Sequence[Chart]) -> Figure:
     )
     draw_set_up(figure.add_subplot(grid[0, 0]), set_up)
     for row, chart in enumerate(charts):
-        draw_chart(figure.add_subplot(grid[row, 1]), chart)
+        axes = figure.add_subplot(grid[row, 1])
+        draw_chart(axes, chart)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, **LEGEND)
     return figure
 
 
@@ -150,47 +90,6 @@ def _save_small(figure: Figure, path: Path) -> None:
     # largest coverage would give blocks a tinge of the marks
     few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
-
-
-def draw_chart(axes: Axes, chart: Chart) -> None:
-    """Draw a chart: exact curves as lines, computed values as open marks on them."""
-    exact = [one for one in chart.curves if one.exact]
-    computed = [one for one in chart.curves if not one.exact]
-    for k, one in enumerate(exact):
-        dashes = EXACT_STYLES[k % len(EXACT_STYLES)]
-        axes.plot(one.x, one.y, dashes, color=EXACT, lw=1.2, label=one.label)
-    for k, one in enumerate(computed):
-        axes.plot(
-            one.x,
-            one.y,
-            MARKS[k % len(MARKS)],
-            color=COMPUTED[k % len(COMPUTED)],
-            # marks of several variants lie on each other: the first is the largest
-            ms=3.2 + 1.3 * max(0, 3 - k),
-            mfc="none",
-            mew=1.0,
-            # marks of a few values would leave the last out, and a single one
-            markevery=APART if len(one.x) > FEW else None,
-            label=one.label,
-        )
-    axes.set_xscale(chart.x_scale)
-    axes.set_yscale(chart.y_scale)
-    label_logarithms(axes)
-    if chart.x_scale == "linear":
-        axes.locator_params(axis="x", nbins=6)
-    axes.set_xlabel(chart.x_label, fontsize=SMALL_SIZE, color=INK)
-    axes.set_ylabel(chart.y_label, fontsize=SMALL_SIZE, color=INK)
-    axes.set_title(chart.title, fontsize=TEXT_SIZE, color=INK)
-    axes.grid(color="#dddddd", lw=0.6)
-    style(axes)
-    axes.legend(
-        fontsize=SMALL_SIZE,
-        labelcolor=INK,
-        frameon=False,
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-        borderaxespad=0.0,
-    )
 
 
 def draw_set_up(axes: Axes, model: Model) -> None:
@@ -230,7 +129,7 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.locator_params(axis="x", nbins=max(1, min(3, round(3 * width / height))))
     upright = max(1, min(6, int(6 * height / width)))
     axes.locator_params(axis="y", nbins=upright, min_n_ticks=min(2, upright))
-    axes.set_title("set-up (m)", fontsize=TEXT_SIZE, color=INK)
+    axes.set_title("set-up (m)", **TEXT)
     style(axes)
     if height < 0.1 * width:
         axes.set_yticks([])  # no room for numbers

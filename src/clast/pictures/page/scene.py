@@ -11,19 +11,22 @@ import numpy as np
 from clast.pictures.canvas import check_installed
 from clast.pictures.draw_bolts import LOOKS
 from clast.pictures.fields import SCALARS
+from clast.pictures.histories import History, histories_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.frame_data import moving
 from clast.pictures.page.packing import raw
-from clast.pictures.page.page_curves import curves_of
 from clast.pictures.page.supports_data import supports_of
 from clast.pictures.scale import colours_between
 from clast.pictures.strokes import strokes_of
 from clast.results import Recording
+from clast.thumbnails import CURVE_COLOURS
 
 MOST_VALUES = 4_000_000
 """Blocks times frames on a page; of longer runs frames are left out evenly."""
 COLOURS = 64
 """Colours of a scale."""
+CURVE_POINTS_MAX = 2_000
+"""Instants of a curve."""
 MONTHS = (
     "January February March April May June July August September October November December"
 ).split()
@@ -60,6 +63,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         "bolt_looks": [(label, colour) for label, colour, _ in LOOKS],
         "waters": [(one.surface + results.origin - origin).tolist() for one in results.water],
         "colours": _colours(),
+        "curve_colours": CURVE_COLOURS,
         "line_widths": [THIN, THICK],
         "supports": supports_of(results),
         **moving(results, numbers, budget),
@@ -79,10 +83,38 @@ def _day_of(results: Recording) -> str:
 def told(results: Recording) -> dict[str, Any]:
     """Return the words and curves of the page of a run, which grow while it goes on."""
     return {
-        "curves": curves_of(results),
+        "curves": [_curve(one) for one in histories_of(results) if len(one.time)],
         "events": [_event(one) for one in results.events],
         "report": _report(results),
     }
+
+
+def _curve(history: History) -> dict[str, Any]:
+    """Return the chart of a history; of long ones lowest and highest values of stretches."""
+    lines, count = history.lines, len(history.time)
+    kept = np.arange(count)
+    if count > CURVE_POINTS_MAX:
+        chosen = [np.array([0, count - 1])]
+        for values in lines.values():
+            for part in np.array_split(kept, max(1, CURVE_POINTS_MAX // (2 * len(lines)))):
+                here = np.nan_to_num(np.asarray(values)[part])
+                chosen.append(part[[int(here.argmin()), int(here.argmax())]])
+        kept = np.unique(np.concatenate(chosen))
+    return {
+        "name": history.title,
+        "unit": history.unit,
+        "time": [float(f"{t:.9g}") for t in np.asarray(history.time, float)[kept]],
+        "lines": [
+            {"name": key.replace("_", " "), "values": [_short(v) for v in np.asarray(values)[kept]]}
+            for key, values in lines.items()
+        ],
+    }
+
+
+def _short(value: Any) -> float | None:
+    """Return a number with six digits; None for one that is not finite, unknown to JSON."""
+    number = float(value)
+    return float(f"{number:.6g}") if np.isfinite(number) else None
 
 
 def _labels() -> dict[str, tuple[str, str]]:

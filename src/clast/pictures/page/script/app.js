@@ -79,7 +79,9 @@ export class Page {
     this.resize();
     this.fitAll();
     this.readAddress();
-    this.charts = new Charts(this.$("chart"), this.run.scene.curves, (time) => this.goTo(this.run.frameAt(time)));
+    this.charts = new Charts(this.$("chart"), this.run.scene.curves, this.run.scene.curve_colours, (time) =>
+      this.goTo(this.run.frameAt(time)),
+    );
     this.fillCurves();
     fillReport(this.$("report"), this.run.scene);
     this.applyTheme();

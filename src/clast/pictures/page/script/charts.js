@@ -2,8 +2,6 @@
 
 import { rounded, withUnit } from "./colours.js";
 
-const INKS = ["#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a", "#4f5b66", "#00796b"];
-
 const HEIGHT = 224;
 /** Height of a chart without its legend, pixels. */
 
@@ -11,10 +9,12 @@ const HEIGHT = 224;
 export class Charts {
   /**
    * @param {HTMLElement} place @param {any[]} curves of the scene
+   * @param {string[]} inks colours of lines, in turn
    * @param {(time: number) => void} goTo called with a time that is clicked
    */
-  constructor(place, curves, goTo) {
+  constructor(place, curves, inks, goTo) {
     this.place = place;
+    this.inks = inks;
     this.curves = curves;
     this.goTo = goTo;
     this.time = 0;
@@ -44,8 +44,8 @@ export class Charts {
           { label: curve.along ? "distance" : "time", value: (_, value) => (value == null ? "" : withUnit(value, curve.along ? "m" : "s", 5)) },
           ...curve.lines.map((line, k) => ({
             label: line.name || curve.name,
-            stroke: INKS[k % INKS.length],
-            dash: k >= INKS.length ? [6, 3] : [],
+            stroke: this.inks[k % this.inks.length],
+            dash: k >= this.inks.length ? [6, 3] : [],
             width: 1.5,
             points: { show: false },
             value: (_, value) => (value == null ? "" : withUnit(value, curve.unit, 4, line.error)),
