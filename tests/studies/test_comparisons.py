@@ -17,7 +17,7 @@ from clast.contact.laws import Penalty
 from clast.errors import CaseError
 from clast.pictures import canvas
 from clast.step.convex import Convex
-from clast.studies.comparison_table import cells, headings, remarks
+from clast.studies.comparison_pages import cells, headings, remarks
 
 END = "time.end=0.05"
 FALL = """

@@ -219,7 +219,7 @@ def comparison_table(comparison: ComparedMethods) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from clast.studies.comparison_table import cells, headings, remarks
+    from clast.studies.comparison_pages import cells, headings, remarks
 
     bench_table = Table(
         title=Text(comparison.title),

@@ -1,4 +1,4 @@
-"""Studies of a case: the same system through several processes, laws and numbers.
+"""Comparisons of a case: the same system through several processes and contact laws.
 
 comparison = clast.studies.compare(clast.load("case.toml"), ["modified", "convex"])
 clast.studies.write_comparison(comparison, Path("build/compare"))
@@ -21,15 +21,11 @@ if TYPE_CHECKING:
     from clast.studies.references import Deviation as Deviation
     from clast.studies.references import deviations as deviations
 
+COMPARING = ("Combination", "ComparedMethods", "ComparedRun", "combinations", "compare")
 HOME = {
-    "Combination": "clast.studies.comparing",
-    "ComparedMethods": "clast.studies.comparing",
-    "ComparedRun": "clast.studies.comparing",
-    "combinations": "clast.studies.comparing",
-    "compare": "clast.studies.comparing",
+    **dict.fromkeys(COMPARING, "clast.studies.comparing"),
     "write_comparison": "clast.studies.comparison_pages",
-    "Deviation": "clast.studies.references",
-    "deviations": "clast.studies.references",
+    **dict.fromkeys(("Deviation", "deviations"), "clast.studies.references"),
 }
 """Public name -> module that defines it."""
 

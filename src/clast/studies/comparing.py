@@ -38,9 +38,9 @@ class Combination:
     """Process of a step."""
     law: str
     """Contact law."""
-    own_process: Any = None
+    process_object: Any = None
     """The process itself, where it is an object; ``process`` is its name in tables."""
-    own_law: Any = None
+    law_object: Any = None
     """The contact law itself, where it is an object; ``law`` is its name in tables."""
 
     def __str__(self) -> str:
@@ -50,17 +50,17 @@ class Combination:
         """Return the case with this process and law.
 
         The numbers that the case gives for them are kept; a law that the case does not name takes
-        the stiffnesses of the one that it names.  Objects have their own.
+        the stiffnesses of the one that it names.  Objects have theirs.
         """
         process, law = case.method_.chosen("process"), case.method_.chosen("contact_law")
         numbers = _numbers(law)
         if law.name != self.law:
             numbers = {key: value for key, value in numbers.items() if key in SHARED}
-        own = _numbers(process) if process.name == self.process else {}
-        named_process, named_law = {"name": self.process, **own}, {"name": self.law, **numbers}
+        kept = _numbers(process) if process.name == self.process else {}
+        named_process, named_law = {"name": self.process, **kept}, {"name": self.law, **numbers}
         return case.with_method(
-            process=named_process if self.own_process is None else self.own_process,
-            contact_law=named_law if self.own_law is None else self.own_law,
+            process=named_process if self.process_object is None else self.process_object,
+            contact_law=named_law if self.law_object is None else self.law_object,
         )
 
 
@@ -168,11 +168,19 @@ def combinations(processes: Sequence[Any], laws: Sequence[Any]) -> list[Combinat
     An object is called by the name of its class, or by all that it prints where several are of one
     class.  Raises CaseError for unknown names.
     """
-    called = [_called("process", processes, PROCESSES), _called("contact law", laws, CONTACT_LAWS)]
+    named = [
+        _names_of("process", processes, PROCESSES),
+        _names_of("contact law", laws, CONTACT_LAWS),
+    ]
     return [
-        Combination(process, law, _object(own_process), _object(own_law))
-        for process, own_process in zip(called[0], processes, strict=True)
-        for law, own_law in zip(called[1], laws, strict=True)
+        Combination(
+            process,
+            law,
+            None if isinstance(process_object, str) else process_object,
+            None if isinstance(law_object, str) else law_object,
+        )
+        for process, process_object in zip(process_names, processes, strict=True)
+        for law, law_object in zip(law_names, laws, strict=True)
     ]
 
 
@@ -247,12 +255,7 @@ def _numbers(chosen: Chosen | GivenObject) -> dict[str, Any]:
     return {key: value for key, value in written.items() if key != "name"}
 
 
-def _object(given: Any) -> Any:
-    """Return an object that is given in the place of a name, or None for a name."""
-    return None if isinstance(given, str) else given
-
-
-def _called(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]:
+def _names_of(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]:
     """Return the names of processes or laws in tables; raise CaseError for invalid ones."""
     if not given:
         raise CaseError(

@@ -1,4 +1,4 @@
-"""A comparison as files: a Markdown page, an HTML page that holds its picture, JSON, a picture."""
+"""A comparison as a table of texts, and as files: Markdown, HTML with its picture, JSON, PNG."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
-from clast.studies.comparing import ComparedMethods
-from clast.studies.comparison_table import cells, headings, remarks
+from clast.studies.comparing import ComparedMethods, ComparedRun
 
 PAGE = "comparison"
 """Name of the files, without their endings."""
@@ -22,6 +21,10 @@ STYLE = (
     "text-align:right}td:nth-child(-n+2),td:last-child,th:nth-child(-n+2),th:last-child{text-align:left}"
     "img{max-width:100%}.stopped{background:#f6c7b6}"
 )
+
+
+POINT_COLUMNS_MAX = 4
+"""Measured points that get a column of their own, at most; JSON has all."""
 
 
 def write_comparison(comparison: ComparedMethods, directory: Path) -> list[Path]:
@@ -42,10 +45,8 @@ def write_comparison(comparison: ComparedMethods, directory: Path) -> list[Path]
 def draw(comparison: ComparedMethods, path: Path) -> Path:
     """Draw the end states, processes side by side and laws below each other."""
     processes = list(dict.fromkeys(row.combination.process for row in comparison.rows))
-    rows = sorted(
-        comparison.rows,
-        key=lambda row: _order_of_law(comparison, row.combination.law),
-    )
+    laws = [row.combination.law for row in comparison.rows]
+    rows = sorted(comparison.rows, key=lambda row: laws.index(row.combination.law))
     panels = [
         Panel(
             title=str(row.combination),
@@ -67,10 +68,6 @@ def draw(comparison: ComparedMethods, path: Path) -> Path:
     return draw_side_by_side(scene, path)
 
 
-def _order_of_law(comparison: ComparedMethods, law: str) -> int:
-    return [row.combination.law for row in comparison.rows].index(law)
-
-
 def markdown(comparison: ComparedMethods, picture: str) -> str:
     """Return the comparison as a Markdown page; ``picture`` is the picture's address."""
     lines = [f"# {comparison.title}", ""]
@@ -83,16 +80,12 @@ def markdown(comparison: ComparedMethods, picture: str) -> str:
 def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """Return the lines of a Markdown table: words to the left, numbers to the right."""
     columns = zip(*rows, strict=True)
-    under = ["---:" if all(map(_is_number, column)) else "---" for column in columns]
+    numbers = (all(text[:1] in "-0123456789" for text in column) for column in columns)
+    under = ["---:" if is_number else "---" for is_number in numbers]
     return [
         "| " + " | ".join(text.replace("|", "\\|") for text in line) + " |"
         for line in (heads, under, *rows)
     ]
-
-
-def _is_number(text: str) -> bool:
-    """Return True for texts that begin with a number, and for empty ones."""
-    return text[:1] in "-0123456789"
 
 
 def html(comparison: ComparedMethods, picture: bytes) -> str:
@@ -104,12 +97,12 @@ def html(comparison: ComparedMethods, picture: bytes) -> str:
         + "".join(f"<td>{escape(text)}" for text in cells(comparison, row))
         for row in comparison.rows
     )
-    said = "".join(f"<li>{escape(text)}" for text in remarks(comparison))
+    listed = "".join(f"<li>{escape(text)}" for text in remarks(comparison))
     source = f"data:image/png;base64,{b64encode(picture).decode()}"
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{title}</title>'
         f"<style>{STYLE}</style>\n<h1>{title}</h1>\n<table><tr>{head}\n{body}</table>\n"
-        f'<ul>{said}</ul>\n<img alt="End states side by side" src="{source}">\n'
+        f'<ul>{listed}</ul>\n<img alt="End states side by side" src="{source}">\n'
     )
 
 
@@ -120,3 +113,69 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def headings(comparison: ComparedMethods) -> tuple[str, ...]:
+    """Return the headings of the table; passes and solves are per step."""
+    points = _points(comparison)
+    parts = ("u, m", "v, m") if len(points) == 1 else ("displacement, m",)
+    return (
+        "process",
+        "law",
+        *(f"{point}: {part}" for point in points for part in parts),
+        *(("error",) if comparison.rows[0].deviations else ()),
+        "penetration, m",
+        "passes",
+        "solves",
+        "cut",
+        "steps",
+        "wall",
+        "outcome",
+    )
+
+
+def cells(comparison: ComparedMethods, row: ComparedRun) -> tuple[str, ...]:
+    """Return the texts of a row, in the order of the headings."""
+    points = _points(comparison)
+    vectors = [row.displacement[point] for point in points]
+    if len(points) == 1:
+        moved = [f"{part:.5g}" for part in vectors[0]]
+    else:
+        moved = [f"{(u * u + v * v) ** 0.5:.4g}" for u, v in vectors]
+    report = row.report
+    return (
+        row.combination.process,
+        row.combination.law,
+        *moved,
+        *((row.error.as_text(),) if row.error else ()),
+        f"{report.largest_penetration:.3g}",
+        f"{row.passes_per_step:.3g}",
+        f"{row.solves_per_step:.3g}",
+        str(report.cut_steps),
+        str(report.steps),
+        f"{report.wall_seconds:.3g} s",
+        row.outcome,
+    )
+
+
+def remarks(comparison: ComparedMethods) -> list[str]:
+    """Return the remarks below the table: references, why runs stopped, warnings, notes."""
+    texts = ["passes and solves: per step; penetration: the largest of the run"]
+    stiffness = {row.stiffness for row in comparison.rows}
+    if len(stiffness) == 1 and not comparison.rows[0].report.notes:  # all the same, and given
+        texts.append(f"normal stiffness p: {stiffness.pop():.4g} N/m per m")
+    for one in comparison.rows[0].deviations:
+        u, v = one.reference
+        source = f" ({one.source})" if one.source else ""
+        texts.append(
+            f"reference at t = {one.time:g} s: {one.point} has moved ({u:g}, {v:g}) m{source}"
+        )
+    for row in comparison.rows:
+        outcome = [] if row.report.finished else [row.report.outcome]
+        for text in (*outcome, *row.report.warnings, *row.report.notes):
+            texts.append(f"{row.combination}: {text}")
+    return list(dict.fromkeys(texts))
+
+
+def _points(comparison: ComparedMethods) -> Sequence[str]:
+    return list(comparison.rows[0].displacement)[:POINT_COLUMNS_MAX]
