@@ -63,21 +63,21 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
-    from clast.study.fit import fit as fit
-    from clast.study.fitting.back_analysis import Fit as Fit
-    from clast.study.fitting.fit_settings import FitSettings as FitSettings
+    from clast.study.distributions import Beta as Beta
+    from clast.study.distributions import Discrete as Discrete
+    from clast.study.distributions import Lognormal as Lognormal
+    from clast.study.distributions import Normal as Normal
+    from clast.study.distributions import Numbered as Numbered
+    from clast.study.distributions import Range as Range
+    from clast.study.distributions import Times as Times
+    from clast.study.distributions import Triangular as Triangular
+    from clast.study.distributions import Uniform as Uniform
+    from clast.study.distributions import Values as Values
+    from clast.study.fitting.fit import fit as fit
+    from clast.study.fitting.fitting import Fit as Fit
+    from clast.study.fitting.observations import FitSettings as FitSettings
     from clast.study.study_api import HowMade as HowMade
     from clast.study.study_api import Study as Study
-    from clast.study.variables.distributions import Beta as Beta
-    from clast.study.variables.distributions import Discrete as Discrete
-    from clast.study.variables.distributions import Lognormal as Lognormal
-    from clast.study.variables.distributions import Normal as Normal
-    from clast.study.variables.distributions import Numbered as Numbered
-    from clast.study.variables.distributions import Range as Range
-    from clast.study.variables.distributions import Times as Times
-    from clast.study.variables.distributions import Triangular as Triangular
-    from clast.study.variables.distributions import Uniform as Uniform
-    from clast.study.variables.distributions import Values as Values
 
     __version__: str
 
@@ -124,22 +124,22 @@ HOME = {
     "State": "clast.model.state",
     "HowMade": "clast.study.study_api",
     "Study": "clast.study.study_api",
-    "Fit": "clast.study.fitting.back_analysis",
-    "FitSettings": "clast.study.fitting.fit_settings",
-    "fit": "clast.study.fit",
+    "Fit": "clast.study.fitting.fitting",
+    "FitSettings": "clast.study.fitting.observations",
+    "fit": "clast.study.fitting.fit",
     "Collapse": "clast.study.collapsing.collapse",
     "collapse_load": "clast.study.collapsing.collapse",
     "factor_of_safety": "clast.study.collapsing.collapse",
-    "Beta": "clast.study.variables.distributions",
-    "Discrete": "clast.study.variables.distributions",
-    "Lognormal": "clast.study.variables.distributions",
-    "Normal": "clast.study.variables.distributions",
-    "Numbered": "clast.study.variables.distributions",
-    "Range": "clast.study.variables.distributions",
-    "Times": "clast.study.variables.distributions",
-    "Triangular": "clast.study.variables.distributions",
-    "Uniform": "clast.study.variables.distributions",
-    "Values": "clast.study.variables.distributions",
+    "Beta": "clast.study.distributions",
+    "Discrete": "clast.study.distributions",
+    "Lognormal": "clast.study.distributions",
+    "Normal": "clast.study.distributions",
+    "Numbered": "clast.study.distributions",
+    "Range": "clast.study.distributions",
+    "Times": "clast.study.distributions",
+    "Triangular": "clast.study.distributions",
+    "Uniform": "clast.study.distributions",
+    "Values": "clast.study.distributions",
 }
 """Public name -> module that defines it."""
 

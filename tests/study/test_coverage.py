@@ -14,11 +14,10 @@ import numpy as np
 import pytest
 
 from clast.study.description import parameters_of
-from clast.study.fit import least_squares
-from clast.study.fitting.back_analysis import Fit, Fitting, ParameterScale
 from clast.study.fitting.ensemble import smoothed
-from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
-from clast.study.fitting.observations import Observation
+from clast.study.fitting.fit import least_squares
+from clast.study.fitting.fitting import Fit, Fitting, ParameterScale
+from clast.study.fitting.observations import ENSEMBLE, FitSettings, Observation
 
 WEIGHT, BAR, PUSH, NOISE = 2600.0 * 9.81, 1e7, 4e4, 2e-5
 TIMES = np.linspace(0.1, 1.0, 10)

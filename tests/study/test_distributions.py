@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from clast.errors import CaseError
-from clast.study.variables.distributions import (
+from clast.study.distributions import (
     Beta,
     Discrete,
     Distribution,
@@ -16,8 +16,8 @@ from clast.study.variables.distributions import (
     Triangular,
     Uniform,
     Values,
+    parsed,
 )
-from clast.study.variables.texts import parsed
 
 TRUNCATED = stats.truncnorm(-1.0, 2.0, 35.0, 5.0)
 LOG = float(np.sqrt(np.log1p(0.25)))

@@ -11,7 +11,7 @@ from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.study.description import parameters_of
 from clast.study.fitting.ensemble import smoothed
-from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
+from clast.study.fitting.observations import ENSEMBLE, FitSettings
 
 SLOPES = np.array([[1.0, 0.5], [0.0, 2.0], [1.0, -1.0]])
 MEANS, SDS = np.array([3.0, -1.0]), np.array([2.0, 0.5])

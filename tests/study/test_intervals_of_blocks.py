@@ -6,8 +6,8 @@ from scipy import stats
 
 from clast.study import study_report
 from clast.study.description import MONTECARLO, Description, parameters_of, sampling_of
-from clast.study.probabilities import StudyResults, interval_of_count, probability
 from clast.study.report_page import Page
+from clast.study.statistics import StudyResults, interval_of_count, probability
 
 RUNS, LOST = 40, 3
 

@@ -5,8 +5,8 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study.judging.expressions import read
-from clast.study.judging.measures import ARGUMENTS, RunResults, check, known_names
+from clast.study.expressions import read
+from clast.study.measures import ARGUMENTS, RunResults, check, known_names
 
 
 @pytest.fixture(scope="module")

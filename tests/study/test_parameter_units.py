@@ -5,8 +5,7 @@ import pytest
 from clast.case.case_file import json_schema
 from clast.pictures.study.figures import Bar
 from clast.study.description import parameters_of
-from clast.study.variables.parameter_units import unit_of_key, units_of, with_units
-from clast.study.variables.parameters import ParameterPlaces
+from clast.study.parameters import ParameterPlaces, unit_of_key, units_of, with_units
 
 CASE = {
     "time": {"step": 0.01, "end": 1.0},

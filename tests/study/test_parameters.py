@@ -8,12 +8,11 @@ import pytest
 
 from clast.errors import CaseError
 from clast.study.description import Description, described, parameters_of
-from clast.study.fitting.fit_settings import FitSettings
-from clast.study.fitting.observations import Observation
-from clast.study.judging.expressions import read
-from clast.study.judging.measures import ARGUMENTS, UNITS
-from clast.study.variables.parameters import ParameterPlaces, keys_of, places
-from clast.study.variables.random_draws import Random
+from clast.study.expressions import read
+from clast.study.fitting.observations import FitSettings, Observation
+from clast.study.measures import ARGUMENTS, UNITS
+from clast.study.parameters import ParameterPlaces, keys_of, places
+from clast.study.sampling import Random
 
 CASE = tomllib.loads(
     """

@@ -6,7 +6,7 @@ from scipy import stats
 
 from clast.errors import CaseError
 from clast.study.description import Description, parameters_of
-from clast.study.variables.random_draws import (
+from clast.study.sampling import (
     LatinHypercube,
     PointEstimate,
     Random,

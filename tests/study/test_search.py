@@ -5,8 +5,15 @@ import math
 import pytest
 
 from clast.errors import CaseError
-from clast.study.collapsing.search import FactorBracket, FactorSearch, Trials
-from clast.study.collapsing.trial import FAILED, STANDS, UNDECIDED, Trial
+from clast.study.collapsing.trial import (
+    FAILED,
+    STANDS,
+    UNDECIDED,
+    FactorBracket,
+    FactorSearch,
+    Trial,
+    Trials,
+)
 
 
 def searched(limit: float, search: FactorSearch, doubt: tuple[float, float] = (0.0, 0.0)) -> Trials:

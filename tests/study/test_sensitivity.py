@@ -8,8 +8,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.study.description import MONTECARLO, Description, parameters_of, sampling_of
-from clast.study.probabilities import StudyResults, influences, probability
-from clast.study.sensitivity import sensitivities
+from clast.study.statistics import StudyResults, influences, probability, sensitivities
 
 A, B = 7.0, 0.1
 

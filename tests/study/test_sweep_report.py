@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.study import probabilities, sweep_report
+from clast.study import statistics, sweep_report
 from clast.study.folder import DONE, NO_RESULT, StudyFolder
 from clast.study.report_page import Page
 
@@ -130,14 +130,14 @@ def test_curves_have_a_heading_and_a_figure(tmp_path, measure, head):
 
 
 def test_a_sweep_is_summed_up_by_its_extremes_and_where_they_are(tmp_path):
-    columns = probabilities.columns_of(made(tmp_path))
-    found = probabilities.extremes(columns, columns.measures["u"])
+    columns = statistics.columns_of(made(tmp_path))
+    found = statistics.extremes(columns, columns.measures["u"])
     assert (found.least.value, found.least.run) == (2e4, 3)
     assert found.least.parameters == {"phi": 20.0, "c": 1e3}
     assert (found.largest.value, found.largest.run) == (3e5, 2)
     assert found.largest.parameters == {"phi": 30.0, "c": 1e4}
     assert columns.gaps == []
     nothing = np.full(len(columns.run), np.nan)
-    assert probabilities.extremes(columns, nothing) is None
+    assert statistics.extremes(columns, nothing) is None
     (sentence,) = replace(columns, measures={"u": nothing}).gaps
     assert "4 of 4 runs have no finite value of u" in sentence

@@ -221,8 +221,8 @@ def fit(
 ) -> None:
     """Find the parameters that reproduce measured movements (back-analysis)."""
     from clast.case.case_file import Case
-    from clast.study.fit import described
-    from clast.study.fitting.fit_settings import FitSettings
+    from clast.study.fitting.fit import described
+    from clast.study.fitting.observations import FitSettings
     from clast.study.folder import StudyFolder
     from clast.study.work import check_study
 
@@ -391,7 +391,7 @@ def _make(
 
 def _go_on_fitting(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:
     """Make the remaining runs of a back-analysis; print its result."""
-    from clast.study.fit import go_on
+    from clast.study.fitting.fit import go_on
     from clast.study.fitting.fit_report import write_fit
 
     with heard(), status() as show:

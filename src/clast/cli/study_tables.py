@@ -18,10 +18,9 @@ if TYPE_CHECKING:
 
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
-    from clast.study.fitting.back_analysis import Fit
+    from clast.study.fitting.fitting import Fit
     from clast.study.folder import StudyFolder
-    from clast.study.probabilities import StudyResults
-    from clast.study.sensitivity import SensitivityIndex
+    from clast.study.statistics import SensitivityIndex, StudyResults
 
 NAMED = 3
 """Blocks that a line of a trial names."""
@@ -79,13 +78,13 @@ def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None
 
 def print_results(columns: StudyResults, rows: int) -> None:
     """Print the result of a sweep or a Monte Carlo study."""
-    from clast.study import probabilities
+    from clast.study import statistics
     from clast.study.description import SWEEP
 
     table = _ranges(columns) if columns.study.kind == SWEEP else _spreads(columns)
     table.title = f"{rows} of {columns.study.n} runs"
     print_table(table)
-    probability = probabilities.probability(columns)
+    probability = statistics.probability(columns)
     if probability is not None:
         tell(f"probability of failure {probability}")
     elif len(columns.fails):
@@ -100,13 +99,13 @@ def _spreads(columns: StudyResults) -> Table:
     """Return the table of how the measures of a Monte Carlo study are spread."""
     from rich.table import Table
 
-    from clast.study import probabilities
+    from clast.study import statistics
 
     table = Table()
     for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
         table.add_column(head, justify="left" if head == "measure" else "right")
     for name, values in columns.measures.items():
-        found = probabilities.spread(columns, values)
+        found = statistics.spread(columns, values)
         if found is not None:
             numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
             table.add_row(name, *(f"{one:.5g}" for one in numbers))
@@ -117,14 +116,14 @@ def _ranges(columns: StudyResults) -> Table:
     """Return the table of the extreme values of the measures of a sweep, and where they are."""
     from rich.table import Table
 
-    from clast.study import probabilities
+    from clast.study import statistics
 
     table = Table()
     parameters = [one.name for one in columns.study.vary]
     for head in ("measure", "", "value", "in run", *parameters):
         table.add_column(head, justify="left" if head in ("measure", "") else "right")
     for name, values in columns.measures.items():
-        found = probabilities.extremes(columns, values)
+        found = statistics.extremes(columns, values)
         for word, one in vars(found).items() if found is not None else ():
             where = (_short(value) for value in one.parameters.values())
             table.add_row(name, word, f"{one.value:.5g}", str(one.run), *where)
@@ -138,15 +137,15 @@ def _short(value: Any) -> str:
 
 def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
     """Write table and report; print the results."""
-    from clast.study import probabilities, trial_table
-    from clast.study.kept_runs import keep_worst
+    from clast.study import statistics, trial_table
     from clast.study.study_report import write_report
+    from clast.study.work import keep_worst
 
     there.tidy()
     rows = trial_table.write_csv(there, there.path / trial_table.CSV)
     if parquet:
         trial_table.write_parquet(there, there.path / trial_table.PARQUET)
-    columns = probabilities.columns_of(there)
+    columns = statistics.columns_of(there)
     keep_worst(there, columns)
     report = write_report(there)
     indices = _sensitivities(columns)
@@ -174,11 +173,11 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
 
 def _as_dict(columns: StudyResults) -> dict[str, Any]:
     """Return the results of a sweep or a Monte Carlo study for JSON."""
-    from clast.study import probabilities
+    from clast.study import statistics
     from clast.study.description import SWEEP
 
-    summary = probabilities.extremes if columns.study.kind == SWEEP else probabilities.spread
-    chance = probabilities.probability(columns)
+    summary = statistics.extremes if columns.study.kind == SWEEP else statistics.spread
+    chance = statistics.probability(columns)
     summaries = {name: summary(columns, values) for name, values in columns.measures.items()}
     return {
         "runs": columns.study.n,
@@ -196,7 +195,7 @@ def _as_dict(columns: StudyResults) -> dict[str, Any]:
 
 def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
     """Return the indices of sensitivity of each measure; say why where there are none."""
-    from clast.study.sensitivity import sensitivities
+    from clast.study.statistics import sensitivities
 
     try:
         return {name: sensitivities(columns, one) for name, one in columns.measures.items()}

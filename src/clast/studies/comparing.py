@@ -168,10 +168,8 @@ def combinations(processes: Sequence[Any], laws: Sequence[Any]) -> list[Combinat
     An object is called by the name of its class, or by all that it prints where several are of one
     class.  Raises CaseError for unknown names.
     """
-    named = [
-        _names_of("process", processes, PROCESSES),
-        _names_of("contact law", laws, CONTACT_LAWS),
-    ]
+    process_names = _names_of("process", processes, PROCESSES)
+    law_names = _names_of("contact law", laws, CONTACT_LAWS)
     return [
         Combination(
             process,

@@ -38,16 +38,13 @@ from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.model.model import Floats
-from clast.study.fitting.fit_settings import FitSettings
-from clast.study.fitting.observations import Observation, of_rows
-from clast.study.judging.expressions import Expression, read
-from clast.study.judging.measures import ARGUMENTS, CONDITIONS, FOS, unit_of
-from clast.study.variables import random_draws
-from clast.study.variables.designs import SAMPLINGS
-from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
-from clast.study.variables.parameters import Parameter
-from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Sampling
-from clast.study.variables.texts import parsed
+from clast.study import sampling as samplings
+from clast.study.distributions import Distribution, Numbered, Range, Value, Values, parsed
+from clast.study.expressions import Expression, read
+from clast.study.fitting.observations import FitSettings, Observation, of_rows
+from clast.study.measures import ARGUMENTS, CONDITIONS, FOS, unit_of
+from clast.study.parameters import Parameter
+from clast.study.sampling import SAMPLINGS, LatinHypercube, PointEstimate, Sampling
 
 SWEEP, MONTECARLO, COLLAPSE, FIT = "sweep", "montecarlo", "fos", "fit"
 """Kinds of studies."""
@@ -94,7 +91,7 @@ class Description:
     """The parameters that vary from run to run."""
     correlate: tuple[tuple[str, str, float], ...] = ()
     """Names of two parameters and the correlation of their normal scores."""
-    sampling: Sampling = field(default_factory=random_draws.Random)
+    sampling: Sampling = field(default_factory=samplings.Random)
     """How runs are drawn; of no account for a sweep."""
     n: int = 1
     """Number of runs."""
@@ -127,7 +124,7 @@ class Description:
         if isinstance(self.sampling, PointEstimate):
             return self._at_signs(self.sampling.signs(run - 1, len(self._drawn)))
         chances = self.sampling.probabilities(run - 1, self.n, len(self._drawn))
-        chances = random_draws.correlated(chances, self._copula[1])
+        chances = samplings.correlated(chances, self._copula[1])
         drawn = iter(chances.tolist())
         return tuple(
             run - 1 + one.drawn.first
@@ -157,7 +154,7 @@ class Description:
         """Correlations of normal scores of random parameters, and their Cholesky factor, (m, m)."""
         names = [one.name for one in self._drawn]
         pairs = [(names.index(a), names.index(b), value) for a, b, value in self.correlate]
-        return random_draws.copula(pairs, len(names))
+        return samplings.copula(pairs, len(names))
 
     def _at_signs(self, signs: Floats) -> tuple[Value, ...]:
         """Return mean plus or minus standard deviation of each parameter."""
@@ -339,8 +336,8 @@ class Description:
                         remedy="choose another sampling",
                     )
                 _ = one.drawn.moments
-        if not self._drawn and not isinstance(self.sampling, random_draws.Random):
-            return replace(self, sampling=random_draws.Random()).checked()
+        if not self._drawn and not isinstance(self.sampling, samplings.Random):
+            return replace(self, sampling=samplings.Random()).checked()
         drawn = len(self._drawn)
         return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
 
@@ -414,9 +411,9 @@ def _check_count(count: Any) -> int:
         raise CaseError(
             f"{count!r} is not a valid number of runs", where="n", remedy="e.g. n = 500"
         )
-    if count > random_draws.MOST_RUNS:
+    if count > samplings.MOST_RUNS:
         raise CaseError(
-            f"{count} runs are more than {random_draws.MOST_RUNS:,}", where="n", remedy="lower it"
+            f"{count} runs are more than {samplings.MOST_RUNS:,}", where="n", remedy="lower it"
         )
     return count
 

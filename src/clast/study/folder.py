@@ -41,8 +41,8 @@ from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.results.output import fresh
 from clast.study.description import COLLAPSE, FIT, Description, described
-from clast.study.trial_cases import content_of
-from clast.study.variables.distributions import Value
+from clast.study.distributions import Value
+from clast.study.parameters import content_of
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
 RUN_FILE = "run.vtkhdf"

@@ -31,11 +31,10 @@ from clast.study.description import (
 )
 from clast.study.executors import Driver, ThisProcess, Watch, workers_of
 from clast.study.folder import StudyFolder, writing
-from clast.study.kept_runs import keep_worst
-from clast.study.probabilities import columns_of
-from clast.study.trial_cases import given_case
+from clast.study.parameters import given_case
+from clast.study.statistics import columns_of
 from clast.study.trial_table import TrialTable
-from clast.study.work import check_study
+from clast.study.work import check_study, keep_worst
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,26 +7,26 @@ says so and has the tables alone.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
 from clast.errors import CaseError
+from clast.model.model import Floats, Model
 from clast.pictures.html_files import write_html
 from clast.pictures.study import figures
+from clast.pictures.study.figures import FailurePlaces
 from clast.results import read_results
-from clast.study import probabilities, sweep_report
+from clast.study import statistics, sweep_report
 from clast.study.description import MONTECARLO, SWEEP, Description
-from clast.study.folder import RUN_FILE, StudyFolder, make_folder
-from clast.study.kept_runs import made_again
-from clast.study.places import share_of_places
-from clast.study.probabilities import StudyResults, columns_of
+from clast.study.folder import DONE, RUN_FILE, StudyFolder, make_folder
+from clast.study.parameters import ParameterPlaces, changed, content_of, units_of, with_units
 from clast.study.report_page import FIGURES, REPORT, Page, add_figures, file_stem
-from clast.study.sensitivity import MEANING, sensitivities
-from clast.study.trial_cases import content_of
-from clast.study.variables.parameter_units import units_of, with_units
-from clast.study.variables.parameters import ParameterPlaces
+from clast.study.statistics import MEANING, StudyResults, columns_of, sensitivities
+from clast.study.work import made_again
 
 KIND_TITLES = {SWEEP: "sweep", MONTECARLO: "Monte Carlo"}
 """Kind of study -> its title."""
@@ -53,7 +53,7 @@ def write_report(folder: StudyFolder) -> Path:
         page.head("Which blocks fail")
         _blocks(page, folder, columns, pictures)
     _what_varies(page, folder, units)
-    for number in probabilities.worst(columns):
+    for number in statistics.worst(columns):
         page.head(f"Worst run: {number}")
         names = with_units((one.name for one in study.vary), units)
         page.table(["parameter", "value"], [*zip(names, folder.values(number), strict=True)])
@@ -72,7 +72,7 @@ def _swept(
             f"mean of {_labelled(study, name)}",
             pictures / f"{file_stem(name)}-tornado.png",
         )
-        if probabilities.influences(columns, values):
+        if statistics.influences(columns, values):
             page.head(f"Influence of the parameters on {name}")
             add_figures(page, lambda v=values, a=label, p=path: _tornado(columns, units, v, a, p))
             _influence(page, columns, units, values)
@@ -107,7 +107,7 @@ def _labelled(study: Description, name: str) -> str:
 
 def _answer(page: Page, columns: StudyResults) -> None:
     """Write the answer of the study."""
-    found = probabilities.probability(columns)
+    found = statistics.probability(columns)
     if found is not None:
         page.say(f"Probability of failure {found}", "answer")
     elif len(columns.fails):
@@ -126,7 +126,7 @@ def _answer(page: Page, columns: StudyResults) -> None:
 
 def _spread(page: Page, columns: StudyResults, values: Any) -> None:
     """Say how a measure is spread."""
-    found = probabilities.spread(columns, values)
+    found = statistics.spread(columns, values)
     if found is None:
         page.say("No run has a value of it.")
         return
@@ -139,11 +139,11 @@ def _figures(
 ) -> list[tuple[Path, str]]:
     """Return the figures of a measure, and their captions."""
     safe = file_stem(name)
-    x, share, half = probabilities.cumulative(columns.study, values)
+    x, share, half = statistics.cumulative(columns.study, values)
     if not len(x):
         return []
     label = _labelled(columns.study, name)
-    band = figures.Band(x=x, share=share, half=half, confidence=probabilities.CONFIDENCE)
+    band = figures.Band(x=x, share=share, half=half, confidence=statistics.CONFIDENCE)
     paths = [folder / f"{safe}-{kind}.png" for kind in ("histogram", "cumulative", "tornado")]
     drawn = [
         (figures.draw_histogram(values, columns.fails, label, paths[0]), "histogram"),
@@ -156,7 +156,7 @@ def _tornado(
     columns: StudyResults, units: Mapping[str, str], values: Any, label: str, path: Path
 ) -> list[tuple[Path, str]]:
     """Return the tornado of a measure, and its caption; nothing where no parameter orders runs."""
-    found = probabilities.influences(columns, values)
+    found = statistics.influences(columns, values)
     if not found:
         return []
     bars = [
@@ -178,7 +178,7 @@ def _failure(page: Page, columns: StudyResults, units: Mapping[str, str], pictur
     share = columns.fails
     if not len(share) or not 0.0 < share.mean() < 1.0:
         return
-    if not probabilities.influences(columns, share):
+    if not statistics.influences(columns, share):
         return
     page.head("How failure depends on the parameters")
     label, path = "share of the runs that fail", pictures / "failure-tornado.png"
@@ -188,7 +188,7 @@ def _failure(page: Page, columns: StudyResults, units: Mapping[str, str], pictur
 
 def _influence(page: Page, columns: StudyResults, units: Mapping[str, str], values: Any) -> None:
     """Say how a measure goes with each parameter."""
-    found = probabilities.influences(columns, values)
+    found = statistics.influences(columns, values)
     names = with_units((one.parameter for one in found), units)
     rows = [
         [name, one.ends[0], one.low, one.ends[1], one.high, one.rank]
@@ -250,9 +250,9 @@ def _counts(page: Page, columns: StudyResults, head: str, counts: Mapping[str, i
     runs = max(1, len(columns.run))
     rows: list[list[Any]] = []
     for name, count in list(counts.items())[:MOST_ROWS]:
-        interval = probabilities.interval_of_count(columns, count) or ()
+        interval = statistics.interval_of_count(columns, count) or ()
         rows.append([name, count, count / runs, *interval])
-    ends = [f"{100 * probabilities.CONFIDENCE:g} %: from", "to"]
+    ends = [f"{100 * statistics.CONFIDENCE:g} %: from", "to"]
     page.table([head, "runs", "share of the runs", *ends][: len(rows[0])], rows)
     if len(counts) > MOST_ROWS:
         page.say(f"{len(counts) - MOST_ROWS} more are in the results of the runs.", "remark")
@@ -298,3 +298,68 @@ def _worst(page: Page, folder: StudyFolder, number: int) -> None:
         return
     page.run(run, "the worst run")
     page.say(f"clast run {folder.place(number) / 'case.toml'}", "remark")
+
+
+CELLS = 240
+"""Cells along the longer side of the section."""
+MOST_RUNS = 500
+"""Most runs that are cut again; of more that fail the first are taken as a sample."""
+
+
+def share_of_places(folder: StudyFolder) -> FailurePlaces | None:
+    """Return in which share of the runs each place fails; None where no run has blocks that fail.
+
+    Runs that fail are cut again, as they were: their blocks follow from the study and their number.
+    """
+    base, study = folder.base, folder.study
+    settings = ParameterPlaces.of(content_of(base), study.vary)
+    outline = _outline(base.model())
+    x, y = _grid(outline)
+    count, runs, failed = np.zeros((len(y), len(x))), 0, 0
+    for result in folder.results():
+        if result["status"] != DONE:
+            continue
+        runs += 1
+        if not result.get("blocks"):
+            continue
+        failed += 1
+        if failed <= MOST_RUNS:
+            model = changed(base, settings.case(folder.values(result["run"]))).model()
+            fails = np.isin(model.block_name, result["blocks"])
+            count += _inside(_outline(model, fails), x, y)
+    if not failed:
+        return None
+    share = count / runs * (failed / min(failed, MOST_RUNS))
+    share[~_inside(outline, x, y)] = np.nan
+    return FailurePlaces(x=x, y=y, share=share, outline=_rings(outline))
+
+
+def _outline(model: Model, chosen: np.ndarray | None = None) -> shapely.Geometry:
+    """Return the union of blocks, all or those that are chosen (n,), in coordinates of the file."""
+    vertices = model.vertices + model.origin
+    pairs = list(pairwise(model.block_start))
+    kept = range(len(pairs)) if chosen is None else np.flatnonzero(chosen)
+    return shapely.union_all([shapely.Polygon(vertices[slice(*pairs[k])]) for k in kept])
+
+
+def _rings(outline: shapely.Geometry) -> list[Floats]:
+    """Return the rings of an outline, m, each of shape (k, 2)."""
+    return [shapely.get_coordinates(one) for one in shapely.get_parts(outline.boundary)]
+
+
+def _grid(outline: shapely.Geometry) -> tuple[Floats, Floats]:
+    """Return the centres of the cells along x and y, m, shapes (nx,) and (ny,)."""
+    left, low, right, high = outline.bounds
+    cell = max(right - left, high - low) / CELLS
+    nx, ny = (max(1, round(length / cell)) for length in (right - left, high - low))
+    return (
+        left + (np.arange(nx) + 0.5) * (right - left) / nx,
+        low + (np.arange(ny) + 0.5) * (high - low) / ny,
+    )
+
+
+def _inside(outline: shapely.Geometry, x: Floats, y: Floats) -> np.ndarray:
+    """Return which cells have their centre in an outline, shape (ny, nx)."""
+    shapely.prepare(outline)
+    inside: np.ndarray = shapely.contains_xy(outline, *np.meshgrid(x, y))
+    return inside

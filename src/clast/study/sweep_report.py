@@ -24,8 +24,8 @@ from clast.pictures.study.sweep_figures import (
 from clast.study import trial_table
 from clast.study.description import Description
 from clast.study.folder import DONE, StudyFolder
+from clast.study.parameters import with_units
 from clast.study.report_page import Page, add_figures, file_stem
-from clast.study.variables.parameter_units import with_units
 
 MOST_RUNS = 200
 """Most rows of the table of runs."""

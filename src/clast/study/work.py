@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -20,13 +22,15 @@ from clast.errors import CaseError, ClastError, ResultsLost, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
+from clast.results.checkpoints.fingerprints import content_of as content_of_file
+from clast.study import statistics
 from clast.study.collapsing.reduction import Reduction, reduction
-from clast.study.collapsing.search import FactorBracket, FactorSearch, Trials
-from clast.study.collapsing.trial import standing, tried
-from clast.study.description import Description, FactorSettings
+from clast.study.collapsing.trial import FactorBracket, FactorSearch, Trials, standing, tried
+from clast.study.description import WORST, Description, FactorSettings
 from clast.study.folder import (
     CASE,
     DONE,
+    LARGEST_RESULT,
     NO_RESULT,
     RUN_FILE,
     StudyFolder,
@@ -35,9 +39,9 @@ from clast.study.folder import (
     write_whole,
     writing,
 )
-from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
-from clast.study.trial_cases import changed, content_of
-from clast.study.variables.parameters import ParameterPlaces
+from clast.study.measures import ARGUMENTS, FOS, RunResults, check, known_names
+from clast.study.parameters import ParameterPlaces, changed, content_of
+from clast.study.statistics import StudyResults
 
 LONGEST_REASON = 500
 """Most characters of why there is no result."""
@@ -289,3 +293,43 @@ def _called(one: One, name: str, *given: str) -> Any:
 
 def _is_failure(result: dict[str, Any]) -> bool:
     return result["status"] != DONE or bool(result.get("fails"))
+
+
+KEPT = "worst.txt"
+"""Numbers of the worst runs, the worst first."""
+NUMBER = re.compile(rb"[0-9]{1,9}")
+"""Number of a run in that file."""
+
+
+def keep_worst(folder: StudyFolder, columns: StudyResults) -> list[int]:
+    """Return the worst runs of a study that keeps some, with their result files in place."""
+    if not WORST.fullmatch(folder.study.keep):
+        return []
+    wanted = statistics.worst(columns, int(folder.study.keep.split()[1]))
+    for number in wanted:
+        file = folder.place(number) / RUN_FILE
+        if not file.exists():
+            part = file.with_name(f"part{os.getpid()}.vtkhdf")
+            part.unlink(missing_ok=True)
+            if made_again(folder, number, part) is not None:
+                os.replace(part, file)
+    listed, before = folder.path / KEPT, b""
+    with suppress(OSError, CaseError):
+        before = content_of_file(listed, LARGEST_RESULT)
+    kept = {str(number).encode() for number in wanted}
+    for number in map(int, filter(NUMBER.fullmatch, set(before.split()) - kept)):
+        (folder.place(number) / RUN_FILE).unlink(missing_ok=True)
+    write_whole(listed, "".join(f"{number}\n" for number in wanted).encode())
+    return wanted
+
+
+def made_again(folder: StudyFolder, number: int, output: Path | None = None) -> Run | None:
+    """Return a run, made again; None where it cannot go on."""
+    settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
+    case = changed(folder.base, settings.case(folder.values(number)))
+    try:
+        return case.run(output=output, warn=lambda _text: None)
+    except ResultsLost:
+        raise
+    except CaseError:
+        return None

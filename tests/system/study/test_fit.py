@@ -21,7 +21,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study.fit import go_on
+from clast.study.fitting.fit import go_on
 from clast.study.fitting.fit_report import write_fit
 from clast.study.fitting.observations import read_observations
 from clast.study.folder import StudyFolder

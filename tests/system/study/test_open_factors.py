@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.study import probabilities
+from clast.study import statistics
 from clast.study.folder import StudyFolder
 from clast.study.study_api import HowMade
 from clast.study.study_report import write_report
@@ -57,7 +57,7 @@ def test_a_sweep_says_the_reason_and_keeps_its_other_measures(tmp_path, fail, fa
     assert table["status"] == ["done"] * 3 and np.isfinite(table["u"]).all()
     assert table.get("fails", [None] * 3) == [fails] * 3
     there = StudyFolder.opened(tmp_path / "s")
-    columns = probabilities.columns_of(there)
+    columns = statistics.columns_of(there)
     assert columns.remarks == {REASON: 3}
     assert columns.gaps[-1] == f"3 of 3 runs: {REASON}"
     assert REASON in write_report(there).read_text("utf-8")
@@ -81,7 +81,7 @@ def test_closed_brackets_are_as_before_beside_open_ones(tmp_path):
     assert table["F"] == [pytest.approx(exact, rel=0.01), None]
     assert table["margin"] == [table["F"][0] - 1.0, None] and table["large"] == [True, True]
     assert table["reason"] == ["", REASON]
-    assert probabilities.worst(probabilities.columns_of(StudyFolder.opened(tmp_path / "s"))) == [1]
+    assert statistics.worst(statistics.columns_of(StudyFolder.opened(tmp_path / "s"))) == [1]
 
 
 def test_the_command_line_says_so(tmp_path):

@@ -6,9 +6,8 @@ import numpy as np
 
 import clast
 from clast.study.folder import StudyFolder
-from clast.study.places import share_of_places
 from clast.study.study_api import HowMade
-from clast.study.study_report import write_report
+from clast.study.study_report import share_of_places, write_report
 
 SLOPE = """
 schema = 1

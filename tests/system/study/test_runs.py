@@ -18,7 +18,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study import executors, probabilities
+from clast.study import executors, statistics
 from clast.study.folder import StudyFolder
 from clast.study.study_api import HowMade, resume
 from clast.study.study_report import write_report
@@ -50,9 +50,7 @@ def test_every_run_fails_where_its_formula_says_so(slab, tmp_path):
     clear = np.abs(factor - 1.0) > 0.002
     assert np.array_equal(np.array(table["fails"])[clear], (factor < 1.0)[clear])
     assert 0 < sum(table["fails"]) < 30
-    found = probabilities.probability(
-        probabilities.columns_of(StudyFolder.opened(tmp_path / "out"))
-    )
+    found = statistics.probability(statistics.columns_of(StudyFolder.opened(tmp_path / "out")))
     assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
 
 
@@ -118,7 +116,7 @@ def test_a_study_that_is_killed_again_and_again_ends_with_the_same_table(slab, t
     subprocess.run([*RESUME, "--workers", "1"], cwd=tmp_path, check=True)
     table = (tmp_path / "part/results.csv").read_bytes()
     assert table == (tmp_path / "whole/results.csv").read_bytes()
-    found = probabilities.probability(probabilities.columns_of(part))
+    found = statistics.probability(statistics.columns_of(part))
     assert (found.runs, found.lost) == (500, 0)
     assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
 
@@ -368,7 +366,7 @@ def test_the_worst_runs_are_kept_and_joints_are_counted(slab, tmp_path):
     for name in kept:
         run = clast.read_results(tmp_path / f"out/runs/0000/{name}/run.vtkhdf")
         assert bool(run.report.finished)
-    found = probabilities.columns_of(StudyFolder.opened(tmp_path / "out"))
+    found = statistics.columns_of(StudyFolder.opened(tmp_path / "out"))
     failed = int(sum(table["fails"]))
     assert failed > 0 and found.joints == {"plane": failed} and found.blocks == {"slab": failed}
 

@@ -17,21 +17,23 @@ from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.rockmass.drawings.drawing_files import write_rows
 from clast.study.collapsing.reduction import Reduction
-from clast.study.collapsing.search import FactorBracket, Trials, bracket_of
 from clast.study.collapsing.trial import (
     FAILED,
     STANDS,
     UNDECIDED,
+    FactorBracket,
     Settled,
     Trial,
+    Trials,
     as_plain,
+    bracket_of,
     standing,
     trial_content,
     tried,
 )
 from clast.study.description import COLLAPSE, Description, FactorSettings
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, with_files, write_whole
-from clast.study.trial_cases import content_of, given_case
+from clast.study.parameters import content_of, given_case
 from clast.study.work import factor_of, search_of
 
 TRIALS = "trials.csv"

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from clast import spelling
 from clast.errors import CaseError, shortened
-from clast.study.trial_cases import Content
+from clast.study.parameters import Content
 
 SETTLE, TRIAL = "settle", "trial"
 """Stages that a study adds to those of a case."""

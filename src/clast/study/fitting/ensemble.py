@@ -26,10 +26,10 @@ from scipy import special, stats
 
 from clast.errors import CaseError, ClastError
 from clast.model.model import Floats
-from clast.study.fitting.back_analysis import Fit, Fitting
-from clast.study.fitting.fit_settings import FitSettings
-from clast.study.probabilities import CONFIDENCE
-from clast.study.variables.parameters import Parameter
+from clast.study.fitting.fitting import Fit, Fitting
+from clast.study.fitting.observations import FitSettings
+from clast.study.parameters import Parameter
+from clast.study.statistics import CONFIDENCE
 
 EDGE = 1e-12
 """Least distance of a probability from 0 and 1."""

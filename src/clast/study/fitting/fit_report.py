@@ -10,11 +10,11 @@ import numpy as np
 from clast.pictures.html_files import write_html
 from clast.pictures.study import fit_figures
 from clast.pictures.study.figures import behind_number
-from clast.study.fitting.back_analysis import Fit
-from clast.study.fitting.fit_settings import ENSEMBLE, FitSettings
+from clast.study.fitting.fitting import Fit
+from clast.study.fitting.observations import ENSEMBLE, FitSettings
 from clast.study.folder import StudyFolder, make_folder
-from clast.study.probabilities import CONFIDENCE
 from clast.study.report_page import FIGURES, REPORT, Page, add_figures
+from clast.study.statistics import CONFIDENCE
 from clast.study.study_report import parameter_units
 
 MOST_ROWS = 200

@@ -23,7 +23,7 @@ from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
 from clast.results.schema import BOLT_STATES, LINK_STATES
 from clast.study.collapsing.trial import TOGETHER, moved
-from clast.study.judging.expressions import Expression
+from clast.study.expressions import Expression
 
 BEYOND = ("yielded", "broken", "lost")
 """States of a bolt or a link that has failed."""

@@ -29,16 +29,19 @@ from clast.inputs.declaring import text as case_text
 from clast.study import trial_table
 from clast.study.description import FIT, Description, parameters_of
 from clast.study.executors import workers_of
-from clast.study.fitting.back_analysis import Fit, Fitting, ParameterScale, Watch
 from clast.study.fitting.ensemble import smoothed
-from clast.study.fitting.fit_runs import FitRuns
-from clast.study.fitting.fit_settings import ENSEMBLE, MOST_PLACES, FitSettings
-from clast.study.fitting.observations import Observation, read_observations
+from clast.study.fitting.fitting import Fit, FitRuns, Fitting, ParameterScale, Watch
+from clast.study.fitting.observations import (
+    ENSEMBLE,
+    MOST_PLACES,
+    FitSettings,
+    Observation,
+    read_observations,
+)
 from clast.study.folder import DONE, StudyFolder, with_files, write_whole
-from clast.study.probabilities import CONFIDENCE
+from clast.study.parameters import Parameter, ParameterPlaces, content_of, given_case
+from clast.study.statistics import CONFIDENCE
 from clast.study.study_api import USUAL, HowMade
-from clast.study.trial_cases import content_of, given_case
-from clast.study.variables.parameters import Parameter, ParameterPlaces
 from clast.study.work import check_study
 
 RESULT, BEST = "fit.json", "best.toml"

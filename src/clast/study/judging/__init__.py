@@ -1,1 +1,0 @@
-"""Judging runs: measures of their results, and expressions of these."""
