@@ -40,14 +40,14 @@ if TYPE_CHECKING:
     from clast.model.ground_motion import IncomingWave as IncomingWave
     from clast.model.ground_motion import InertialForce as InertialForce
     from clast.model.ground_motion import MovingBase as MovingBase
-    from clast.model.in_situ import InSituStress as InSituStress
     from clast.model.joints import Joint as Joint
     from clast.model.model import Model as Model
     from clast.model.model import PlaneStrain as PlaneStrain
     from clast.model.model import PlaneStress as PlaneStress
     from clast.model.model import Rock as Rock
-    from clast.model.stages.stage import Stage as Stage
+    from clast.model.stages import Stage as Stage
     from clast.model.state import State as State
+    from clast.model.surroundings import InSituStress as InSituStress
     from clast.pictures.figure_options import Look as Look
     from clast.pictures.plot import plot_bolt_history as plot_bolt_history
     from clast.pictures.plot import plot_history as plot_history
@@ -101,7 +101,7 @@ HOME = {
     "InertialForce": "clast.model.ground_motion",
     "MovingBase": "clast.model.ground_motion",
     "Method": "clast.step.method",
-    "InSituStress": "clast.model.in_situ",
+    "InSituStress": "clast.model.surroundings",
     "Overburden": "clast.inputs.in_situ",
     "Joint": "clast.model.joints",
     "Model": "clast.model.model",
@@ -120,7 +120,7 @@ HOME = {
     "read": "clast.results",
     "read_results": "clast.results",
     "Schedule": "clast.run.schedule",
-    "Stage": "clast.model.stages.stage",
+    "Stage": "clast.model.stages",
     "State": "clast.model.state",
     "HowMade": "clast.study.study_api",
     "Study": "clast.study.study_api",

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from clast.model.drainage import distances, lowering, parts_between
 from clast.model.model import Floats
-from clast.model.water.drainage import distances, lowering, parts_between
 
 NEAR = 1e-6
 

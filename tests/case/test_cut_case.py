@@ -18,7 +18,7 @@ from clast.model.joints import WELD_STRENGTH
 from clast.model.model import Model
 from clast.model.state import initial_state
 from clast.rockmass import Domain, JointSet, Lognormal, cut
-from clast.rockmass.read_drawing import read_drawing
+from clast.rockmass.readers import read_drawing
 from clast.step.modified import search_of_modified
 from scenes.cut_cases import TUNNEL, TWO_SETS, WALL
 

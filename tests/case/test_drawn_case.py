@@ -14,7 +14,7 @@ from clast.case.case_file import Case
 from clast.case.drawn_case import TO_BE_GIVEN, case_text, cut_of
 from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import Drawing, DrawnOutline, Polyline, Spot
-from clast.rockmass.read_drawing import Reading, read_drawing
+from clast.rockmass.readers import Reading, read_drawing
 from scenes import legacy_files
 
 

@@ -14,8 +14,12 @@ from typer.testing import CliRunner
 from clast.case.case_file import Case
 from clast.cli.commands import app
 from clast.results import read_results
-from clast.rockmass.drawings.blocks_out import read_blocks_npz, write_blocks_csv, write_blocks_npz
-from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+from clast.rockmass.drawings.blocks_out import (
+    read_blocks_npz,
+    write_blocks_csv,
+    write_blocks_dxf,
+    write_blocks_npz,
+)
 from scenes import legacy_files
 from scenes.cut_cases import TUNNEL, TWO_SETS
 from scenes.drawn_blocks import rounded, wall

@@ -15,7 +15,7 @@ from clast.errors import CaseError
 from clast.inputs.declaring.alternatives import Choice
 from clast.inputs.method import ALTERNATIVES, DAMPING
 from clast.inputs.stages import StageTable, given_stages
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 from clast.step.modified import Modified
 
 KEYS: dict[str, Any] = {"step": 1e-3, "end": 0.01}

@@ -6,7 +6,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.model.stages.records import FAILS, Mover, StageRecord
+from clast.model.stage_records import FAILS, Mover, StageRecord
 from clast.pictures.report_page import stage_in_words, write_report
 
 

@@ -8,10 +8,9 @@ import pytest
 
 from clast.errors import CaseError
 from clast.rockmass.drawings.block_arrays import counter_clockwise
-from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks, read_blocks
-from clast.rockmass.drawings.blocks_out import write_blocks_csv, write_blocks_npz
+from clast.rockmass.drawings.blocks_out import write_blocks_csv, write_blocks_dxf, write_blocks_npz
 from clast.rockmass.drawings.dxf import DxfReading
-from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+from clast.rockmass.readers import BlockReading, has_blocks, read_blocks
 from scenes import legacy_files
 
 CORNER = np.array([1e6 / 3.0, 0.1])

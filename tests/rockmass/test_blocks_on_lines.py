@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from clast.rockmass.drawings.drawn_places import blocks_with, crossed_blocks
+from clast.rockmass.drawings.block_arrays import blocks_with, crossed_blocks
 
 COLUMNS, ROWS = 4, 3
 CORNERS = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)

@@ -11,9 +11,13 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.blocks_out import read_blocks_npz, write_blocks_csv, write_blocks_npz
+from clast.rockmass.drawings.blocks_out import (
+    read_blocks_npz,
+    write_blocks_csv,
+    write_blocks_dxf,
+    write_blocks_npz,
+)
 from clast.rockmass.drawings.dxf import read_dxf
-from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 
 VERTICES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0.1), (1, 1.0)]) / 3.0
 START = np.array([0, 4, 7])

@@ -18,12 +18,10 @@ from clast.case.drawn_case import case_text
 from clast.errors import CaseError, ClastError
 from clast.rockmass.drawings.blocks_out import read_blocks_npz, write_blocks_npz
 from clast.rockmass.drawings.csv_lines import read_csv, read_outline, read_traces
+from clast.rockmass.drawings.dda_xml import read_dda_xml
 from clast.rockmass.drawings.dxf import DxfReading, read_dda_dxf, read_dxf
-from clast.rockmass.legacy.dda_xml import read_dda_xml
-from clast.rockmass.legacy.shi_analysis import read_shi_analysis
-from clast.rockmass.legacy.shi_blocks import read_shi_blocks
-from clast.rockmass.legacy.shi_geometry import read_shi_geometry
-from clast.rockmass.read_drawing import read_drawing
+from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
+from clast.rockmass.readers import read_drawing
 from scenes.legacy_files import ANALYSIS, BLOCKS, GEOMETRY, XML
 
 READERS: dict[str, Callable[[Path], Any]] = {

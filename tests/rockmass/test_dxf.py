@@ -21,9 +21,8 @@ from clast.rockmass.drawings.dxf import (
     read_dxf,
     role_of,
 )
-from clast.rockmass.drawings.dxf_entities import UNITS
-from clast.rockmass.drawings.dxf_points import arc, bulged
-from clast.rockmass.read_drawing import read_drawing
+from clast.rockmass.drawings.dxf_entities import UNITS, arc, bulged
+from clast.rockmass.readers import read_drawing
 
 SQUARE = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
 

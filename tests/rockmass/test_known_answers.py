@@ -25,7 +25,7 @@ from clast.rockmass import (
     apparent,
     cut,
 )
-from clast.rockmass.joints.directions import MeanDirection
+from clast.rockmass.joints.plan import MeanDirection
 from clast.verification import misses
 from clast.verification.cut_blocks import CUT, areas, lines_of, rectangle
 from clast.verification.problems.cutting import (

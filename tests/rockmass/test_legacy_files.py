@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.rockmass.legacy.dda_xml import read_dda_xml
-from clast.rockmass.legacy.shi_analysis import read_shi_analysis
-from clast.rockmass.legacy.shi_blocks import read_shi_blocks
-from clast.rockmass.legacy.shi_geometry import read_shi_geometry
+from clast.rockmass.drawings.dda_xml import read_dda_xml
+from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
 from scenes import legacy_files
 
 

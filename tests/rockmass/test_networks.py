@@ -22,8 +22,8 @@ from clast.rockmass import (
     Voronoi,
     cut,
 )
-from clast.rockmass.network.noding import noded
-from clast.rockmass.network.planar import Graph, loops_of, parts_of
+from clast.rockmass.noding import noded
+from clast.rockmass.planar import Graph, loops_of, parts_of
 from scenes.cuttings import assert_tiles, built, random_network
 
 

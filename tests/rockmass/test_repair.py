@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from clast.errors import ModelError
 from clast.inputs.builder import InputBuilder
 from clast.rockmass.block_loops import sound
-from clast.rockmass.repair.corners import corners_of
-from clast.rockmass.repair.repair import Repaired, repaired
+from clast.rockmass.repair import Repaired, repaired
+from clast.rockmass.shared_places import corners_of
 from scenes.common_areas import area_in_common
 from scenes.drawn_blocks import area, following, jointed, rounded, wall
 

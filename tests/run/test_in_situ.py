@@ -13,7 +13,7 @@ from clast.block import polygon
 from clast.contact.candidates import SearchDistance
 from clast.contact.detection import detect
 from clast.errors import CaseError, ModelError
-from clast.model.outline import outline_edges
+from clast.model.edges import outline_edges
 from clast.rockmass import Circle, Domain, Exponential, JointSet, Opening, cut
 from scenes.systems import box, turned
 from scenes.tiers import pairwise

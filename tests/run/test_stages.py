@@ -10,7 +10,7 @@ import pytest
 import clast
 from clast import Stage
 from clast.errors import CaseError
-from clast.model.stages.motion import InStages
+from clast.model.ground_motion import InStages
 from clast.run.run_state import RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate

@@ -14,7 +14,7 @@ from scenes.command_line import clast_command, good
 from scenes.restarts import differences, pressed_at
 from scenes.shaken import shaken
 
-pytest.importorskip("clast.model.stages.stage")
+pytest.importorskip("clast.model.stages")
 
 STAGES = """
 [[stage]]

@@ -15,11 +15,10 @@ import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
-from clast.model.in_situ import InSituStress
+from clast.model.edges import edges_of, outer_boundary, outline_edges
 from clast.model.model import Floats, Ints, Model
-from clast.model.outline import outer_boundary, outline_edges
 from clast.model.state import Ledger
-from clast.model.water.facing_edges import edges_of
+from clast.model.surroundings import InSituStress
 
 NOTHING = 1e-9
 """Share of the largest traction below which an edge is free: the ground surface."""

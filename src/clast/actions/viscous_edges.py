@@ -20,7 +20,7 @@ from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.block.displacement import basis
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
-from clast.model.viscous_edges import DOWNWARDS
+from clast.model.surroundings import DOWNWARDS
 
 GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 """Places along an edge, as shares of its length; each stands for half of it."""

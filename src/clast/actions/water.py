@@ -18,7 +18,7 @@ from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.pressure import pressure_forces
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
-from clast.model.water.water import (
+from clast.model.water import (
     Water,
     ends_of_faces,
     faces_of_joints,

@@ -39,7 +39,7 @@ from clast.inputs.method import MethodTable, OutputTable, TimeTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.model.checks import BlockOutlines
 from clast.model.model import PLANES, Model, Plane
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ Found = TypeVar("Found")
 
 
 def _dxf(path: Path, blocks: Arrays) -> None:
-    from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+    from clast.rockmass.drawings.blocks_out import write_blocks_dxf
 
     # Names of layers have no colons.
     joints = [name.replace(":", "-") for name in blocks["edge_joint"]]

@@ -16,8 +16,7 @@ from clast.cli.terminal import print_json, tell
 from clast.errors import CaseError
 
 if TYPE_CHECKING:
-    from clast.rockmass.drawings.blocks_in import BlockReading
-    from clast.rockmass.read_drawing import Reading
+    from clast.rockmass.readers import BlockReading, Reading
 
 
 Drawing = Annotated[
@@ -74,9 +73,8 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Make a case file from a drawing, from finished blocks, or from another program's file."""
-    from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks
     from clast.rockmass.drawings.dxf import DxfReading
-    from clast.rockmass.read_drawing import Reading
+    from clast.rockmass.readers import BlockReading, Reading, has_blocks
 
     if blocks is not None:
         writer(blocks, BLOCK_WRITERS)
@@ -122,7 +120,7 @@ def _drawing(
 ) -> Imported:
     """Make a case of a drawing, and blocks where a file for them is named."""
     from clast.case.drawn_case import case_text, cut_of, left_out_of, notes_of
-    from clast.rockmass.read_drawing import read_drawing
+    from clast.rockmass.readers import read_drawing
 
     output, blocks = targets
     drawing = read_drawing(file, analysis, reading)
@@ -162,7 +160,7 @@ def _blocks(
 ) -> Imported:
     """Make a case of finished blocks, which are put together and kept beside it."""
     from clast.case.drawn_blocks import blocks_text, put_together
-    from clast.rockmass.drawings.blocks_in import read_blocks
+    from clast.rockmass.readers import read_blocks
 
     output, blocks = targets
     drawn = put_together(read_blocks(file, reading), file, tolerance)

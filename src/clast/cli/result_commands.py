@@ -27,7 +27,7 @@ from clast.cli.terminal_tables import print_points, print_stages, two_columns
 from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
-    from clast.model.stages.records import Event
+    from clast.model.stage_records import Event
     from clast.pictures.plot import Look
     from clast.results import Results
 

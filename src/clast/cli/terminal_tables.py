@@ -10,9 +10,9 @@ from clast.cli.terminal import print_json, print_table, tell
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from clast.model.repairs import Repair
-    from clast.model.stages.records import StageRecord
+    from clast.model.stage_records import StageRecord
     from clast.model.state import Ledger
+    from clast.model.surroundings import Repair
     from clast.results import Report, Run
     from clast.run.preflight import CaseSummary
     from clast.studies import ComparedMethods, Deviation

@@ -14,7 +14,7 @@ from clast.model.model import Floats
 from clast.pictures.fields import round_below
 from clast.results import FrameContacts, Recording
 from clast.results.frames import absent_in_frame
-from clast.rockmass.drawings.dxf_out import Extras, write_blocks_dxf
+from clast.rockmass.drawings.blocks_out import Extras, write_blocks_dxf
 
 LONGEST = 0.05
 """Length of the largest force as a share of the size of all blocks, at most."""

@@ -157,8 +157,8 @@ class BlockFileTable(Table):
 
     def _blocks(self, folder: Path) -> Blocks:
         """Return the blocks of the file; its faults are those of the table."""
-        from clast.rockmass.drawings.blocks_in import BlockReading, read_blocks
         from clast.rockmass.drawings.dxf import DxfReading
+        from clast.rockmass.readers import BlockReading, read_blocks
 
         try:
             reading = BlockReading(dxf=DxfReading(unit=self.unit), layer=self.layer)
@@ -179,7 +179,7 @@ class RepairTable(Table):
     @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
         """Return the keys that make the repair of a script."""
-        from clast.rockmass.repair.block_repair import BlockRepair
+        from clast.rockmass.repair import BlockRepair
 
         return {"tolerance": value.tolerance} if type(value) is BlockRepair else None
 
@@ -198,6 +198,6 @@ class RepairTable(Table):
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Have the builder put its blocks together."""
-        from clast.rockmass.repair.block_repair import BlockRepair
+        from clast.rockmass.repair import BlockRepair
 
         builder.repair = BlockRepair(tolerance=self.tolerance)

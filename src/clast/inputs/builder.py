@@ -88,9 +88,9 @@ from clast.inputs.water import Bed, Water, waters_in
 from clast.model import checks as model_checks
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, RepairedBlocks
+from clast.model.edges import edges_on
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
-from clast.model.in_situ import InSituStress
 from clast.model.joints import WELD_STRENGTH
 from clast.model.model import (
     Bools,
@@ -100,8 +100,8 @@ from clast.model.model import (
     MeasuredPoints,
     Model,
 )
-from clast.model.names import check_names
-from clast.model.outline import edges_on
+from clast.model.ranges import check_names
+from clast.model.surroundings import InSituStress
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""

@@ -15,8 +15,8 @@ from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
-from clast.model.in_situ import InSituStress
 from clast.model.model import Floats
+from clast.model.surroundings import InSituStress
 
 HELD = {"roller": (1.0, 0.0), "fixed": (1.0, 1.0), "traction": (0.0, 0.0)}
 """Springs of the outline along its normal and along itself, by the name of the boundary."""

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from clast.rockmass.joints.joint_set import JointSet
 
 MODELS = {
-    "parallel": "clast.rockmass.joints.parallel_sets:Parallel",
-    "cross-jointed": "clast.rockmass.joints.parallel_sets:CrossJointed",
-    "baecher": "clast.rockmass.joints.random_lines:Baecher",
-    "veneziano": "clast.rockmass.joints.random_lines:Veneziano",
-    "poisson-lines": "clast.rockmass.joints.random_lines:PoissonLines",
-    "voronoi": "clast.rockmass.joints.random_lines:Voronoi",
+    "parallel": "clast.rockmass.joints.joint_models:Parallel",
+    "cross-jointed": "clast.rockmass.joints.joint_models:CrossJointed",
+    "baecher": "clast.rockmass.joints.joint_models:Baecher",
+    "veneziano": "clast.rockmass.joints.joint_models:Veneziano",
+    "poisson-lines": "clast.rockmass.joints.joint_models:PoissonLines",
+    "voronoi": "clast.rockmass.joints.joint_models:Voronoi",
 }
 ALTERNATIVES = Alternatives(
     classes={"model": MODELS},

@@ -21,7 +21,7 @@ from clast.model import ranges
 from clast.model.checks import TOUCHING, BlockOutlines, Geometries, locate, point_text
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.model import EdgePressures, Floats, Ints, LineLoads, PointLoads
-from clast.model.names import check_text
+from clast.model.ranges import check_text
 
 
 class FixedPoint(Table):

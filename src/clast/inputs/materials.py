@@ -17,7 +17,7 @@ from clast.inputs.placing.place_blocks import Names
 from clast.model import joints, model, ranges
 from clast.model.joints import JointTable
 from clast.model.model import Ints
-from clast.model.stages.strengths import contradiction
+from clast.model.stages import contradiction
 
 
 class Rock(Table):

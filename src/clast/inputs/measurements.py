@@ -19,8 +19,8 @@ from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model.joints import JointTable
 from clast.model.model import Floats, Ints, MeasuredContacts
-from clast.model.names import check_names
-from clast.model.supports.reactions import Reactions
+from clast.model.ranges import check_names
+from clast.model.supports import Reactions
 
 
 class MeasuredPoint(Table):

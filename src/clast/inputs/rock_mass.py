@@ -16,8 +16,8 @@ from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Inputs, Length, Loop, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.model import ranges
-from clast.model.names import check_text
-from clast.model.openings import Opening
+from clast.model.ranges import check_text
+from clast.model.surroundings import Opening
 
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]

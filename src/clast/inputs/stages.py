@@ -15,7 +15,7 @@ from clast.inputs.declaring.table import Interval, Positive, Strength, Table, as
 from clast.inputs.declaring.validation_messages import Fault, faults_of, keys_text, refusal
 from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 
 
 class StrengthTable(Table):

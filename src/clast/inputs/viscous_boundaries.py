@@ -16,10 +16,10 @@ from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.in_situ import Side
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, Geometries, point_text
+from clast.model.edges import outline_edges
 from clast.model.ground_motion import GroundMotion, IncomingWave
 from clast.model.model import Bools, Ints
-from clast.model.outline import outline_edges
-from clast.model.viscous_edges import DOWNWARDS, ViscousEdges
+from clast.model.surroundings import DOWNWARDS, ViscousEdges
 
 Multiple = Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)]
 

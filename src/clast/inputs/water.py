@@ -17,14 +17,14 @@ from clast.inputs.declaring.table import Coordinate, Inputs, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
+from clast.model.drainage import distances, lowering, parts_between
+from clast.model.edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
 from clast.model.model import Floats, Ints
-from clast.model.names import check_text
-from clast.model.water.drainage import distances, lowering, parts_between
-from clast.model.water.facing_edges import Edges, Facing, edges_of, facing_edges, outer_parts
-from clast.model.water.water import Water as WetWater
-from clast.model.water.water import (
+from clast.model.ranges import check_text
+from clast.model.water import Water as WetWater
+from clast.model.water import (
     WetFaces,
     WetJoints,
     ends_of_faces,

@@ -18,18 +18,12 @@ from numpy.typing import NDArray
 
 from clast import thumbnails
 from clast.model.bodies import Outlines, joined_outlines
-from clast.model.bolts import Bolts
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
-from clast.model.in_situ import InSituStress
 from clast.model.joints import JointTable
-from clast.model.openings import Opening, blocks_called
-from clast.model.repairs import Repair
-from clast.model.supports.lining_joints import LiningJoints
-from clast.model.supports.link_lines import LinkLines
-from clast.model.supports.reactions import Reactions, numbered
-from clast.model.viscous_edges import ViscousEdges
-from clast.model.water.water import Water
+from clast.model.supports import Bolts, LiningJoints, LinkLines, Reactions, numbered
+from clast.model.surroundings import InSituStress, Opening, Repair, ViscousEdges, blocks_called
+from clast.model.water import Water
 from clast.read_only import kept_property, seal
 
 Floats = NDArray[np.float64]

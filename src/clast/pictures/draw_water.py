@@ -11,8 +11,8 @@ import shapely
 
 from clast.actions.water import pressed_by
 from clast.model.model import Bools, Floats, Ints
-from clast.model.stages.stage_loads import standing
-from clast.model.water.water import Water, surface_at
+from clast.model.stages import standing
+from clast.model.water import Water, surface_at
 from clast.pictures.canvas import Part
 from clast.pictures.fields import prefixed
 from clast.pictures.forces import length_of_longest

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.model.model import Floats, Ints
-from clast.model.stages.records import counted_from
+from clast.model.stage_records import counted_from
 from clast.pictures import canvas, draw_blocks, draw_bolts
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.draw_water import (

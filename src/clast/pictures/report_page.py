@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.joints import WELD_STRENGTH
-from clast.model.stages.records import BROKEN_OFF, FAILS, MOVING, REACHED, StageRecord
+from clast.model.stage_records import BROKEN_OFF, FAILS, MOVING, REACHED, StageRecord
 from clast.pictures.figure_options import Look
 from clast.pictures.histories import plot_histories
 from clast.pictures.html_files import html_path, write_html

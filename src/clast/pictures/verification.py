@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
-from clast.model.water.water import faces_of_joints, surface_at, wetted
+from clast.model.water import faces_of_joints, surface_at, wetted
 from clast.pictures.canvas import LEGEND, TEXT, style
 from clast.pictures.charts import Chart, Curve, curve, draw_chart, exact_curve, merged
 from clast.pictures.draw_water import BLUE

@@ -17,8 +17,7 @@ from clast.actions.relaxation import absent_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
-from clast.model.stages.reference import ReferenceState
-from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
+from clast.model.state import LEDGER_ENTRIES, ContactMemory, ReferenceState, State
 from clast.results.contact_samples import (
     contact_rows,
     opening_and_slip,

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError, ResultsLost, RunStopped
 from clast.model.model import Floats, Model
-from clast.model.stages.reference import ReferenceState
-from clast.model.state import State
+from clast.model.state import ReferenceState, State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.reopen import rows_after
 from clast.results.frames import FrameStore

@@ -16,11 +16,10 @@ from numpy.typing import NDArray
 from clast import spelling, thumbnails
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.stages.records import Event, StageRecord
+from clast.model.stage_records import Event, StageRecord
 from clast.model.state import State
-from clast.model.supports.lining_joints import LiningJoints
-from clast.model.supports.link_lines import LinkLines
-from clast.model.water.water import Water
+from clast.model.supports import LiningJoints, LinkLines
+from clast.model.water import Water
 from clast.results.frames import ABSENT, VERTICES, FrameStore
 from clast.results.provenance import version_of
 from clast.results.result_tables import (

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from clast.model.stages.records import Event, StageRecord, events_from, records_from
+from clast.model.stage_records import Event, StageRecord, events_from, records_from
 from clast.model.state import Ledger, Overlap
 
 

@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Bools, Floats, Ints
-from clast.model.stages.records import Event, Mover, StageRecord
+from clast.model.stage_records import Event, Mover, StageRecord
 from clast.model.state import Ledger
-from clast.model.supports.lining_joints import LiningJoints
-from clast.model.supports.link_lines import GROUND, RIGID, LinkLines
-from clast.model.water.water import Water
+from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
+from clast.model.water import Water
 from clast.results.open_file import MalformedError
 from clast.results.provenance import about_in
 from clast.results.recording import BoltLines, EdgeJoints, SupportsRecord

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.factors import Factor
-from clast.model.water.water import Water, WetFaces, WetJoints
+from clast.model.water import Water, WetFaces, WetJoints
 
 SHAPES: dict[str, tuple[str, tuple[int, ...]]] = {
     "surface": ("f8", (2,)),

@@ -4,11 +4,17 @@ from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
 from clast.rockmass.cutting import Cut, cut
 from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
-from clast.rockmass.joints.directions import Fisher, VonMises, apparent
+from clast.rockmass.joints.joint_models import (
+    Baecher,
+    CrossJointed,
+    Parallel,
+    PoissonLines,
+    Veneziano,
+    Voronoi,
+)
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
-from clast.rockmass.joints.parallel_sets import CrossJointed, Parallel
-from clast.rockmass.joints.random_lines import Baecher, PoissonLines, Veneziano, Voronoi
+from clast.rockmass.joints.plan import Fisher, VonMises, apparent
 from clast.rockmass.joints.spacing_distributions import (
     Distribution,
     Exponential,
@@ -18,8 +24,7 @@ from clast.rockmass.joints.spacing_distributions import (
     Uniform,
     Values,
 )
-from clast.rockmass.repair.block_repair import BlockRepair
-from clast.rockmass.repair.repair import Repaired, RepairReport, repaired
+from clast.rockmass.repair import BlockRepair, Repaired, RepairReport, repaired
 
 __all__ = [
     "CONSTRUCTION",

@@ -11,11 +11,10 @@ import shapely
 
 from clast.model.checks import SAME_POINT
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.network.graph_faces import NOTHING
-from clast.rockmass.network.noding import Noded
-from clast.rockmass.network.planar import WELD, Graph, loops_of
-from clast.rockmass.network.straightening import straighten
-from clast.rockmass.network.tidying import (
+from clast.rockmass.faces import NOTHING
+from clast.rockmass.noding import Noded
+from clast.rockmass.planar import WELD, Graph, loops_of
+from clast.rockmass.tidying import (
     CORNER,
     FREE,
     ON_OUTLINE,
@@ -23,6 +22,7 @@ from clast.rockmass.network.tidying import (
     collapse,
     edges_of,
     merge,
+    straighten,
 )
 
 SHORT = 4.0

@@ -14,14 +14,12 @@ import shapely
 from clast import spelling
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
-from clast.model.names import check_names
-from clast.rockmass.cut_report import PLACES
-from clast.rockmass.domain import Domain, Opening, Region, Trace
+from clast.model.ranges import check_names
+from clast.rockmass.domain import Domain, Opening, Outline, Region, Trace, outline
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window
-from clast.rockmass.network.snapping import snapped, through
-from clast.rockmass.outlines import Outline, outline
+from clast.rockmass.noding import snapped, through
 
 WELDED = "welded"
 """Joint of the edges that split a ring: they are not joints, and hold for good."""
@@ -29,6 +27,8 @@ CONSTRUCTION = "construction-joint:"
 """Begin of the name of the joint along an opening until it is excavated; its name follows."""
 TOGETHER = 1.5
 """Outlines are one where they are nearer than this many cells: sqrt(1/2) twice, and round-off."""
+PLACES = 5
+"""Places that a note or a finding names."""
 OVER = 4.0
 """Lines that end at the boundary are cut this many cells beyond it, so that they do reach it."""
 

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+import shapely
 
-from clast.model.model import Floats
-
-PLACES = 5
-"""Places that a finding names."""
+from clast.errors import ModelError
+from clast.model.model import Floats, Ints
+from clast.rockmass import block_loops as block_loops
+from clast.rockmass.block_loops import Tidied
+from clast.rockmass.cut_lines import PLACES, LineTable, SetLines, Site
+from clast.rockmass.estimate import SizeLimits
+from clast.rockmass.faces import Whole
+from clast.rockmass.noding import SHORT_OF, Noded
+from clast.rockmass.planar import Graph
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,3 +145,233 @@ class CutReport:
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain dictionaries, lists, numbers and texts, for JSON."""
         return asdict(self)
+
+
+WRONG_AREA = 1e-9
+"""Sums of areas that differ by more than this share from the domain are said to."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Before:
+    """Numbers known before the cut."""
+
+    lines: Sequence[SetLines]
+    """Joint sets, then drawn traces."""
+    limits: SizeLimits
+    """Smallest edges and blocks."""
+    estimate: int
+    """Blocks that were expected."""
+    snapped: Floats
+    """Points that were moved to others, m, shape (k, 2)."""
+    notes: tuple[str, ...]
+    """Other changes to the input, and omissions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CutRecord:
+    """All that a cut went through."""
+
+    site: Site
+    """The domain and its lines."""
+    before: Before
+    """Numbers known before the cut."""
+    tables: Sequence[LineTable]
+    """Tables of lines, the boundary last."""
+    table: Ints
+    """Table of each line, shape (n,)."""
+    joint: Ints
+    """Joint of each table."""
+    net: Noded
+    """Pieces of the lines."""
+    whole: Whole
+    """Faces without holes."""
+    dangling: Graph
+    """Edges that were taken out."""
+    blocks: Tidied
+    """Blocks after short edges and small blocks have been removed."""
+    vertices: Floats
+    """Vertices of the blocks, m, shape (nv, 2)."""
+    loose: Floats
+    """Ends that were taken out just short of another line, cells, shape (k, 2)."""
+
+
+def report_of(work: CutRecord) -> CutReport:
+    """Return the report of a cut."""
+    at, blocks = work.site, work.blocks
+    area = block_loops.areas(work.vertices, blocks.start)
+    after = block_loops.following(blocks.start)
+    edge = np.hypot(*(work.vertices[after] - work.vertices).T)
+    domain_area = _rock_area(at)
+    total = float(np.sum(area))
+    error = (total - domain_area) / domain_area
+
+    def place(cells: Floats | Ints) -> Floats:
+        return np.asarray(cells, float).reshape(-1, 2) * at.grid + at.origin
+
+    merged = np.concatenate([work.whole.islands, blocks.merged])
+    loose = finding(place(work.loose))
+    return CutReport(
+        blocks=len(area),
+        estimate=work.before.estimate,
+        domain_area=domain_area,
+        area=total,
+        area_error=error,
+        block_area=sizes(area),
+        edge_length=sizes(edge),
+        aspect=sizes(_aspects(work)),
+        tolerance=at.grid,
+        smallest_edge=work.before.limits.smallest_edge,
+        smallest_block=work.before.limits.smallest_block,
+        sets=_sets(work),
+        dangling=finding(
+            place(work.dangling.middles), length=float(work.dangling.lengths.sum()) * at.grid
+        ),
+        loose=loose,
+        collapsed=finding(place(blocks.collapsed)),
+        merged=finding(place(merged), count=work.whole.island_blocks + len(blocks.merged)),
+        rings=finding(place(work.whole.split)),
+        coincident=_coincident(work),
+        snapped=finding(work.before.snapped),
+        short_edges=blocks.short_edges,
+        small_blocks=blocks.small_blocks,
+        notes=(*work.before.notes, *_checked(error, at)),
+        warnings=_loose_ends(loose, at.grid),
+    )
+
+
+def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
+    """Warn of ends that stop just short of another line: blocks are one that should be two."""
+    if found.count == 0:
+        return ()
+    places = ", ".join(place_text(at, grid) for at in found.places)
+    more = f" and {found.count - len(found.places)} more" if found.count > PLACES else ""
+    ends = "an end of a line stops" if found.count == 1 else f"{found.count} ends of lines stop"
+    return (
+        f"cut: {ends} less than {SHORT_OF * grid:.3g} m short of another line and cut nothing "
+        f"there, so that blocks stay in one piece: {places}{more}. Draw lines so that they meet "
+        "where they should, or raise"
+        f" domain.tolerance ({grid:.3g} m): ends within it join",
+    )
+
+
+def _checked(error: float, at: Site) -> tuple[str, ...]:
+    """Return a note where areas differ by no more than the grid explains; ModelError for more."""
+    if abs(error) <= WRONG_AREA:
+        return ()
+    outlines = [at.window.polygon, *at.polygons(at.opening_outlines)]
+    rounding = at.grid * sum(one.length for one in outlines) / at.window.area
+    if abs(error) > rounding:
+        raise ModelError(
+            f"the areas of the blocks differ from that of the domain by {error:+.2g} of it",
+            where="domain",
+            remedy="this is a fault of clast: another tolerance may get round it; please report it",
+        )
+    return (
+        f"the areas of the blocks differ from that of the domain by {error:+.2g} of it: thin "
+        "blocks at outlines, or outlines that meet at a small angle, were left on the grid; a "
+        "finer tolerance brings them onto the outlines",
+    )
+
+
+def _rock_area(at: Site) -> float:
+    """Return the area of the domain without voids, m2."""
+    voids = [
+        polygon
+        for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True)
+        if one.excavated
+    ]
+    if not voids:
+        return at.window.area
+    inside = shapely.intersection(shapely.unary_union(voids), at.window.polygon)
+    return at.window.area - float(inside.area)
+
+
+def _aspects(work: CutRecord) -> Floats:
+    """Return longer over shorter side of the smallest rectangle about each block, shape (nb,)."""
+    start = work.blocks.start
+    owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    rings = shapely.linearrings(work.vertices - work.site.origin, indices=owner)
+    boxes = shapely.minimum_rotated_rectangle(shapely.polygons(rings))
+    at, of = shapely.get_coordinates(boxes, return_index=True)
+    first = np.searchsorted(of, np.arange(len(start) - 1))
+    one, other = (np.hypot(*(at[first + k + 1] - at[first + k]).T) for k in (0, 1))
+    return np.asarray(np.maximum(one, other) / np.maximum(np.minimum(one, other), 1e-300))
+
+
+def _lengths(ends: Floats) -> Floats:
+    return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+
+
+def _sets(work: CutRecord) -> tuple[SetReport, ...]:
+    """Return the statistics of each set, and of the drawn traces of each name."""
+    after = work.blocks.node[block_loops.following(work.blocks.start)]
+    here = work.blocks.node
+    once = (here < after) & (work.blocks.line >= 0)
+    length = np.hypot(*(work.net.xy[after[once]] - work.net.xy[here[once]]).T.astype(float))
+    kept = np.zeros(len(work.tables))
+    np.add.at(kept, work.table[work.blocks.line[once]], length)
+    found = [_set(one, [one], kept, work) for one in work.before.lines if one.plan is not None]
+    traces: dict[str, list[SetLines]] = {}
+    for one in work.before.lines:
+        if one.plan is None:
+            traces.setdefault(one.name, []).append(one)
+    found += [_set(some[0], some, kept, work) for some in traces.values()]
+    return tuple(found)
+
+
+def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: CutRecord) -> SetReport:
+    plan, area = first.plan, first.window.area
+    ends = np.concatenate([one.ends for one in some])
+    lengths = _lengths(ends)
+    total = float(lengths.sum())
+    carried = float(_lengths(first.carriers).sum())
+    left = sum(float(kept[one.table]) for one in some) * work.site.grid
+    return SetReport(
+        name=first.name,
+        lines=len(ends),
+        length=total,
+        p21=total / area,
+        p21_asked=float(plan.density) if plan is not None and plan.density > 0.0 else None,
+        p10=frequency(ends, mean_normal(ends), area),
+        persistence=total / carried if carried > 0.0 else 1.0,
+        persistence_asked=1.0 if plan is None else float(plan.persistence),
+        kept=min(left / total, 1.0),
+    )
+
+
+def mean_normal(ends: Floats) -> Floats:
+    """Return the unit normal of lines (n, 2, 2), weighted by length, shape (2,).
+
+    Lines have no sense of direction: angles are doubled before their mean is taken.
+    """
+    way = ends[:, 1] - ends[:, 0]
+    double = 2.0 * np.arctan2(way[:, 1], way[:, 0])
+    length = _lengths(ends)
+    angle = 0.5 * np.arctan2((length * np.sin(double)).sum(), (length * np.cos(double)).sum())
+    return np.array([-np.sin(angle), np.cos(angle)])
+
+
+def frequency(ends: Floats, scanline: Floats, area: float) -> float:
+    """Return P10, 1/m: lines (n, 2, 2) met per length of scanlines along a unit vector (2,).
+
+    All parallel scanlines over ``area`` together meet a line over its width across them:
+    P10 = sum |l x m| / A (Crofton; for isotropic lines 2 P21/pi).
+    """
+    way = ends[:, 1] - ends[:, 0]
+    return float(np.abs(way[:, 0] * scanline[1] - way[:, 1] * scanline[0]).sum() / area)
+
+
+def _coincident(work: CutRecord) -> Finding:
+    """Return the edges on which lines of different joints coincide, boundaries not counted."""
+    table = work.table[work.net.of[:, 1]]
+    inner = np.array([one.joint is not None for one in work.tables])[table]
+    piece, joint = work.net.of[inner, 0], work.joint[table[inner]]
+    low = np.full(len(work.net.edge), np.iinfo(np.int64).max)
+    high = np.full(len(work.net.edge), -1)
+    np.minimum.at(low, piece, joint)
+    np.maximum.at(high, piece, joint)
+    both = np.flatnonzero((high >= 0) & (low != high))
+    ends = work.net.xy[work.net.edge[both]] * work.site.grid
+    middle = ends.mean(axis=1)
+    inside = shapely.contains_xy(work.site.window.polygon, middle[:, 0], middle[:, 1])
+    return finding(middle[inside] + work.site.origin, length=float(_lengths(ends[inside]).sum()))

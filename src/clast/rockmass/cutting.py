@@ -37,20 +37,15 @@ from clast.rockmass.cut_lines import (
     tables,
     trace_lines,
 )
-from clast.rockmass.cut_report import CutReport
+from clast.rockmass.cut_report import Before, CutRecord, CutReport, report_of
 from clast.rockmass.domain import Domain, Opening, Region, Trace
-from clast.rockmass.estimate import check_counted, check_expected
+from clast.rockmass.estimate import SizeLimits, check_counted, check_expected, limits_of
+from clast.rockmass.faces import NOTHING, FaceOutlines, Whole, sided, without_holes
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE
-from clast.rockmass.make_cut_report import Before, CutRecord, report_of
-from clast.rockmass.network.graph_faces import NOTHING, FaceOutlines, sided
-from clast.rockmass.network.holes import Whole, without_holes
-from clast.rockmass.network.loose_ends import loose_ends
-from clast.rockmass.network.noding import Noded, noded
-from clast.rockmass.network.planar import Graph, bordering, straightened
-from clast.rockmass.network.snapping import Snapped, snapped
-from clast.rockmass.sizes import SizeLimits, limits_of
+from clast.rockmass.noding import Noded, Snapped, loose_ends, noded, snapped
+from clast.rockmass.planar import Graph, bordering, straightened
 
 MOST_REVERTS = 20
 

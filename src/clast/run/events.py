@@ -12,7 +12,7 @@ import numpy as np
 from clast.actions.action import ReportsEvents
 from clast.actions.active import actions_of, own_states
 from clast.model.model import Model
-from clast.model.stages.records import Event
+from clast.model.stage_records import Event
 from clast.model.state import State
 from clast.step.method import Method, StepResult
 

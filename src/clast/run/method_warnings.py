@@ -15,7 +15,7 @@ from clast.contact.joints.bonds import ROUNDED
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
 from clast.model.model import Floats, Model
-from clast.model.stages.stage import EQUILIBRIUM, TIME
+from clast.model.stages import EQUILIBRIUM, TIME
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 from clast.step.integration import forces_at
 from clast.step.method import is_stable_for_any_step

@@ -13,7 +13,7 @@ from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
 from clast.model.joints import WELD_STRENGTH
 from clast.model.model import Floats, Ints, Model
-from clast.model.water.water import Water
+from clast.model.water import Water
 from clast.run.slide_warnings import slide_warnings
 
 SOFTEST, HARDEST = 1e8, 2e12

@@ -15,8 +15,8 @@ from clast.contact.detection import detect
 from clast.errors import ModelError, StepRejected, shortened
 from clast.model import ranges
 from clast.model.model import Bools, Model
-from clast.model.repairs import Repair
 from clast.model.state import State, initial_state
+from clast.model.surroundings import Repair
 from clast.run.method_warnings import check_overlaps, method_warnings, open_joint_warnings
 from clast.run.model_warnings import model_warnings
 from clast.run.stages.stage_checks import check_stages

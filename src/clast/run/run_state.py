@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar, runtime_checkable
 
-from clast.model.stages.records import Event
+from clast.model.stage_records import Event
 from clast.model.state import Ledger, State
 from clast.run.run_checks import Watched
 from clast.run.schedule import Progress

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,8 @@ from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model
-from clast.model.stages.records import Event, StageRecord
-from clast.model.stages.stage import Stage
+from clast.model.stage_records import Event, StageRecord
+from clast.model.stages import Stage
 from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder

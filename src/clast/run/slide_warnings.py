@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from clast.block.polygon import edges
+from clast.model.edges import edges_of, facing_edges
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.water.facing_edges import edges_of, facing_edges
 
 BENDS = np.radians(3.0), np.radians(60.0)
 """Bends of the ground below are none, and above are two faces, rad."""

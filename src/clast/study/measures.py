@@ -18,7 +18,7 @@ from clast import spelling
 from clast.contact.contacts import SLIDE
 from clast.errors import CaseError, shortened
 from clast.model.model import Floats, Model
-from clast.model.stages.records import FAILS
+from clast.model.stage_records import FAILS
 from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
 from clast.results.schema import BOLT_STATES, LINK_STATES

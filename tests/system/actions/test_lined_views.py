@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.model.openings import blocks_called
+from clast.model.surroundings import blocks_called
 from scenes.systems import turned
 
 OPENING = [(2.0 * np.cos(t), 2.0 * np.sin(t)) for t in 2.0 * np.pi * np.arange(24) / 24]

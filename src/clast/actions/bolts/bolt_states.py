@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.model.bolts import Bolts
 from clast.model.model import Bools, Floats, Ints
+from clast.model.supports import Bolts
 
 
 @dataclass(frozen=True, kw_only=True)

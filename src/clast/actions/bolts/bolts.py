@@ -21,9 +21,9 @@ from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.bolts.bolt_events import happened
 from clast.actions.bolts.bolt_states import BoltStates, untouched
 from clast.contact.clipped_spring import Clipped, Springs, table
-from clast.model.bolts import Bolts
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
+from clast.model.supports import Bolts
 
 
 @dataclass(frozen=True)

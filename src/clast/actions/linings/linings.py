@@ -29,7 +29,7 @@ from clast.actions.links.link_states import LinkRows, LinkStates
 from clast.actions.links.links import Links
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.supports.lining_joints import LiningJoints
+from clast.model.supports import LiningJoints
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""

@@ -48,7 +48,7 @@ from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.linear.system import stretches, with_ground
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
-from clast.model.supports.link_lines import FREE, GROUND, RIGID, SOFT, LinkLines
+from clast.model.supports import FREE, GROUND, RIGID, SOFT, LinkLines
 
 NEAR = 1e-5
 """Force that rows may miss in a static step, as a share of the largest of them."""

@@ -28,7 +28,7 @@ from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Inputs, Table, as_plain
 from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
 from clast.model.model import PLANES, Plane
-from clast.model.names import check_names
+from clast.model.ranges import check_names
 
 T = TypeVar("T", bound=Table)
 F = TypeVar("F", bound=Callable[..., Any])

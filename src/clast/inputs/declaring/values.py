@@ -11,7 +11,7 @@ from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.model import Floats
-from clast.model.names import check_names
+from clast.model.ranges import check_names
 
 LONGEST_TITLE = 1000
 """Most characters of a title."""

@@ -26,7 +26,7 @@ from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
 from clast.model import model, ranges
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
-from clast.model.supports.link_lines import GROUND
+from clast.model.supports import GROUND
 
 End = Literal["free", "hinged", "clamped"]
 WEAKEST = 1e-6

@@ -16,9 +16,9 @@ from clast.inputs.declaring.table import Inputs
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground, LinePieces, joints_between
 from clast.model import ranges
-from clast.model.bolts import Bolts
 from clast.model.model import Floats
-from clast.model.names import check_names, check_text
+from clast.model.ranges import check_names, check_text
+from clast.model.supports import Bolts
 
 BESIDE = 1e-3
 """Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded."""

@@ -12,8 +12,8 @@ from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable, SpreadTable
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
-from clast.model.openings import Opening
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
+from clast.model.surroundings import Opening
 
 LARGEST_BOLT = 0.02
 """Cross-section above which a bolt is not a bolt, m2: 16 cm across."""

@@ -18,7 +18,7 @@ from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refu
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.factors import NO_FACTOR
-from clast.model.supports.link_lines import GROUND
+from clast.model.supports import GROUND
 
 
 def _kind_of_stiffness(value: Any) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.model.stages.records import counted_from
+from clast.model.stage_records import counted_from
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import LEVELS, affine, packed, raw

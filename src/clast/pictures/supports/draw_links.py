@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
-from clast.model.supports.link_lines import FREE, GROUND, RIGID, LinkLines
+from clast.model.supports import FREE, GROUND, RIGID, LinkLines
 from clast.results import Recording
 from clast.results.schema import LINK_STATES
 

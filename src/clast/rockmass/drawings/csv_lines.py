@@ -32,9 +32,8 @@ from clast.rockmass.drawings.drawing import (
     Orientations,
     Polyline,
 )
-from clast.rockmass.drawings.drawing_files import text_of
+from clast.rockmass.drawings.drawing_files import number_of, text_of
 from clast.rockmass.drawings.drawn_loops import Loop, ring, without_repeats
-from clast.rockmass.drawings.numbers import number_of
 
 PLAIN = ("x1", "y1", "x2", "y2")
 """Columns of a table without a heading."""

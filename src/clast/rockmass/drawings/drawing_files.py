@@ -158,3 +158,16 @@ def _check_target(real: Path, path: Path) -> None:
             where=str(path),
             remedy="choose another name",
         )
+
+
+PLAIN_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+LARGEST_NUMBER = 1e20
+"""Largest number that is believed."""
+
+
+def number_of(word: str) -> float | None:
+    """Return the number that a word is, of at most LARGEST_NUMBER, or None; d may stand for e."""
+    if not PLAIN_NUMBER.fullmatch(word):
+        return None
+    value = float(re.sub("[dD]", "e", word))
+    return value if abs(value) <= LARGEST_NUMBER else None

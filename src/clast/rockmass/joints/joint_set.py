@@ -12,15 +12,17 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.model import Floats
-from clast.rockmass.joints.directions import (
+from clast.rockmass.joints.joint_models import Parallel, number_or
+from clast.rockmass.joints.plan import (
     LARGEST_FACTOR,
+    JointModel,
     MeanDirection,
+    Plan,
     Scatter,
+    Window,
     apparent,
     normal_of,
 )
-from clast.rockmass.joints.parallel_sets import Parallel, number_or
-from clast.rockmass.joints.plan import JointModel, Plan, Window
 from clast.rockmass.joints.spacing_distributions import Distribution, Scaled
 
 KEYS = (

@@ -10,8 +10,7 @@ import numpy as np
 
 from clast.errors import ModelError
 from clast.model.model import Floats
-from clast.rockmass.domain import Box
-from clast.rockmass.outlines import points_of
+from clast.rockmass.domain import Box, points_of
 
 
 class Bond(Protocol):

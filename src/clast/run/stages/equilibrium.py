@@ -30,11 +30,10 @@ from clast.actions.relaxation import released_at
 from clast.block import polygon
 from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.joints.along_joint import range_of_springs
+from clast.model.ground_motion import is_over
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.stages.motion import is_over
-from clast.model.stages.records import Mover, towards
-from clast.model.stages.stage import EQUILIBRIUM, Stage
-from clast.model.stages.stage_loads import are_constant, factors_in
+from clast.model.stage_records import Mover, towards
+from clast.model.stages import EQUILIBRIUM, Stage, are_constant, factors_in
 from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position

@@ -25,8 +25,8 @@ from clast.contact.joints.bonds import are_closed
 from clast.contact.joints.flush import flush_edges
 from clast.contact.laws import normal_stiffness_of
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.stages.records import Event
-from clast.model.stages.stage import Stage
+from clast.model.stage_records import Event
+from clast.model.stages import Stage
 from clast.model.state import ContactMemory, State
 from clast.run.excavation import without
 from clast.step.method import Method

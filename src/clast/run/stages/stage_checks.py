@@ -12,11 +12,18 @@ from clast.actions.linings.linings import linings_of
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import Still
 from clast.model.model import Model
-from clast.model.names import check_names
-from clast.model.openings import blocks_called
-from clast.model.stages.stage import EQUILIBRIUM, TIME, Stage
-from clast.model.stages.stage_loads import load_names, names_that_act
-from clast.model.stages.strengths import SMALL_ANGLE, contradiction, with_strengths
+from clast.model.ranges import check_names
+from clast.model.stages import (
+    EQUILIBRIUM,
+    SMALL_ANGLE,
+    TIME,
+    Stage,
+    contradiction,
+    load_names,
+    names_that_act,
+    with_strengths,
+)
+from clast.model.surroundings import blocks_called
 
 
 def check_stages(stages: Sequence[Stage], model: Model) -> None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clast.model.model import Bools, Floats
-from clast.model.stages.records import Mechanism, Mover, StageRecord
-from clast.model.stages.reference import ReferenceState
+from clast.model.stage_records import Mechanism, Mover, StageRecord
+from clast.model.state import ReferenceState
 
 
 def _nothing() -> Floats:

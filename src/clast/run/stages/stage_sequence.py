@@ -8,7 +8,7 @@ from functools import cached_property
 
 from clast.actions.damping import Undamped
 from clast.model.model import Floats
-from clast.model.stages.records import (
+from clast.model.stage_records import (
     BROKEN_OFF,
     FAILS,
     MOVING,
@@ -18,9 +18,8 @@ from clast.model.stages.records import (
     Mechanism,
     StageRecord,
 )
-from clast.model.stages.reference import here
-from clast.model.stages.stage import EQUILIBRIUM, TIME, Stage
-from clast.model.state import State
+from clast.model.stages import EQUILIBRIUM, TIME, Stage
+from clast.model.state import State, here
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.spraying import events_of_linings
 from clast.run.stages.stage_checks import check_stages

@@ -34,9 +34,8 @@ import numpy as np
 from clast.actions.holding_forces import HoldingForces
 from clast.contact.multipliers import carried_over
 from clast.model.model import Bools, Floats, Model
-from clast.model.stages.records import Mechanism, Mover
-from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
-from clast.model.stages.strengths import has_bonds, with_bonds_held
+from clast.model.stage_records import Mechanism, Mover
+from clast.model.stages import EQUILIBRIUM, HOLD, Stage, has_bonds, with_bonds_held
 from clast.model.state import State
 from clast.run.schedule import Schedule
 from clast.run.stages import failure_verdict

@@ -13,15 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.model.ground_motion import GroundMotion, Still
+from clast.model.ground_motion import GroundMotion, InStages, Still
 from clast.model.model import Ints, Model
-from clast.model.openings import blocks_called
-from clast.model.stages.motion import InStages
-from clast.model.stages.records import Event
-from clast.model.stages.stage import EQUILIBRIUM, LOCK, Stage
-from clast.model.stages.stage_loads import with_loads
-from clast.model.stages.strengths import with_strengths
+from clast.model.stage_records import Event
+from clast.model.stages import EQUILIBRIUM, LOCK, Stage, with_loads, with_strengths
 from clast.model.state import State
+from clast.model.surroundings import blocks_called
 from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
 from clast.run.stages.spraying import lined

@@ -21,7 +21,7 @@ from clast.compute.jit import kernel
 from clast.contact.clipped_spring import Springs
 from clast.linear.system import PairedLinks
 from clast.model.model import Floats, Ints
-from clast.model.supports.reactions import numbered
+from clast.model.supports import numbered
 from clast.read_only import read_only
 from clast.step.method import StepSolution
 from clast.step.start import StepContext

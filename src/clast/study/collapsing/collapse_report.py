@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from clast.errors import CaseError
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 from clast.pictures.html_files import write_html
 from clast.pictures.study import figures
 from clast.results import read_results
-from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+from clast.rockmass.drawings.blocks_out import write_blocks_dxf
 from clast.run.stages.failure_verdict import Scales
 from clast.study.collapsing.collapse import Collapse, ends, undecided
 from clast.study.folder import RUN_FILE, StudyFolder, make_folder

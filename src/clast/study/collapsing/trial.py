@@ -24,7 +24,7 @@ from clast.case.case_file import Case
 from clast.errors import CaseError, ResultsLost, RunStopped
 from clast.inputs.method import TimeTable
 from clast.model.model import Floats, Model
-from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
+from clast.model.stage_records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.results.frame_samples import bolt_states
 from clast.run.simulate import simulate

@@ -14,7 +14,7 @@ import numpy as np
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.rockmass import Baecher, JointSet, PoissonLines, cut
-from clast.rockmass.make_cut_report import frequency
+from clast.rockmass.cut_report import frequency
 from clast.verification.cut_blocks import CUT, drawing_of, lines_of, rectangle
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import Variant

@@ -22,7 +22,7 @@ import numpy as np
 
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
-from clast.model.stages.stage import TIME, Stage
+from clast.model.stages import TIME, Stage
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

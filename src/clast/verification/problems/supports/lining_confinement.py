@@ -19,7 +19,7 @@ import numpy as np
 
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
-from clast.model.stages.stage import Stage
+from clast.model.stages import Stage
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule

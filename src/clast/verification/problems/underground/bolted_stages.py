@@ -24,7 +24,7 @@ from collections.abc import Sequence
 
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
-from clast.model.stages.stage import TIME, Stage
+from clast.model.stages import TIME, Stage
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

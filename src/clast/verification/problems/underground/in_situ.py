@@ -14,8 +14,8 @@ import numpy as np
 
 from clast.inputs.builder import InputBuilder
 from clast.inputs.in_situ import Overburden
-from clast.model.in_situ import InSituStress
 from clast.model.model import Model
+from clast.model.surroundings import InSituStress
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.rockmass import Domain, Exponential, JointSet, cut

@@ -22,8 +22,8 @@ from functools import partial
 import numpy as np
 
 from clast.inputs.builder import InputBuilder
-from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Model, PlaneStrain
+from clast.model.surroundings import InSituStress
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule

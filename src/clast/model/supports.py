@@ -1,4 +1,4 @@
-"""Rock bolts: the springs that the bolts of a model consist of.
+"""Supports: rock bolts, joints of linings, links, and the reactions that are recorded.
 
 A bolt between two points is one spring; a grouted one has a spring wherever it crosses a joint.
 Forces are N per metre of thickness, tension positive.
@@ -116,3 +116,89 @@ class Bolts:
     def without(self, names: Iterable[str]) -> Bolts:
         """Return the bolts with those of these names, patterns or kinds not yet installed."""
         return replace(self, installed=self.installed & ~self.named(names))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LiningJoints:
+    """The k joints of all linings, at which their forces are known."""
+
+    name: tuple[str, ...] = ()
+    """Name of each: that of its lining, a slash and its number."""
+    along: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    """Where it is along the middle of its lining, m, shape (k,)."""
+    face: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Vertices of the segment beside it, outside and inside, shape (k, 2)."""
+    section: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    """Its thickness, m, and strengths in tension and compression, Pa, infinite for none, shape
+    (k, 3); (0, 3) in files of older versions."""
+
+    @property
+    def linings(self) -> tuple[str, ...]:
+        """Names of the linings."""
+        return tuple(dict.fromkeys(name.rpartition("/")[0] for name in self.name))
+
+    def of(self, lining: str) -> NDArray[np.int64]:
+        """Return the joints of a lining, shape (j,)."""
+        own = [k for k, name in enumerate(self.name) if name.rpartition("/")[0] == lining]
+        return np.array(own, np.int64)
+
+
+GROUND = -1
+"""Number of the ground in place of a block: it is none, and moves with the ground motion alone."""
+FREE, SOFT, RIGID = 0, 1, 2
+"""Action of a link along, across and against rotation: nothing, a spring or dashpot, rigid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkLines:
+    """Places of k links at the start."""
+
+    name: tuple[str, ...] = ()
+    """Name of each."""
+    block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Its two blocks, or one and GROUND, shape (k, 2)."""
+    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Its point, m, shape (k, 2)."""
+    along: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Unit vector of its direction, shape (k, 2)."""
+    holds: Ints = field(default_factory=lambda: np.zeros((0, 3), np.int64))
+    """FREE, SOFT or RIGID: along, across, rotation, shape (k, 3)."""
+
+
+def _none() -> Ints:
+    return np.zeros((0, 2), np.int64)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Reactions:
+    """The reactions of a model, k of them, each the sum over some supports."""
+
+    name: tuple[str, ...] = ()
+    """Name of each."""
+    about: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Point about which its moment is taken, m, shape (k, 2), relative to the model's origin."""
+    of_block: Ints = field(default_factory=_none)
+    """Reaction and the block that it holds or moves, shape (b, 2)."""
+    of_fixed_point: Ints = field(default_factory=_none)
+    """Reaction and the fixed point that belongs to it, shape (p, 2)."""
+    of_viscous_edge: Ints = field(default_factory=_none)
+    """Reaction and the viscous edge that belongs to it, shape (e, 2)."""
+    of_ground: Ints = field(default_factory=_none)
+    """Reaction that is the sum over all links and linings on the ground, and 0, shape (g, 2)."""
+
+    def __len__(self) -> int:
+        return len(self.name)
+
+    def __repr__(self) -> str:
+        return f"Reactions({', '.join(self.name)})"
+
+
+def numbered(asked: Bools) -> tuple[Ints, Ints]:
+    """Return the blocks (s,) that are ``asked`` for (n,), and the number of each among them.
+
+    Others have the number -1, shape (n,).
+    """
+    block = np.flatnonzero(asked)
+    number = np.full(len(asked), -1)
+    number[block] = np.arange(len(block))
+    return block, number

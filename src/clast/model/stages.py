@@ -1,14 +1,187 @@
-"""Strengths of joints that a stage changes."""
+"""Stages of a run: changes at their start, their end, their loads and strengths of joints."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
+from clast.model.factors import NO_FACTOR, Factor
 from clast.model.joints import Joint, JointTable
 from clast.model.model import Model
+from clast.model.water import Water
+
+EQUILIBRIUM, TIME = "equilibrium", "time"
+"""The conditions that may end a stage."""
+BREAK, HOLD = "break", "hold"
+"""The behaviour of bonds of joints in a stage."""
+LOCK = "lock"
+"""The behaviour of jacks at the start of a stage; or they hold."""
+STRENGTHS = (
+    "friction_angle",
+    "cohesion",
+    "tensile_strength",
+    "residual_cohesion",
+    "residual_friction_angle",
+    "kinetic_friction_angle",
+    "dilation_angle",
+    "strength_reduction",
+)
+"""Numbers of a joint that a stage may change."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A part of a run; stages follow each other, and the state is carried from one to the next."""
+
+    name: str
+    """Name."""
+    until: str = EQUILIBRIUM
+    """When it ends: "equilibrium", or "time", when its time is over."""
+    time: float | None = None
+    """Length of the stage, s, for one until equilibrium at most; None: the end of the schedule."""
+    damping: Any = None
+    """Damping of the stage: an object of the method; None: as without stages."""
+    dynamic_ratio: float | None = None
+    """Share of velocity carried to the next step, 0 static, 1 dynamic; None: as without stages."""
+    force_ratio: float = 1e-4
+    """Largest unbalanced force on a block in equilibrium, as a share of all forces on it."""
+    speed: float = 1e-6
+    """Largest speed of a block in equilibrium, as a share of sqrt(g x its size)."""
+    hold: int = 20
+    """Consecutive steps in which that holds."""
+    reset_displacement: bool = False
+    """True: displacements are reset at the end of the stage; positions do not change."""
+    step: float | None = None
+    """Wanted length of a step, s; None: as without stages."""
+    every: float | None = None
+    """Time between frames, s; None: as without stages."""
+    excavate: tuple[str, ...] = ()
+    """Openings and blocks that are excavated at its start."""
+    relax: float = 1.0
+    """Share of the support forces of excavated blocks that is released at once."""
+    relax_time: float = 0.0
+    """Time over which the rest is released, s."""
+    install: tuple[str, ...] = ()
+    """Bolts that are installed at its start, by their names or kinds."""
+    joints: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Strengths of joints from its start on: {"bedding": {"friction_angle": 25.0}}."""
+    bonds: str = BREAK
+    """"break" as forces reach their strength, or "hold" until the static stage is in balance; only
+    then are they judged."""
+    jacks: str = LOCK
+    """"lock": the jacks of bolts come off at its start; "hold": they stay on."""
+    loads: tuple[str, ...] = ()
+    """Loads, pressures and tables that act from its start on, and none of them before."""
+    ground_motion: bool = False
+    """True: the ground moves in this stage, its record beginning with the stage."""
+
+
+KINDS = {"point_loads": "force", "line_loads": "traction", "pressures": "pressure"}
+"""Loads of a model -> their values, which are 0 while they do not act."""
+
+
+def load_names(model: Model) -> tuple[str, ...]:
+    """Return the names of loads, pressures, water and tables that stages may name."""
+    named = (*names_that_act(model), *(factor.name for factor in model.factors))
+    return tuple(dict.fromkeys(named))
+
+
+def names_that_act(model: Model) -> tuple[str, ...]:
+    """Return the names of loads, pressures and water."""
+    named = [name for kind in KINDS for name in getattr(model, kind).name if name]
+    return *named, *(water.name for water in model.water if water.name)
+
+
+def with_loads(
+    model: Model, base: Model, stages: Sequence[Stage], starts: Sequence[float]
+) -> Model:
+    """Return a model with the loads that act when so many stages have begun at ``starts``, s.
+
+    ``base`` has all of them.  The table of a load that a stage names begins with that stage, as a
+    table does that it names itself.
+    """
+    begun = {
+        name: starts[number] if number < len(starts) else None
+        for number, stage in enumerate(stages)
+        for name in stage.loads
+    }
+    factors = [_begun(factor, begun) for factor in base.factors]
+    loads = {
+        kind: _acting(getattr(base, kind), values, begun, base.factors, factors)
+        for kind, values in KINDS.items()
+    }
+    water = tuple(standing(one, begun) for one in base.water)
+    return replace(model, **loads, water=water, factors=tuple(factors))
+
+
+def _begun(factor: Factor, begun: Mapping[str, float | None]) -> Factor:
+    """Return a table as it is after the stages that have begun: 0 before that which names it."""
+    if factor.name not in begun:
+        return factor
+    start = begun[factor.name]
+    if start is None:
+        return replace(factor, value=np.zeros_like(factor.value))
+    return replace(factor, time=factor.time + start)
+
+
+def standing(water: Water, begun: Mapping[str, float | None]) -> Water:
+    """Return water as it stands: none before the stage that names it.
+
+    ``begun`` has when the stages that name loads and tables have begun, s; None: not yet.
+    """
+    if water.name and water.name in begun:
+        start = begun[water.name]
+        if start is None:
+            return replace(water, share=0.0, factor=None)
+        if water.factor is not None:
+            return replace(water, factor=replace(water.factor, time=water.factor.time + start))
+    if water.factor is not None:
+        return replace(water, factor=_begun(water.factor, begun))
+    return water
+
+
+def factors_in(model: Model) -> tuple[Factor, ...]:
+    """Return the tables of all loads and waters."""
+    return *model.factors, *(one.factor for one in model.water if one.factor is not None)
+
+
+def _acting(
+    loads: Any,
+    values: str,
+    begun: Mapping[str, float | None],
+    tables: Sequence[Factor],
+    factors: list[Factor],
+) -> Any:
+    """Return loads of one kind as they act; tables that begin later are put behind ``factors``."""
+    size, number = getattr(loads, values).copy(), loads.factor.copy()
+    own: dict[tuple[str, int], int] = {}
+    for row, name in enumerate(loads.name):
+        if name not in begun:
+            continue
+        start = begun[name]
+        if start is None:
+            size[row] = 0.0
+        elif number[row] != NO_FACTOR:
+            table = int(number[row])
+            if (name, table) not in own:
+                own[name, table] = len(factors)
+                factors.append(replace(tables[table], time=tables[table].time + start))
+            number[row] = own[name, table]
+    return replace(loads, **{values: size}, factor=number)
+
+
+def are_constant(factors: Sequence[Factor], time: float) -> bool:
+    """Return whether no table changes any more after a time, s."""
+    return all(
+        time >= factor.time[-1]
+        or bool((factor.value[np.searchsorted(factor.time, time) - 1 :] == factor.at(time)).all())
+        for factor in factors
+    )
+
 
 HELD = 1e9
 """Strength of bonds that nothing breaks, in units of their own strength."""

@@ -33,13 +33,15 @@ of the name given here, or the element's text.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
+from xml.parsers import expat
 
 from clast.errors import CaseError, mistyped, shortened
 from clast.rockmass.drawings.drawing import Analysis, Drawing, DrawnRock, LeftOut, PointForce
-from clast.rockmass.drawings.numbers import number_of
-from clast.rockmass.legacy.words import (
+from clast.rockmass.drawings.drawing_files import checked_file, number_of
+from clast.rockmass.drawings.legacy_words import (
     LegacyGeometry,
     NumberRow,
     check_mass_unit,
@@ -48,7 +50,6 @@ from clast.rockmass.legacy.words import (
     legacy_rock,
     unit_notes,
 )
-from clast.rockmass.legacy.xml_tree import Element, xml_tree
 
 GEOMETRY = {
     "joint": "jointlist",
@@ -104,9 +105,6 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     return replace(drawing, analysis=analysis, left_out=(*drawing.left_out, *left))
 
 
-# Geometry ----------------------------------------------------------------------------------------
-
-
 def _geometry(root: Element, file: str, scale: float) -> LegacyGeometry:
     """Return the lines and points of the file."""
     fixed = _rows(root, "fixedpointlist", ("point", "line"), file, (2, 4))
@@ -155,9 +153,6 @@ def _typed(root: Element, group: str, name: str, file: str) -> tuple[NumberRow, 
         )
         for row, one in zip(rows, elements, strict=True)
     )
-
-
-# Analysis ----------------------------------------------------------------------------------------
 
 
 def _analysis(root: Element, file: str, scale: float) -> Analysis:
@@ -311,9 +306,6 @@ def _forces(root: Element, file: str, scale: float) -> Iterator[PointForce]:
             yield PointForce(point=number, time=values[0], force=force, place=element.place)
 
 
-# Values ------------------------------------------------------------------------------------------
-
-
 def _one(root: Element, name: str, file: str) -> float | None:
     """Return the number of an element of the file, None where there is no such element."""
     found = next(root.all(name), None)
@@ -370,3 +362,108 @@ REASONS = {
     "boltproperties": "give [bolt_kind.NAME] stiffness and yield_force by hand",
 }
 """Why elements that are known are not taken over."""
+
+
+DEEPEST = 100
+"""Most elements within elements."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element:
+    """An element; names are local and in small letters."""
+
+    name: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+
+    @property
+    def place(self) -> str:
+        """Return where it stands, for messages."""
+        return f"line {self.line}, {self.name}"
+
+    @property
+    def text(self) -> str:
+        """Return its own text."""
+        return " ".join("".join(self.texts).split())
+
+    def all(self, name: str) -> Iterator[Element]:
+        """Yield the elements with that name below this one, in their order."""
+        for child in self.children:
+            if child.name == name:
+                yield child
+            yield from child.all(name)
+
+    def value(self, attribute: str) -> str:
+        """Return an attribute or, where it is missing, the element's text."""
+        return self.attributes.get(attribute, self.text).strip()
+
+
+def xml_tree(path: Path) -> Element:
+    """Return the root element of an XML file.
+
+    Raises CaseError with the line where it is not XML, and for document types, which can make a
+    small file grow without bound or read other files.
+    """
+    content = checked_file(path).read_bytes()
+    builder = _Builder(str(path))
+    try:
+        builder.parser.Parse(content, True)
+    except expat.ExpatError as error:
+        raise CaseError(
+            f"is not XML: {expat.ErrorString(error.code)}",
+            where=f"{path}: line {error.lineno}, column {error.offset + 1}",
+            remedy="check that the file is complete",
+        ) from None
+    except (ValueError, LookupError) as error:  # an encoding that nobody knows
+        raise CaseError(f"is not XML: {shortened(str(error), 100)}", where=str(path)) from None
+    if builder.root is None:
+        raise CaseError("has no element", where=str(path))
+    return builder.root
+
+
+class _Builder:
+    """Puts the tree together while expat reads."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.root: Element | None = None
+        self._open: list[Element] = []
+        self.parser: Any = expat.ParserCreate(namespace_separator=" ")
+        self.parser.StartDoctypeDeclHandler = self._refuse
+        self.parser.EntityDeclHandler = self._refuse
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = self._end
+        self.parser.CharacterDataHandler = self._text
+
+    def _refuse(self, *_: Any) -> None:
+        raise CaseError(
+            "declares a document type or an entity, which are not read",
+            where=f"{self.file}: line {self.parser.CurrentLineNumber}",
+            remedy="remove <!DOCTYPE ...> and replace entities by their text",
+        )
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        line = self.parser.CurrentLineNumber
+        if len(self._open) >= DEEPEST:
+            raise CaseError("is nested too deeply", where=f"{self.file}: line {line}")
+        own = {_local(key): value for key, value in attributes.items()}
+        element = Element(name=_local(name), attributes=own, line=line)
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self.root = element
+        self._open.append(element)
+
+    def _end(self, _: str) -> None:
+        self._open.pop()
+
+    def _text(self, text: str) -> None:
+        if self._open:
+            self._open[-1].texts.append(text)
+
+
+def _local(name: str) -> str:
+    """Return a name without its namespace, in small letters."""
+    return name.rpartition(" ")[2].rpartition(":")[2].casefold()

@@ -1,6 +1,6 @@
 """Blocks that were drawn one by one, put together where they are meant to touch.
 
-    from clast.rockmass.repair.repair import repaired
+    from clast.rockmass.repair import repaired
 
     vertices = [(0, 0), (1, 0), (1, 1), (0, 1), (1.0004, 0), (2, 0), (2, 1), (0.9997, 1)]
     found = repaired(vertices, [0, 4, 8], tolerance=1e-3)
@@ -21,12 +21,18 @@ from typing import Any
 import numpy as np
 
 from clast.errors import ModelError
+from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.model import Floats, Ints
+from clast.model.surroundings import Repair
 from clast.rockmass.block_loops import areas, sound
 from clast.rockmass.cut_report import Finding, finding
-from clast.rockmass.repair.block_cycles import Cycles, without_folds
-from clast.rockmass.repair.corners import corners_of
-from clast.rockmass.repair.near_edges import onto_edges, through_places
+from clast.rockmass.shared_places import (
+    Cycles,
+    corners_of,
+    onto_edges,
+    through_places,
+    without_folds,
+)
 
 LARGEST = 0.1
 """Largest tolerance as a share of the median edge: a larger one would undo the drawing."""
@@ -156,9 +162,6 @@ def checked(tolerance: float, edges: Floats) -> float:
     return float(tolerance)
 
 
-# Refusals ----------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Refusal:
     """Blocks as drawn, for messages on those that cannot be put together."""
@@ -199,3 +202,34 @@ class _Refusal:
             where=f"repair, tolerance: {label(int(blocks[0]))}",
             remedy="give a smaller tolerance, or take out blocks, corners and notches so thin",
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockRepair:
+    """Puts the blocks of a ModelBuilder together where they are nearer than a tolerance."""
+
+    tolerance: float
+    """Distance within which things are meant to touch, m."""
+
+    def __call__(self, outlines: BlockOutlines) -> RepairedBlocks:
+        """Return the repaired blocks, and the repairs."""
+        found = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
+        vertices = np.ascontiguousarray(found.vertices)
+        return RepairedBlocks(
+            outlines=replace(outlines, start=found.start, vertices=vertices),
+            edge=found.edge,
+            moved=found.report.largest_movement,
+            repairs=repairs_of(found.report, tuple(outlines.origin.tolist())),
+        )
+
+
+def repairs_of(report: RepairReport, origin: tuple[float, ...] = (0.0, 0.0)) -> tuple[Repair, ...]:
+    """Return the repairs in the form of a model; places are about an origin, m."""
+    return tuple(
+        Repair(
+            what=what,
+            count=one.count,
+            places=tuple((x + origin[0], y + origin[1]) for x, y in one.places),
+        )
+        for what, one in report.changes.items()
+    )

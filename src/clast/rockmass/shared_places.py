@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.repair.block_cycles import Cycles, with_places
-from clast.rockmass.repair.corners import SharedCorners, kept_apart
+from clast.rockmass.block_loops import following
 
 EXACT = 1e-6
 """Vertices nearer to an edge than this share of the tolerance lie on it."""
@@ -114,9 +114,6 @@ def _entries_with(pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
     return number, order[first[number] + step]
 
 
-# Vertices onto edges -----------------------------------------------------------------------------
-
-
 def onto_edges(loops: Cycles, corners: SharedCorners, drawn: Floats, reach: float) -> Floats:
     """Return the places (nn, 2) with those beside an edge moved onto it, m.
 
@@ -156,9 +153,6 @@ def _largest_movement(node: Ints, to: Floats, corners: SharedCorners, drawn: Flo
     most = np.zeros(len(node))
     np.maximum.at(most, number, far)
     return most
-
-
-# Edges through vertices --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -217,3 +211,169 @@ def _put_in(loops: Cycles, pieces: Pieces, near: Near) -> tuple[Cycles, Ints]:
     share = np.where(forward, near.share[number], 1.0 - near.share[number])
     order = np.lexsort((share, entry))
     return with_places(loops, entry[order], near.node[number[order]]), near.node[number]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cycles:
+    """Loops of places; entry k stands for a vertex and for the edge from it to the next."""
+
+    start: Ints
+    """First entry of each block, and the number of entries, shape (nb + 1,)."""
+    node: Ints
+    """Place of each entry, shape (nv,)."""
+    edge: Ints
+    """Edge as drawn that the edge of each entry is, or is a part of, shape (nv,)."""
+
+    @property
+    def owner(self) -> Ints:
+        """Block of each entry, shape (nv,)."""
+        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+
+    @property
+    def after(self) -> Ints:
+        """Place of the entry after each in its block, shape (nv,)."""
+        return np.asarray(self.node[_next(self.start)])
+
+    def only(self, keep: Bools) -> Cycles:
+        """Return the loops with some of their entries (nv,)."""
+        count = np.bincount(self.owner[keep], minlength=len(self.start) - 1)
+        return Cycles(
+            start=np.concatenate([[0], np.cumsum(count)]),
+            node=self.node[keep],
+            edge=self.edge[keep],
+        )
+
+
+def _next(start: Ints) -> Ints:
+    """Return the entry after each; blocks may have become empty."""
+    filled = np.unique(start)
+    return following(filled) if len(filled) > 1 else np.zeros(0, np.int64)
+
+
+def without_folds(loops: Cycles) -> tuple[Cycles, Ints]:
+    """Return loops without edges of no length and without spikes, and the places of those, (k,).
+
+    A spike goes out along an edge and comes back along it: it encloses nothing.
+    """
+    closed = [np.zeros(0, np.int64)]
+    while len(loops.node):
+        # Of an edge from a place to itself the second entry stays, with the joint of its own edge.
+        same = loops.node == loops.after
+        if same.any():
+            closed.append(loops.node[same])
+            loops = loops.only(~same)
+            continue
+        spike = _spikes(loops)
+        if len(spike) == 0:
+            break
+        removed = np.zeros(len(loops.node), np.bool_)
+        removed[spike] = True
+        removed[_before(loops.start)[spike]] = True
+        closed.append(loops.node[spike])
+        loops = loops.only(~removed)
+    return loops, np.concatenate(closed)
+
+
+def _before(start: Ints) -> Ints:
+    """Return the entry before each in its block."""
+    after = _next(start)
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    return before
+
+
+def _spikes(loops: Cycles) -> Ints:
+    """Return entries at tips of spikes, one a block at most, (k,)."""
+    tips = np.flatnonzero(loops.node[_before(loops.start)] == loops.after)
+    return tips[np.unique(loops.owner[tips], return_index=True)[1]]
+
+
+def with_places(loops: Cycles, entry: Ints, node: Ints) -> Cycles:
+    """Return loops with places (k,) put in after entries (k,), in the order given."""
+    count = np.bincount(loops.owner[entry], minlength=len(loops.start) - 1)
+    every = np.concatenate([np.arange(len(loops.node)), entry])
+    # Stable: an entry goes before what is put in after it.
+    order = np.argsort(every, kind="stable")
+    return Cycles(
+        start=loops.start + np.concatenate([[0], np.cumsum(count)]),
+        node=np.concatenate([loops.node, node])[order],
+        edge=np.concatenate([loops.edge, loops.edge[entry]])[order],
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SharedCorners:
+    """Vertices by their common places."""
+
+    node: Ints
+    """Place of each vertex, shape (nv,)."""
+    at: Floats
+    """Where each place is, m, shape (nn, 2)."""
+
+
+def corners_of(points: Floats, reach: float) -> SharedCorners:
+    """Return the common places of vertices (nv, 2), m, that lie within ``reach`` of each other.
+
+    A place is where most of its vertices are, else their mean; where that would bring a vertex too
+    far, or two places too near, it is the vertex that was picked.
+    """
+    key = np.ascontiguousarray(points).view(np.complex128)[:, 0]
+    _, first, of, times = np.unique(key, return_index=True, return_inverse=True, return_counts=True)
+    single = points[first]
+    picked = single[_picked(single, times, reach)]
+    # Round-off may put a vertex at the tolerance just beyond it.
+    owner = cKDTree(picked).query(single, distance_upper_bound=reach * (1.0 + 1e-9))[1]
+    place = _better(picked, single, owner, times, reach)
+    return SharedCorners(node=owner[of], at=place)
+
+
+def _picked(at: Floats, times: Ints, reach: float) -> Ints:
+    """Return points (k,) of ``at`` (n, 2) further apart than ``reach``, near which all others are.
+
+    Those with most vertices around go first; ``times`` (n,) says how many lie on each point.
+    """
+    pairs = cKDTree(at).query_pairs(reach, output_type="ndarray").astype(np.int64)
+    count = len(at)
+    weight = times.astype(np.int64)
+    for one, other in ((0, 1), (1, 0)):
+        np.add.at(weight, pairs[:, one], times[pairs[:, other]])
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    start = np.searchsorted(both[:, 0], np.arange(count + 1)).tolist()
+    near = both[:, 1].tolist()
+    free = [True] * count
+    picked = []
+    for point in np.lexsort((np.arange(count), -weight)).tolist():
+        if free[point]:
+            picked.append(point)
+            for other in near[start[point] : start[point + 1]]:
+                free[other] = False
+    return np.sort(np.array(picked, np.int64))
+
+
+def _better(picked: Floats, at: Floats, owner: Ints, times: Ints, reach: float) -> Floats:
+    """Return for each place (k, 2) where most of its vertices are, their mean, or itself."""
+    count = len(picked)
+    total = np.bincount(owner, times, minlength=count)
+    shift = (at - picked[owner]) * times[:, None]
+    mean = np.stack([np.bincount(owner, shift[:, k], minlength=count) for k in (0, 1)], axis=1)
+    place = picked + mean / total[:, None]
+    order = np.lexsort((-times, owner))
+    first = order[np.searchsorted(owner[order], np.arange(count))]
+    most = 2 * times[first] > total
+    place[most] = at[first[most]]
+    gap = np.hypot(*(at - place[owner]).T)
+    far = np.zeros(count)
+    np.maximum.at(far, owner, gap)
+    return kept_apart(np.where((far > reach)[:, None], picked, place), picked, reach)
+
+
+def kept_apart(place: Floats, before: Floats, reach: float) -> Floats:
+    """Return places (n, 2), those that came within ``reach`` of others put back to ``before``."""
+    place = place.copy()
+    while True:
+        near = np.unique(cKDTree(place).query_pairs(reach, output_type="ndarray"))
+        back = near[(place[near] != before[near]).any(axis=1)]
+        if len(back) == 0:
+            return place
+        place[back] = before[back]

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model.water.water import surface_at
+from clast.model.water import surface_at
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,19 +1,165 @@
-"""Random joints: Baecher's traces, Poisson's lines, Veneziano's broken lines, Voronoi's cells."""
+"""Parallel joints: persistent or with rock bridges, and cross joints between other joints."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 import shapely
 from scipy.spatial import Voronoi as Diagram
 
 from clast.model.model import Floats
-from clast.rockmass.joints.parallel_sets import ORIENTED
-from clast.rockmass.joints.plan import NONE, Drawn, Plan, along, pieces, until
-from clast.rockmass.joints.spacing_distributions import Distribution, Exponential, Fixed
+from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window, along, pieces, until
+from clast.rockmass.joints.spacing_distributions import (
+    Distribution,
+    Exponential,
+    Fixed,
+    distribution,
+    running,
+)
+
+ORIENTED = frozenset({"angle", "dip", "dip_direction", "spacing_is", "angle_spread"})
+TRACED = frozenset({"spacing", "trace_length", "bridge_length", "origin", "stagger"})
+DIRECTION = ("angle", "dip")
+
+
+@dataclass(frozen=True)
+class Parallel:
+    """Parallel lines at spacings from a distribution, whole or traces between rock bridges.
+
+    One line passes through the origin; the others follow on both sides.  Traces and bridges take
+    turns along each line, from the foot of the origin on where both lengths are fixed, every second
+    line moved by ``stagger`` of their sum; else from a random place.  P21 = t/((t + g) s).
+    """
+
+    name: ClassVar[str] = "parallel"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",))
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return lines, m."""
+        return family(plan, rng)
+
+    def blocks(self, plan: Plan) -> float:
+        """Return about how many traces lie in the window."""
+        return pieces(plan)
+
+
+@dataclass(frozen=True)
+class CrossJointed:
+    """Parallel joints that end at the first line of other sets that they meet.
+
+    In every layer between the lines of ``terminates_at`` the spacings are drawn anew; with fixed
+    ones, every second layer is moved by ``stagger`` of the spacing: 0.5 is a running bond.
+    """
+
+    name: ClassVar[str] = "cross-jointed"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED | {"terminates_at"}
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",), ("terminates_at",))
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return lines that end at the bounds, m."""
+        found, carriers = [NONE], [NONE]
+        normal = np.array([-plan.direction.along[1], plan.direction.along[0]])
+        for number, layer in enumerate(_layers(plan)):
+            window = Window(polygon=layer)
+            shift = (number % 2) * plan.stagger * (plan.spacing or Fixed(0.0)).mean
+            drawn = family(replace(plan, window=window, origin=plan.origin + shift * normal), rng)
+            found.append(window.clipped(drawn.ends))
+            carriers.append(window.clipped(drawn.carriers))
+        return Drawn(ends=np.concatenate(found), carriers=np.concatenate(carriers))
+
+    def blocks(self, plan: Plan) -> float:
+        """Return about how many traces lie in the window."""
+        return pieces(plan) + len(plan.bounds)
+
+
+def _layers(plan: Plan) -> list[Any]:
+    """Return the areas between the bounds in the window, in order along the joints."""
+    rings = shapely.get_rings(plan.window.polygon)
+    united = shapely.unary_union([*rings, *shapely.linestrings(plan.bounds)])
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(united)))
+    middle = shapely.point_on_surface(faces)
+    faces = faces[shapely.contains(plan.window.polygon, middle)]
+    at = shapely.get_coordinates(shapely.centroid(faces))
+    return list(faces[np.argsort(at @ plan.direction.along, kind="stable")])
+
+
+def family(plan: Plan, rng: np.random.Generator) -> Drawn:
+    """Return parallel lines, or traces on them, that cover the window, m."""
+    window, direction = plan.window, plan.direction
+    way = direction.along
+    normal = np.array([-way[1], way[0]])
+    # Lines that are turned are turned about their point next to the middle of the window.
+    reach = window.radius * (1.5 if direction.scattered else 1.0)
+    middle = (window.center - plan.origin) @ normal
+    place = _positions(plan.spacing or Fixed(window.radius), middle - reach, middle + reach, rng)
+    order, place = place[:, 0], place[:, 1]
+    foot = plan.origin + place[:, None] * normal
+    center = foot + ((window.center - foot) @ way)[:, None] * way
+    ways = direction.ways(rng, len(place))
+    whole = along(center, ways, 2.5 * window.radius)
+    if plan.trace is None or plan.bridge is None:
+        return Drawn(ends=whole, carriers=NONE)
+    found = [NONE]
+    # Places along a line count from the foot of the origin, so that the window moves nothing.
+    from_origin = ((center - foot) * way).sum(axis=1)
+    for k in range(len(place)):
+        low, high = from_origin[k] - 2.5 * window.radius, from_origin[k] + 2.5 * window.radius
+        shift = plan.stagger * (order[k] % 2)
+        spans = _traces(plan.trace, plan.bridge, shift, (low, high), rng) - from_origin[k]
+        found.append(center[k] + spans[:, :, None] * ways[k])
+    return Drawn(ends=np.concatenate(found), carriers=whole)
+
+
+def _positions(spacing: Distribution, low: float, high: float, rng: np.random.Generator) -> Floats:
+    """Return number and place of lines from below ``low`` to above ``high``, shape (k, 2)."""
+    if spacing.large == spacing.mean:
+        s = spacing.mean
+        k = np.arange(np.floor(low / s), np.ceil(high / s) + 1.0)
+        return np.stack([k, k * s], axis=1)
+    up, down = running(spacing, rng, high), running(spacing, rng, -low)
+    at = np.concatenate([-down[::-1], [0.0], up])
+    k = np.arange(-len(down), len(up) + 1.0)
+    first = max(int(np.searchsorted(at, low)) - 1, 0)
+    last = int(np.searchsorted(at, high)) + 1
+    return np.stack([k, at], axis=1)[first:last]
+
+
+def _traces(
+    trace: Distribution,
+    bridge: Distribution,
+    shift: float,
+    between: tuple[float, float],
+    rng: np.random.Generator,
+) -> Floats:
+    """Return start and end of the traces along a line, m, shape (k, 2)."""
+    low, high = between
+    period = trace.mean + bridge.mean
+    if trace.large == trace.mean and bridge.large == bridge.mean:
+        start = (np.arange(np.floor(low / period) - 1.0, np.ceil(high / period) + 1.0)) * period
+        start = start + shift * period
+        return np.stack([start, start + trace.mean], axis=1)
+    # Begun well before the window, the place of the first trace there is as random as any.
+    at, found = low - (3.0 + rng.uniform()) * period, [np.zeros((0, 2))]
+    while at < high:
+        count = int(1.1 * (high - at) / period) + 8
+        lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
+        begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
+        found.append(np.stack([begin[:-1], begin[:-1] + lengths], axis=1))
+        at = float(begin[-1])
+    spans = np.concatenate(found)
+    return spans[(spans[:, 1] > low) & (spans[:, 0] < high)]
+
+
+def number_or(value: float | Distribution | None) -> Distribution | None:
+    """Return a number as a fixed distribution, a distribution or None as it is."""
+    return None if value is None else distribution(value)
+
 
 DENSE = ("intensity", "spacing")
 

@@ -1,1 +1,0 @@
-"""Stages of a run: their start, their end, and their records."""

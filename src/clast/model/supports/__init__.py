@@ -1,1 +1,0 @@
-"""Supports and motions of blocks from outside, and whose reactions are recorded."""

@@ -1,1 +1,0 @@
-"""From straight lines to blocks: a planar graph on a grid of whole numbers, and its faces."""
