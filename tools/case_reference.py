@@ -116,7 +116,7 @@ def _nested(name: str, number: Schema) -> str:
 def _table(keys: Schema, required: list[str]) -> str:
     """Return the keys as a table: key, type, unit, default and meaning."""
     rows = ["| key | type | unit | default | meaning |\n", "| --- | --- | --- | --- | --- |\n"]
-    for key, value in keys.items():
+    for key, value in sorted(keys.items(), key=lambda one: one[0] not in required):
         meaning = _plain(value.get("description", ""))
         unit = UNIT.search(meaning)
         if unit:

@@ -12,7 +12,7 @@ from scenes.parted import Placed
 
 Tables = dict[str, Any]
 
-POINTS = {"vertices", "at", "start", "end", "polyline", "outer_edge", "part", "about", "line"}
+POINTS = {"vertices", "at", "start", "end", "polyline", "part", "about", "line"}
 VECTORS = {"force", "traction", "gravity", "direction"}
 NUMBERED = "block", "link", "bolt", "point_load", "motion", "opening"
 """Lists of tables whose order means nothing."""

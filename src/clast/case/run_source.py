@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from clast.errors import CaseError
 from clast.model.model import Model
@@ -12,6 +12,7 @@ from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Source
 from clast.results.checkpoints.fingerprints import fingerprints, print_of, print_of_text
 
 if TYPE_CHECKING:
+    from clast.case.case_file import Case
     from clast.run.schedule import Schedule
     from clast.step.method import Method
 
@@ -21,34 +22,7 @@ LARGEST_NAMED = 500_000_000
 """Files above this size are not read, bytes."""
 
 
-class Written(Protocol):
-    """A case, as far as its text and its files are concerned (``clast.Case``)."""
-
-    @property
-    def text(self) -> str:
-        """The case as TOML."""
-        ...
-
-    @property
-    def file(self) -> str:
-        """The case file."""
-        ...
-
-    @property
-    def origin(self) -> str | None:
-        """Text that the file had; None where the case is of no file."""
-        ...
-
-    def to_toml(self) -> str:
-        """Return the case as TOML; raises CaseError where a text cannot hold it."""
-        ...
-
-    def model_dump(self, *, by_alias: bool) -> dict[str, Any]:
-        """Return its tables."""
-        ...
-
-
-def case_source(case: Written, model: Model, method: Method, schedule: Schedule) -> Source:
+def case_source(case: Case, model: Model, method: Method, schedule: Schedule) -> Source:
     """Return where the run of a case comes from."""
     return Source(
         text=case.text,
@@ -62,7 +36,7 @@ def case_source(case: Written, model: Model, method: Method, schedule: Schedule)
 
 
 def script_source(
-    settings: Written | None, model: Model, method: Method, schedule: Schedule
+    settings: Case | None, model: Model, method: Method, schedule: Schedule
 ) -> Source:
     """Return where the run of a script comes from: its keys, None where it gave objects."""
     whole = settings is not None and is_whole(settings)
@@ -74,7 +48,7 @@ def script_source(
     )
 
 
-def is_whole(case: Written) -> bool:
+def is_whole(case: Case) -> bool:
     """Return whether a text can hold all of a case."""
     try:
         case.to_toml()
@@ -83,7 +57,7 @@ def is_whole(case: Written) -> bool:
     return True
 
 
-def named_files(case: Written) -> list[str]:
+def named_files(case: Case) -> list[str]:
     """Return the files that a case names, each once."""
 
     def named(value: Any, key: str) -> Iterator[str]:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
+from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.table import OR_TEXT, Length, Loop, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.loads import check_length
 from clast.model import ranges
 from clast.model.model import Floats
@@ -105,7 +105,40 @@ class BoltKind(Table):
         return limit
 
 
-class Bolt(Table):
+class Anchorage(Table):
+    """How bolts hold on to rock, and when they are installed."""
+
+    kind: StrictStr
+    """Kind: [bolt_kind.NAME]."""
+    anchorage: Literal["ends", "grouted"] = "ends"
+    """ends: one spring between head and toe; grouted: one for every joint that it crosses."""
+    free_length: Length | None = None
+    """Length on each side of a joint along which a grouted bolt is free, m."""
+    pretension_is: Literal["initial", "jacked"] = "initial"
+    """initial: changes with movement from the start; jacked: a jack holds it until a later stage
+    begins, or to the end of the run.
+    """
+    stage: StrictStr | None = None
+    """Stage that installs it; it exists from the start if absent."""
+
+    @model_validator(mode="after")
+    def _has_a_free_length(self) -> Self:
+        if self.anchorage == "grouted" and self.free_length is None:
+            remedy = (
+                "give the free length on each side of a joint, m, e.g. a few diameters: "
+                "free_length = 0.1"
+            )
+            raise refusal(Fault(what="free_length is missing", remedy=remedy))
+        if self.anchorage == "ends" and self.free_length is not None:
+            what = (
+                "a bolt anchored at its ends has no free_length: it is free over its whole length"
+            )
+            remedy = 'leave it out, or anchorage = "grouted"'
+            raise refusal(Fault(what=what, remedy=remedy))
+        return self
+
+
+class Bolt(Anchorage):
     """A bolt between two points, which move with their blocks."""
 
     name: StrictStr | None = None
@@ -116,18 +149,6 @@ class Bolt(Table):
     """Other end [x, y], in another block, m."""
     blocks: tuple[StrictStr, StrictStr] | None = None
     """Blocks of both ends, the head first; needed only where blocks touch."""
-    kind: StrictStr
-    """Kind: [bolt_kind.NAME]."""
-    anchorage: Literal["ends", "grouted"] = "ends"
-    """ends: one spring between head and toe; grouted: one for every joint that it crosses."""
-    free_length: Length | None = None
-    """Length on each side of a joint along which a grouted bolt is free, m."""
-    pretension_is: Literal["initial", "jacked"] = "initial"
-    """initial: changes with movement from the start; jacked: a jack holds it until a later stage
-    begins, or to the end of the run.
-    """
-    stage: StrictStr | None = None
-    """Stage that installs it; it exists from the start if absent."""
 
     @model_validator(mode="after")
     def _is_a_line(self) -> Self:
@@ -136,24 +157,15 @@ class Bolt(Table):
             what = "a grouted bolt is bonded to every block along it"
             remedy = 'leave blocks out; they are for anchorage = "ends"'
             raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
-        check_free_length(self)
         return self
 
 
-def _kind_of_opening(value: Any) -> str:
-    """Return the tag of an opening: its name, or its corners."""
-    return TABLE if isinstance(value, str) else PLAIN
-
-
-class BoltPattern(Table):
+class BoltPattern(Anchorage):
     """Bolts round an opening, radial from its centroid."""
 
     name: StrictStr | None = None
     """Name of the pattern and its bolts; that of the opening if absent."""
-    opening: Annotated[
-        Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
-        Discriminator(_kind_of_opening),
-    ]
+    opening: Annotated[Loop | StrictStr, OR_TEXT]
     """Name of an [[opening]], or corners [x, y] of one, m."""
     length: Length
     """Length of each bolt, m."""
@@ -163,18 +175,6 @@ class BoltPattern(Table):
     """First direction, degrees, counter-clockwise from +x."""
     to: Degrees = 360.0
     """Last direction, degrees; both ends keep half of the remaining spacing."""
-    kind: StrictStr
-    """Kind: [bolt_kind.NAME]."""
-    anchorage: Literal["ends", "grouted"] = "ends"
-    """ends: one spring between head and toe; grouted: one for every joint that it crosses."""
-    free_length: Length | None = None
-    """Length on each side of a joint along which a grouted bolt is free, m."""
-    pretension_is: Literal["initial", "jacked"] = "initial"
-    """initial: changes with movement from the start; jacked: a jack holds it until a later stage
-    begins, or to the end of the run.
-    """
-    stage: StrictStr | None = None
-    """Stage that installs it; it exists from the start if absent."""
 
     @model_validator(mode="after")
     def _is_part_of_an_outline(self) -> Self:
@@ -182,7 +182,6 @@ class BoltPattern(Table):
             what = f"from {self.from_:g} to {self.to:g} degrees is not part of an outline"
             remedy = "give from below to, counter-clockwise from +x, at most 360 degrees apart"
             raise refusal(Fault(what=what, remedy=remedy))
-        check_free_length(self)
         return self
 
     def label(self, number: int) -> str:
@@ -194,20 +193,6 @@ class BoltPattern(Table):
         if self.name is not None:
             return self.name
         return self.opening if isinstance(self.opening, str) else self.label(number)
-
-
-def check_free_length(bolt: Bolt | BoltPattern) -> None:
-    """Refuse a grouted bolt without a free length, and one of another kind with it."""
-    if bolt.anchorage == "grouted" and bolt.free_length is None:
-        remedy = (
-            "give the free length on each side of a joint, m, e.g. a few diameters: "
-            "free_length = 0.1"
-        )
-        raise refusal(Fault(what="free_length is missing", remedy=remedy))
-    if bolt.anchorage == "ends" and bolt.free_length is not None:
-        what = "a bolt anchored at its ends has no free_length: it is free over its whole length"
-        remedy = 'leave it out, or anchorage = "grouted"'
-        raise refusal(Fault(what=what, remedy=remedy))
 
 
 def with_directions(keys: dict[str, Any]) -> dict[str, Any]:

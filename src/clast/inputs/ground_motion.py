@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, StrictStr, Tag, model_validator
+from pydantic import AfterValidator, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Acceleration, Instant, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import OR_TABLE, Acceleration, Instant, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.records.columns import check_rising, check_sizes, doubted_times, read_record
 from clast.inputs.records.components import (
     OTHER_UNIT,
@@ -118,13 +118,7 @@ class GroundMotionTable(Table):
     """Times, s, increasing."""
     acceleration: list[Acceleration] | None = None
     """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
-    vertical: (
-        Annotated[
-            Annotated[list[Acceleration], Tag(PLAIN)] | Annotated[VerticalRecordTable, Tag(TABLE)],
-            Discriminator(kind_of),
-        ]
-        | None
-    ) = None
+    vertical: Annotated[list[Acceleration] | VerticalRecordTable, OR_TABLE] | None = None
     """Vertical acceleration of the ground at the instants, m/s2, upwards, or {file = ...} beside
     file; none if absent.  The shorter of two files goes on with no acceleration."""
     scale: Scale = 1.0

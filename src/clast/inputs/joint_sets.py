@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
+from pydantic import Field, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
-from clast.inputs.declaring.table import Loop, Point, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Loop, Point, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.rock_mass import Seed, check_keys
 
 if TYPE_CHECKING:
@@ -81,14 +81,7 @@ class ScatterTable(Table):
     60."""
 
 
-Spread = Annotated[
-    Annotated[Number, Tag(PLAIN)] | Annotated[SpreadTable, Tag(TABLE)], Discriminator(kind_of)
-]
-
-
-def _kind_of_place(value: Any) -> str:
-    """Return the tag of a name or of corners."""
-    return TABLE if isinstance(value, str) else PLAIN
+Spread = Annotated[Number | SpreadTable, OR_TABLE]
 
 
 class JointSetTable(Table):
@@ -119,13 +112,7 @@ class JointSetTable(Table):
     """Point [x, y] on a line of the set, m; the lower left of the domain if absent."""
     stagger: Number = 0.0
     """Shift of every second line, as a share of trace and bridge: 0.5 for a running bond."""
-    within: (
-        Annotated[
-            Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
-            Discriminator(_kind_of_place),
-        ]
-        | None
-    ) = None
+    within: Annotated[Loop | StrictStr, OR_TEXT] | None = None
     """Name of a region, or corners [x, y], m, that bound the set; everywhere if absent."""
     terminates_at: list[StrictStr] | None = None
     """Sets, also of traces, at which the lines of a cross-jointed set terminate."""

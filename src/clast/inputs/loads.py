@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
+from typing import Annotated, ClassVar, NoReturn, Self, TypeVar
 
 import numpy as np
 import shapely
-from pydantic import Discriminator, StrictStr, Tag, model_validator
+from pydantic import StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Force, Inputs, Instant, Point, Stress, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.table import OR_PAIR, Force, Inputs, Instant, Point, Stress, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.measurements import MeasuredPoint
 from clast.model import ranges
@@ -69,36 +69,33 @@ class Amplitude(Table):
         return Factor(name=name, time=time, value=value)
 
 
-class PointLoad(Table):
+class Load(Table):
+    """A load on a block that may change over time."""
+
+    block: StrictStr | None = None
+    """Block; needed only where blocks touch."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which the load is multiplied; constant if absent."""
+    name: StrictStr | None = None
+    """Name by which stages refer to it; several loads may share one."""
+
+
+class PointLoad(Load):
     """A force at a point that moves with its block."""
 
     at: Point
     """Coordinates [x, y], m."""
     force: tuple[Force, Force]
     """Force [x, y], N per metre of thickness."""
-    block: StrictStr | None = None
-    """Block; needed only where blocks touch."""
-    amplitude: StrictStr | None = None
-    """Amplitude over time by which the load is multiplied; constant if absent."""
-    name: StrictStr | None = None
-    """Name by which stages refer to it; several loads may share one."""
 
 
-class LineLoad(Table):
-    """A traction along a line that moves with its block, usually along an edge."""
+class AlongLine(Load):
+    """A load along a straight line."""
 
     start: Point
-    """First end [x, y], m."""
+    """First end of the line [x, y], m."""
     end: Point
-    """Second end [x, y], m."""
-    traction: tuple[Force, Force]
-    """Force per length [x, y], N/m per metre of thickness."""
-    block: StrictStr | None = None
-    """Block; needed only where blocks touch."""
-    amplitude: StrictStr | None = None
-    """Amplitude over time by which the load is multiplied; constant if absent."""
-    name: StrictStr | None = None
-    """Name by which stages refer to it; several loads may share one."""
+    """Second end of the line [x, y], m."""
 
     @model_validator(mode="after")
     def _has_a_length(self) -> Self:
@@ -106,38 +103,24 @@ class LineLoad(Table):
         return self
 
 
-def _kind_of_value(value: Any) -> str:
-    """Return the tag of a pressure: one number, or one for each end."""
-    return TABLE if isinstance(value, list | tuple) else PLAIN
+class LineLoad(AlongLine):
+    """A traction along a line that moves with its block, usually along an edge."""
+
+    traction: tuple[Force, Force]
+    """Force per length [x, y], N/m per metre of thickness."""
 
 
-class Pressure(Table):
+class Pressure(AlongLine):
     """A pressure on the edges along a straight line; it stays normal to them as they turn.
 
     It acts on the parts of edges that lie on the line at the start of the run, from outside the
     blocks, and goes with them.
     """
 
-    start: Point
-    """First end of the line [x, y], m."""
-    end: Point
-    """Second end of the line [x, y], m."""
-    value: Annotated[
-        Annotated[Stress, Tag(PLAIN)] | Annotated[tuple[Stress, Stress], Tag(TABLE)],
-        Discriminator(_kind_of_value),
-    ]
+    value: Annotated[Stress | tuple[Stress, Stress], OR_PAIR]
     """Pressure, Pa, positive into the blocks: one number, or [at start, at end], linear between."""
     block: StrictStr | None = None
     """Block; needed only where edges of two blocks lie on the line."""
-    amplitude: StrictStr | None = None
-    """Amplitude over time by which the pressure is multiplied; constant if absent."""
-    name: StrictStr | None = None
-    """Name by which stages refer to it; several loads may share one."""
-
-    @model_validator(mode="after")
-    def _has_a_length(self) -> Self:
-        check_length(self.start, self.end)
-        return self
 
 
 def check_length(start: Point, end: Point) -> None:
@@ -193,7 +176,7 @@ def places_of(given: Inputs) -> dict[type[Table], list[LoadPlace]]:
     }
 
 
-L = TypeVar("L", PointLoad, LineLoad, Pressure)
+L = TypeVar("L", bound=Load)
 
 
 def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, str, L]]:

@@ -78,8 +78,6 @@ class Joint(Table):
     """
     initial_aperture: Length | None = None
     """Aperture of a rough joint without stress, m; jrc/50 mm if absent."""
-    maximum_closure: Length | None = None
-    """Largest closure of a rough joint, m; from jrc, jcs and initial_aperture if absent."""
     strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """Factor by which the tangent of the mobilised friction angle of a rough joint is divided."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
@@ -125,7 +123,6 @@ class Joint(Table):
             field_length=self.field_length,
             initial_aperture=self.initial_aperture,
             initial_stiffness=self.normal_stiffness,
-            maximum_closure=self.maximum_closure,
         )
 
 
@@ -140,7 +137,6 @@ ROUGHNESS = {
     "sample_length",
     "field_length",
     "initial_aperture",
-    "maximum_closure",
     "strength_reduction",
 }
 """Keys of a rough joint."""
@@ -200,12 +196,7 @@ def _faults_of_units(joint: Joint) -> Iterator[Fault]:
     if joint.jcs is not None and joint.jcs < WEAKEST_WALL:
         meant = f"{joint.jcs:g} looks like MPa, but strengths are in Pa"
         yield Fault(place=("jcs",), what=meant, remedy=f"write {1e6 * joint.jcs:g}")
-    limits = {
-        "initial_aperture": WIDEST,
-        "maximum_closure": WIDEST,
-        "sample_length": LONGEST,
-    }
-    for key, most in limits.items():
+    for key, most in {"initial_aperture": WIDEST, "sample_length": LONGEST}.items():
         value = getattr(joint, key)
         if value is not None and value > most:
             what = f"{value:g} looks like millimetres, but lengths are in m"
@@ -247,7 +238,7 @@ def _faults_of_closure(joint: Joint) -> Iterator[Fault]:
         yield Fault(
             place=("initial_aperture",),
             what=f"the formula of Bandis gives a maximum closure of {1e3 * rough.closure:.3g} mm",
-            remedy="give a larger initial_aperture, m, or maximum_closure, m, itself",
+            remedy="give a larger initial_aperture, m",
         )
 
 

@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
+from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Inputs, Length, Loop, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import OR_TABLE, Inputs, Length, Loop, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 from clast.model.ranges import check_text
 from clast.model.surroundings import Opening
@@ -35,9 +35,7 @@ class FileTable(Table):
     """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
 
 
-Boundary = Annotated[
-    Annotated[Loop, Tag(PLAIN)] | Annotated[FileTable, Tag(TABLE)], Discriminator(kind_of)
-]
+Boundary = Annotated[Loop | FileTable, OR_TABLE]
 
 
 class DomainTable(Table):

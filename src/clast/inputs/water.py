@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
+from pydantic import Field, StrictStr, model_validator
 
 from clast import spelling
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Coordinate, Inputs, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Coordinate, Inputs, Loop, Point, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
 from clast.model.drainage import distances, lowering, parts_between
@@ -47,11 +47,6 @@ class LineFile(Table):
     """Table with the columns x, y and a row for each point (.csv), beside the case file."""
 
 
-def _kind_of_share(value: Any) -> str:
-    """Return the tag of a share: a number, or the name of an amplitude."""
-    return TABLE if isinstance(value, str) else PLAIN
-
-
 class Water(Table):
     """Water that presses on all edges below its surface, and follows the blocks."""
 
@@ -59,13 +54,7 @@ class Water(Table):
     """Name by which stages refer to it."""
     level: Coordinate | None = None
     """Height y of a horizontal surface, m; or give a line."""
-    line: (
-        Annotated[
-            Annotated[Loop, Tag(PLAIN)] | Annotated[LineFile, Tag(TABLE)],
-            Discriminator(kind_of),
-        ]
-        | None
-    ) = None
+    line: Annotated[Loop | LineFile, OR_TABLE] | None = None
     """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; it is horizontal beyond its
     ends.
     """
@@ -76,10 +65,7 @@ class Water(Table):
     """Density, kg/m3."""
     joints: list[StrictStr] | None = None
     """Joints that it enters, by name; all if absent."""
-    amplitude: Annotated[
-        Annotated[Number, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
-        Discriminator(_kind_of_share),
-    ] = 1.0
+    amplitude: Annotated[Number | StrictStr, OR_TEXT] = 1.0
     """Share of the full head, 0 to 1; or the [amplitude.NAME] of such shares: water that rises."""
     drained_at: list[Point] = Field([])
     """Points [x, y] of joints where there is no pressure, m; along the joints it falls towards

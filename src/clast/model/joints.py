@@ -49,8 +49,6 @@ class BartonBandis:
     """Opening of the joint under no stress, m; None: JRC/50 mm, of walls that are not weathered."""
     initial_stiffness: float | None = None
     """Normal stiffness under no stress k_ni, Pa/m; None: from JRC, JCS and aperture."""
-    maximum_closure: float | None = None
-    """Closure V_m under any stress, m; None: from JRC, JCS and aperture."""
 
     @property
     def length(self) -> float:
@@ -92,8 +90,6 @@ class BartonBandis:
 
         Of the first cycle of loading (Bandis et al. 1983).
         """
-        if self.maximum_closure is not None:
-            return self.maximum_closure
         return 1e-3 * (-0.296 - 0.0056 * self.scaled_jrc + 2.241 * self._walls**-0.245)
 
 

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from clast.errors import CaseError
 from clast.inputs.declaring.alternatives import GivenObject, Number, within
 from clast.inputs.declaring.text import is_tables
-from clast.inputs.declaring.validation_messages import Place, place_text
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Place, place_text
 from clast.model import ranges
 
 Positive = Annotated[Number, Field(gt=0.0)]
@@ -35,6 +36,26 @@ Instant = Annotated[Number, within(ranges.TIME)]
 Stress = Annotated[Number, within(ranges.STRESS)]
 Stresses = tuple[Stress, Stress, Stress]
 Loop = list[Point]
+
+
+@dataclass(frozen=True)
+class Either:
+    """Annotation of a key that takes one of two types: faults are those of the type given."""
+
+    second: tuple[type, ...]
+    """Python types of values that are meant as the second of the two."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        first, second = map(handler.generate_schema, get_args(source))
+        return core_schema.tagged_union_schema(
+            {PLAIN: first, TABLE: second},
+            discriminator=lambda value: TABLE if isinstance(value, self.second) else PLAIN,
+        )
+
+
+OR_TABLE, OR_TEXT, OR_PAIR = Either((dict, BaseModel)), Either((str,)), Either((list, tuple))
 
 
 class Table(BaseModel):

@@ -67,12 +67,7 @@ Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
 
 PLAIN, TABLE = "<value>", "<table>"
-"""Tags of the two things that a key may be given as (``kind_of``), for pydantic alone."""
-
-
-def kind_of(value: Any) -> str:
-    """Return the tag of a value, for a key that takes a table or something else."""
-    return TABLE if isinstance(value, dict | BaseModel) else PLAIN
+"""Tags of the two things that a key may be given as (``Either``), for pydantic alone."""
 
 
 class Own(str):

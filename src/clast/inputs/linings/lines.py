@@ -1,7 +1,7 @@
 """The lines that linings follow, and their segments.
 
 A lining lies to the left of its line.  Lines run so that it does: counter-clockwise round an
-opening, with the rock to their right along an outer edge.  A corner of the line that turns by more
+opening.  A corner of the line that turns by more
 than 20 degrees is an end of segments, on a mitre; between such corners the line is cut into equal
 pieces.  Smaller corners, and those where joints of the rock come out, stay in the outer faces.
 """
@@ -61,8 +61,6 @@ class LinesOfRock:
         if one.opening is not None:
             ring = self._opening(one.opening, where)
             return (ring if one.part is None else _part(ring, one.part, f"{where}, part")), False
-        if one.outer_edge is not None:
-            return self._outer_edge(one.outer_edge, f"{where}, outer_edge"), False
         points = np.array(one.polyline, float)
         points = points[:-1] if one.is_ring else points
         side = one.side or self._free_side(points, one.thickness)
@@ -99,21 +97,6 @@ class LinesOfRock:
                 remedy="give a lining to each piece, along a polyline",
             )
         return _from_a_start(outside[0])
-
-    def _outer_edge(self, ends: Any, where: str) -> Floats:
-        """Return the outside of the blocks between two points, rock to its right, (c, 2)."""
-        joined = shapely.union_all(self._polygons, grid_size=self._grid)
-        at = shapely.Point(ends[0])
-        rims = [part.exterior for part in shapely.get_parts(joined)]
-        rim = min(rims, key=at.distance)
-        near = self._tree.query(rim, predicate="dwithin", distance=2.0 * self._grid)
-        outside = [loop for loop in _loops(self._polygons[near]) if _is_counterclockwise(loop)]
-        loop = min(outside, key=lambda one: at.distance(shapely.LinearRing(one)))
-        # rock is to the left of a loop that runs counter-clockwise
-        ring = np.ascontiguousarray(loop[::-1])
-        one = _part(ring, ends, where)
-        other = _part(ring, (ends[1], ends[0]), where)
-        return one if _length(one) <= _length(other) else other
 
     def _free_side(self, points: Floats, thickness: float) -> str:
         """Return the side of a polyline where there is no rock; left where that is undecided."""
@@ -208,10 +191,6 @@ def _on_line(line: Any, marks: list[float], point: Any) -> float:
     along = line.project(shapely.Point(point))
     nearest = min(marks, key=lambda mark: abs(mark - along))
     return nearest if abs(nearest - along) <= CORNER * line.length else along
-
-
-def _length(points: Floats) -> float:
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
 SHARP = np.radians(20.0)

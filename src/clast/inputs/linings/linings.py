@@ -34,7 +34,7 @@ WEAKEST = 1e-6
 
 
 class Lining(Table):
-    """A lining of stiff segments along an opening, an outer edge or a polyline.
+    """A lining of stiff segments along an opening or a polyline.
 
     Between segments, at the middle of the thickness, are the springs of a beam.
     """
@@ -43,8 +43,6 @@ class Lining(Table):
     """Name; its segments are blocks called NAME/1, NAME/2, ..."""
     opening: StrictStr | None = None
     """Opening that it lines on the inside."""
-    outer_edge: tuple[Point, Point] | None = None
-    """Two points [x, y] on the outside of the blocks, which it follows from one to the other, m."""
     polyline: Loop | None = None
     """Points [x, y] that it follows, m; it is closed if the last equals the first."""
     part: tuple[Point, Point] | None = None
@@ -80,21 +78,19 @@ class Lining(Table):
 
     @model_validator(mode="after")
     def _follows_one_line(self) -> Self:
-        given = [key for key in ("opening", "outer_edge", "polyline") if getattr(self, key)]
+        given = [key for key in ("opening", "polyline") if getattr(self, key)]
         if len(given) != 1:
             what = f"follows {' and '.join(given)}" if given else "has no line to follow"
-            remedy = 'give one of opening = "NAME", outer_edge = [[x, y], [x, y]] and polyline'
+            remedy = 'give one of opening = "NAME" and polyline = [[x, y], ...]'
             raise refusal(Fault(what=what, remedy=remedy))
         belongs = {"part": "opening", "side": "polyline"}
         for key, line in belongs.items():
             if getattr(self, key) is not None and given != [line]:
                 what, remedy = f"{key} is that of a lining along {_article(line)}", "leave it out"
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
-        for key in ("outer_edge", "part"):
-            points = getattr(self, key)
-            if points is not None and points[0] == points[1]:
-                what, remedy = "begins and ends at the same point", "give two distinct points"
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+        if self.part is not None and self.part[0] == self.part[1]:
+            what, remedy = "begins and ends at the same point", "give two distinct points"
+            raise refusal(Fault(place=("part",), what=what, remedy=remedy))
         return self
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,40 +26,6 @@ Names = np.ndarray[Any, np.dtype[np.str_]]
 """Names in an array."""
 Label = Callable[[int], str]
 """Name of a block of an entry in messages, by its number in the entry from 0."""
-
-
-class Entry(Protocol):
-    """Some blocks with their properties; k blocks."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Name of each block."""
-        ...
-
-    @property
-    def rock(self) -> str | Sequence[str] | None:
-        """Rock that all of them are made of, or that of each; None for the only one."""
-        ...
-
-    def loops(self, label: Label) -> tuple[Ints, Floats]:
-        """Return the vertex count of each loop (k,) and all vertices one after another, m."""
-        ...
-
-    def edge_joints(self, label: Label) -> Names:
-        """Return the name of the joint of each edge, "" for none of its own, one by one."""
-        ...
-
-    def held(self, label: Label) -> Bools:
-        """Return True where a block cannot move at all, shape (k,)."""
-        ...
-
-    def velocities(self, label: Label) -> Floats:
-        """Return (u, v, omega) of each block at the start, m/s and rad/s, shape (k, 3)."""
-        ...
-
-    def stresses(self, label: Label) -> Floats | None:
-        """Return (xx, yy, xy) of each block, Pa, shape (k, 3); None: that of their rock."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -199,6 +165,10 @@ class ManyBlocks:
             remedy="give vertices (blocks, corners, 2), or (vertices, 2) with start (blocks + 1,), "
             "and one row for each block of properties that differ",
         )
+
+
+Entry = OneBlock | ManyBlocks
+"""Some blocks with their properties; k blocks."""
 
 
 def _names_of_joints(given: Any, edges: int, where: str) -> Names:

@@ -6,31 +6,21 @@ from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
+from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.actions.links.link_states import COMPONENTS, LinkRows
 from clast.actions.links.links import Links
 from clast.actions.loads import Moments
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Force, Length, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.table import OR_TEXT, Force, Length, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.factors import NO_FACTOR
 from clast.model.supports import GROUND
 
-
-def _kind_of_stiffness(value: Any) -> str:
-    """Return the tag of a stiffness: a word, or a number."""
-    return TABLE if isinstance(value, str) else PLAIN
-
-
-Stiffness = Annotated[
-    Annotated[Annotated[Positive, within(ranges.STIFFNESS)], Tag(PLAIN)]
-    | Annotated[Literal["rigid"], Tag(TABLE)],
-    Discriminator(_kind_of_stiffness),
-]
+Stiffness = Annotated[Annotated[Positive, within(ranges.STIFFNESS)] | Literal["rigid"], OR_TEXT]
 Strength = Annotated[Positive, within(ranges.FORCE)]
 Stretch = Annotated[Positive, within(ranges.LENGTH)]
 Dashpot = Annotated[Number, Field(ge=0.0), within(ranges.STIFFNESS)]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Discriminator, StrictStr, Tag, model_validator
+from pydantic import StrictStr, model_validator
 
 from clast.actions.motions.courses import (
     Course,
@@ -18,8 +18,18 @@ from clast.actions.motions.courses import (
 from clast.actions.motions.motions import Motions, OneMotion, Servo
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Force, Interval, Point, Positive, Speed, Stress, Table
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import (
+    OR_TABLE,
+    OR_TEXT,
+    Force,
+    Interval,
+    Point,
+    Positive,
+    Speed,
+    Stress,
+    Table,
+)
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.model import Floats, Ints
@@ -48,9 +58,7 @@ class CourseTable(Table):
         return self
 
 
-Component = Annotated[
-    Annotated[Speed, Tag(PLAIN)] | Annotated[CourseTable, Tag(TABLE)], Discriminator(kind_of)
-]
+Component = Annotated[Speed | CourseTable, OR_TABLE]
 
 
 class Motion(Table):
@@ -92,13 +100,7 @@ class Motion(Table):
     """Time over which jumps of velocity are smoothed, s; they are shocks if absent."""
     stage: StrictStr | None = None
     """Stage with which it begins; the start of the run if absent."""
-    until: (
-        Annotated[
-            Annotated[Interval, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
-            Discriminator(lambda value: TABLE if isinstance(value, str) else PLAIN),
-        ]
-        | None
-    ) = None
+    until: Annotated[Interval | StrictStr, OR_TEXT] | None = None
     """Duration, s, or the stage with which it ends; then free blocks are released with their
     velocity and fixed ones stop, within the time of ease.
     """
