@@ -105,11 +105,11 @@ MUTATIONS = (
     ),
     # actions: bolts, pressures, dashpots, stress, supports
     Mutation(
-        "actions/bolts/bolts.py",
+        "actions/bolts.py",
         "(length - rest - state.plastic)",
         "(length - rest + state.plastic)",
     ),
-    Mutation("actions/pressure.py", "x * up - y * across", "x * up + y * across"),
+    Mutation("actions/loads.py", "x * up - y * across", "x * up + y * across"),
     Mutation("actions/viscous_edges.py", "wave = 2.0 * below", "wave = below"),
     Mutation(
         "actions/in_situ.py", "xx * nx + xy * ny, xy * nx + yy", "xx * nx - xy * ny, xy * nx + yy"

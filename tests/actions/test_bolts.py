@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.bolts.bolt_states import BoltStates
-from clast.actions.bolts.bolts import Bolting
+from clast.actions.bolts import Bolting, BoltStates
 
 STIFFNESS = 2e6  # N/m per m
 MASS = 2500.0
@@ -233,7 +232,7 @@ def test_installed_after_settling_it_carries_nothing():
     own = states_of(before)
     assert np.isnan(own.rest).all() and own.force[0] == 0.0
     points = before.state.points[waiting.point_slices.bolts]
-    from clast.actions.bolts.bolts import lengths, stretched, taken_up
+    from clast.actions.bolts import lengths, stretched, taken_up
 
     length = lengths(model, points)
     begun = taken_up(model, own, length)
@@ -246,7 +245,7 @@ def test_installed_after_settling_it_carries_nothing():
 def test_a_jacked_bolt_goes_on_from_its_force_when_locked():
     """Locked at any length it has T0 there, and s more by metre from then on."""
     model = with_bolt(hung(pretension=3e4), pretension_is="jacked").build()
-    from clast.actions.bolts.bolts import stretched, taken_up
+    from clast.actions.bolts import stretched, taken_up
 
     bolts, own = model.bolts, Bolting().begin(model)
     own = stretched(bolts, taken_up(model, own, np.array([1.0])), np.array([0.9]), 0.1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.bolts.bolts import Bolting, ruptured, stretched
+from clast.actions.bolts import Bolting, ruptured, stretched
 from clast.model.model import Model
 
 STIFFNESS, STRENGTH, PRETENSION = 2e6, 3e4, 5e3

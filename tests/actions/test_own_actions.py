@@ -32,15 +32,15 @@ class Thrust:
     def begin(self, model: Model) -> float:
         return 0.0
 
-    def share(self, start: StepStart, state: float) -> Contribution:
+    def contribution(self, start: StepStart, state: float) -> Contribution:
         force = np.zeros((1, 6))
         force[0, :2] = start.end * np.array(self.slope)
         return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
     def finish(
-        self, start: StepStart, state: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, contribution: Contribution, solution: Solution
     ) -> ActionResult:
-        work = float(np.sum(share.force * solution.displacement[share.block]))
+        work = float(np.sum(contribution.force * solution.displacement[contribution.block]))
         return ActionResult(work=work, ledger=Ledger(loads=work), state=state + work)
 
 
@@ -54,7 +54,7 @@ class Tether:
     def begin(self, model: Model) -> None:
         return None
 
-    def share(self, start: StepStart, state: None) -> Contribution:
+    def contribution(self, start: StepStart, state: None) -> Contribution:
         k, (number, way) = self.stiffness, self._stretched(start)
         force, stiffness = np.zeros((1, 6)), np.zeros((1, 6, 6))
         force[0, :2] = -k * way
@@ -62,9 +62,9 @@ class Tether:
         return Contribution(block=np.array([number]), force=force, stiffness=stiffness)
 
     def finish(
-        self, start: StepStart, state: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, contribution: Contribution, solution: Solution
     ) -> ActionResult:
-        work, stored = energy_of_linear(share, solution.displacement)
+        work, stored = energy_of_linear(contribution, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(actions=stored))
 
     def _stretched(self, start: StepStart) -> tuple[int, np.ndarray]:
@@ -86,7 +86,7 @@ class Tie:
         outlines = [model.polygon(b).mean(axis=0) for b in (one, other)]
         return float(np.hypot(*(outlines[0] - outlines[1])))
 
-    def share(self, start: StepStart, state: float) -> Contribution:
+    def contribution(self, start: StepStart, state: float) -> Contribution:
         one, other = self._numbers(start.model)
         way = start.frames.centroid[one] - start.frames.centroid[other]
         length = float(np.hypot(*way))
@@ -111,10 +111,10 @@ class Tie:
         return Contribution(springs=springs)
 
     def finish(
-        self, start: StepStart, state: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, contribution: Contribution, solution: Solution
     ) -> ActionResult:
-        assert share.springs is not None
-        work, stored = energy_of_springs(share.springs, solution)
+        assert contribution.springs is not None
+        work, stored = energy_of_springs(contribution.springs, solution)
         return ActionResult(work=work, ledger=Ledger(actions=stored), state=state)
 
     def _numbers(self, model: Model) -> tuple[int, int]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import clast
-from clast.actions.pressure import pressure_forces
+from clast.actions.loads import pressure_forces
 from clast.model.model import Floats
 
 WAYS = [

@@ -60,7 +60,7 @@ def test_dashpots_are_the_integral_over_the_edge(plane: object, modulus: float):
     state = initial_state(model)
     start = StepStart(model=model, state=state, frames=block_frames(model, state), step=0.1)
     action = BoundaryDashpots(1e9)
-    share = action.share(start, action.begin(model))
+    contribution = action.contribution(start, action.begin(model))
     line = np.array([3.0, -1.0])
     length, normal = np.sqrt(10.0), np.array([-1.0, -3.0]) / np.sqrt(10.0)
     along = line / length
@@ -73,8 +73,8 @@ def test_dashpots_are_the_integral_over_the_edge(plane: object, modulus: float):
         x, y = point * line - centroid
         t = np.array([[1, 0, -y, x, 0, 0.5 * y], [0, 1, x, 0, y, 0.5 * x]])
         exact += weight * length * t.T @ dashpot @ t / 0.1
-    np.testing.assert_allclose(share.stiffness[0], exact, atol=1e-12 * np.abs(exact).max())
-    assert not share.force.any()
+    np.testing.assert_allclose(contribution.stiffness[0], exact, atol=1e-12 * np.abs(exact).max())
+    assert not contribution.force.any()
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -24,7 +24,7 @@ def nothing(*_: Any) -> None:
     return None
 
 
-def no_share(start: StepStart) -> Contribution:
+def no_contribution(start: StepStart) -> Contribution:
     return Contribution()
 
 
@@ -36,17 +36,17 @@ def no_done(start: StepStart) -> ActionResult:
 class Acts:
     """An action that does something in its fourth step."""
 
-    share_of: Callable[[StepStart], Any] = no_share
+    contribution_of: Callable[[StepStart], Any] = no_contribution
     done_of: Callable[[StepStart], Any] = no_done
 
     def begin(self, model: Any) -> int:
         return 0
 
-    def share(self, start: StepStart, state: int) -> Contribution:
-        return self.share_of(start) if state == AT_STEP else Contribution()
+    def contribution(self, start: StepStart, state: int) -> Contribution:
+        return self.contribution_of(start) if state == AT_STEP else Contribution()
 
     def finish(
-        self, start: StepStart, state: int, share: Contribution, solution: Solution
+        self, start: StepStart, state: int, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         done = self.done_of(start) if state == AT_STEP else no_done(start)
         return replace(done, state=state + 1) if isinstance(done, ActionResult) else done
@@ -97,8 +97,8 @@ def edit_points(start: StepStart) -> Contribution:
 
 @pytest.mark.parametrize("edit", [edit_vertices, edit_memory, edit_model, edit_mass, edit_points])
 def test_an_action_that_edits_is_stopped(edit: Callable[[StepStart], Contribution]):
-    said, run = stopped(Acts(share_of=edit))
-    assert "action Acts: share() writes into an array that is read-only" in said
+    said, run = stopped(Acts(contribution_of=edit))
+    assert "action Acts: contribution() writes into an array that is read-only" in said
     assert "array.copy()" in said
     assert run.report.steps == AT_STEP
     assert run.times[-1] == pytest.approx(AT_STEP * 1e-3)
@@ -200,7 +200,7 @@ SHARES: dict[str, tuple[Any, str]] = {
     ),
     "weight": (Contribution(acceleration=np.zeros(3)), "acceleration of shape (3,), not (2,)"),
     "slowed": (Contribution(carried=-0.5), "carried = -0.5, which is not a valid share"),
-    "nothing": (None, "share() gives a NoneType, not a Contribution"),
+    "nothing": (None, "contribution() gives a NoneType, not a Contribution"),
     "links": (springs(vertex_block=np.array([5])), "springs with vertex_block 5, and there are"),
     "pairs": (springs(pairs=np.array([[0, 9]])), "springs with pairs 9"),
     "pair": (springs(pair=np.array([1])), "springs with pair 1"),
@@ -210,9 +210,9 @@ SHARES: dict[str, tuple[Any, str]] = {
 
 @pytest.mark.parametrize("name", SHARES)
 def test_shares_that_no_step_can_use(name: str):
-    share, words = SHARES[name]
-    said, run = stopped(Acts(share_of=lambda start: share))
-    assert "action Acts: share() gives " in said
+    contribution, words = SHARES[name]
+    said, run = stopped(Acts(contribution_of=lambda start: contribution))
+    assert "action Acts: contribution() gives " in said
     assert words in said
     assert run.report.steps == AT_STEP
 
@@ -239,7 +239,7 @@ def test_what_an_action_itself_gets_wrong_is_its_own():
         raise ValueError("mine")
 
     with pytest.raises(ValueError, match=r"^mine$"):
-        clast.simulate(on_a_floor(Acts(share_of=wrong)), end=0.02, step=1e-3)
+        clast.simulate(on_a_floor(Acts(contribution_of=wrong)), end=0.02, step=1e-3)
     run = clast.simulate(on_a_floor(Acts()), end=0.02, step=1e-3)
     assert run.report.finished
     assert Loads.__module__.startswith("clast.")  # those of clast are not looked at twice

@@ -39,7 +39,7 @@ class LinearSprings:
     def begin(self, model):
         return self.at
 
-    def share(self, start, state):
+    def contribution(self, start, state):
         way = state[:, 0] - state[:, 1]
         length = np.hypot(*way.T)
         before = np.hypot(*(self.at[:, 0] - self.at[:, 1]).T)
@@ -58,8 +58,8 @@ class LinearSprings:
         )
         return Contribution(springs=springs)
 
-    def finish(self, start, state, share, solution):
-        work, stored = energy_of_springs(share.springs, solution)
+    def finish(self, start, state, contribution, solution):
+        work, stored = energy_of_springs(contribution.springs, solution)
         block, at = self.block.ravel(), state.reshape(-1, 2)
         offset = polygon.offsets(at, block, start.frames.centroid)
         moved = movements(start.rotation, offset, solution.displacement, block)

@@ -20,12 +20,12 @@ class Clock:
         """Return the time."""
         return 0.0
 
-    def share(self, start: StepStart, state: float) -> Contribution:
+    def contribution(self, start: StepStart, state: float) -> Contribution:
         """Return nothing."""
         return Contribution()
 
     def finish(
-        self, start: StepStart, state: float, share: Contribution, solution: Solution
+        self, start: StepStart, state: float, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the time at the end of the step."""
         return ActionResult(work=0.0, ledger=Ledger(), state=start.end)

@@ -213,11 +213,11 @@ class Push:
     def begin(self, model):
         """Return no state."""
 
-    def share(self, start, state):
+    def contribution(self, start, state):
         """Return the force."""
         return Contribution(block=np.array([1]), force=np.array([[1e3, 0.0, 0.0, 0.0, 0.0, 0.0]]))
 
-    def finish(self, start, state, share, solution):
+    def finish(self, start, state, contribution, solution):
         """Return the work."""
         work = 1e3 * self.reported * float(solution.displacement[1, 0])
         return ActionResult(work=work, ledger=Ledger(loads=work))

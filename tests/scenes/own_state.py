@@ -32,16 +32,16 @@ class Closer:
     def begin(self, model: Model) -> Wear:
         return Wear(0.0, np.zeros(2))
 
-    def share(self, start: StepStart, state: Wear) -> Contribution:
+    def contribution(self, start: StepStart, state: Wear) -> Contribution:
         force = np.zeros((1, 6))
         force[0, 0] = -self.force * float(np.exp(-10.0 * state.ways[1]))
         return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
     def finish(
-        self, start: StepStart, state: Wear, share: Contribution, solution: Solution
+        self, start: StepStart, state: Wear, contribution: Contribution, solution: Solution
     ) -> ActionResult:
-        way = solution.displacement[share.block][0, :2]
-        work = float(np.sum(share.force * solution.displacement[share.block]))
+        way = solution.displacement[contribution.block][0, :2]
+        work = float(np.sum(contribution.force * solution.displacement[contribution.block]))
         new = Wear(
             state.work + work,
             state.ways + np.array([way[0], np.hypot(*way)]),
@@ -58,10 +58,10 @@ class Forgetful:
     def begin(self, model: Model) -> Any:
         return iter([1.0])
 
-    def share(self, start: StepStart, state: Any) -> Contribution:
+    def contribution(self, start: StepStart, state: Any) -> Contribution:
         return Contribution()
 
     def finish(
-        self, start: StepStart, state: Any, share: Contribution, solution: Solution
+        self, start: StepStart, state: Any, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         return ActionResult(work=0.0, ledger=Ledger(), state=state)

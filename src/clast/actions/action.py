@@ -16,7 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from clast.block import polygon
-from clast.block.displacement import movements
+from clast.block.displacement import basis, movements
 from clast.block.inertia import BlockFrames
 from clast.block.rotation import Exact, RotationRule
 from clast.contact.clipped_spring import Springs
@@ -104,10 +104,6 @@ class Placed:
     """Centroids, m, shape (n, 2)."""
 
 
-def _no_blocks() -> Ints:
-    return np.zeros(0, np.int64)
-
-
 def _no_forces() -> Floats:
     return np.zeros((0, 6))
 
@@ -132,7 +128,7 @@ class Contribution:
 
     acceleration: Floats | None = None
     """Acceleration that acts on every mass, m/s2, shape (2,)."""
-    block: Ints = field(default_factory=_no_blocks)
+    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Block of each of k generalised forces, shape (k,)."""
     force: Floats = field(default_factory=_no_forces)
     """Generalised forces T^T f at d = 0, N/m and N, shape (k, 6)."""
@@ -146,12 +142,12 @@ class Contribution:
     springs: Springs | None = None
     """Clipped springs between points of two blocks."""
     carried: float = 1.0
-    """Share of the velocities of the last step with which the blocks enter this one."""
+    """Fraction of the velocities of the last step with which the blocks enter this one."""
     prescribed: Prescribed | None = None
     """Motions of blocks, regardless of the forces on them."""
 
 
-NO_SHARE = Contribution()
+NO_CONTRIBUTION = Contribution()
 """That of an action that adds nothing."""
 
 
@@ -200,27 +196,27 @@ class ActionResult:
     ``water``.
     """
     state: Any = None
-    """Its own state at the end of the step."""
+    """State of the action at the end of the step."""
 
 
 NOTHING = ActionResult(work=0.0, ledger=Ledger())
 """The result of an action that does nothing."""
 
 
-def energy_of_linear(share: Contribution, displacement: Floats) -> tuple[float, float]:
+def energy_of_linear(contribution: Contribution, displacement: Floats) -> tuple[float, float]:
     """Return work and stored energy of forces f - K d of a contribution over d (n, 6), J/m.
 
     The work is that of the forces in the equations, (f - K d).d; the stored energy grows by -f.d
     and by 1/2 d.K d of the whole stiffness, if they store it.
     """
-    moved = displacement[share.block]
+    moved = displacement[contribution.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
-    pushed = float(np.add.reduce(share.force * moved, axis=None))
-    if share.stiffness is None:
+    pushed = float(np.add.reduce(contribution.force * moved, axis=None))
+    if contribution.stiffness is None:
         return pushed, -pushed
-    along = np.add.reduce(share.stiffness * moved[:, None], axis=2) * moved
+    along = np.add.reduce(contribution.stiffness * moved[:, None], axis=2) * moved
     stretched = float(np.add.reduce(along, axis=None))
-    return pushed - stretched, 0.5 / share.forces_at * stretched - pushed
+    return pushed - stretched, 0.5 / contribution.forces_at * stretched - pushed
 
 
 def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, float]:
@@ -235,22 +231,32 @@ def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, floa
     return work, springs.energy(gap, slip) - springs.energy(springs.gap, springs.slip)
 
 
+def forces_at_points(block: Ints, offset: Floats, force: Floats) -> Contribution:
+    """Return forces (k, 2), N/m, on blocks (k,) at offsets (k, 2), m, from their centroids."""
+    return Contribution(block=block, force=np.einsum("kxi,kx->ki", basis(offset), force))
+
+
 class Action(Protocol):
-    """An action on the blocks: forces beside those of contacts."""
+    """An action on the blocks: forces beside those of contacts.
+
+    A class that inherits from it needs ``contribution`` alone: it has no state then, and the work
+    of its forces comes from outside.
+    """
 
     def begin(self, model: Model) -> Any:
-        """Return its own state at the start of a run: any frozen data, None where it has none."""
-        ...
+        """Return the state of the action at the start of a run: any frozen data, or None."""
+        return None
 
-    def share(self, start: StepStart, state: Any) -> Contribution:
-        """Return its contribution to the equations of a step, ``own`` being its own state."""
+    def contribution(self, start: StepStart, state: Any) -> Contribution:
+        """Return the contribution to the equations of a step, from the state of the action."""
         ...
 
     def finish(
-        self, start: StepStart, state: Any, share: Contribution, solution: Solution
+        self, start: StepStart, state: Any, contribution: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the result of its forces in a step that is solved."""
-        ...
+        """Return the result of the forces in a step that is solved."""
+        work, _ = energy_of_linear(contribution, solution.displacement)
+        return ActionResult(work=work, ledger=Ledger(loads=work), state=state)
 
 
 @runtime_checkable
@@ -260,7 +266,7 @@ class ReportsEvents(Protocol):
     def events(self, model: Model, before: Any, after: Any) -> Iterable[tuple[str, str, str]]:
         """Return kind, name and sentence of each event of a step.
 
-        An example is ("yielded", "bolt 3", "bolt 3 yields").  ``before`` and ``after`` are the
-        own states of the action.
+        An example is ("yielded", "bolt 3", "bolt 3 yields").  ``before`` and ``after`` are
+        states of the action.
         """
         ...

@@ -9,14 +9,18 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
-from clast.actions.bolts.bolts import Bolting
-from clast.actions.gravity import Gravity
-from clast.actions.ground_motion import GroundAcceleration
+from clast.actions.bolts import Bolting
+from clast.actions.gravity import Gravity, GroundAcceleration
 from clast.actions.in_situ import InSituBoundary
-from clast.actions.loads import Loads
-from clast.actions.pressure import Pressures
+from clast.actions.loads import Loads, Pressures
 from clast.actions.relaxation import Relaxation
-from clast.actions.script_action_checks import HEAD, OWN, answer, checked_done, checked_share
+from clast.actions.script_action_checks import (
+    HEAD,
+    OWN,
+    answer,
+    checked_contribution,
+    checked_result,
+)
 from clast.actions.supports import Supports
 from clast.actions.viscous_edges import BoundaryDashpots
 from clast.actions.water import WaterPressure
@@ -67,51 +71,56 @@ class ActiveActions:
         return self._found
 
 
-def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[Any, ...]:
+def states_of(actions: Sequence[Action], model: Model, state: State) -> tuple[Any, ...]:
     """Return the own state of each action: the one that a run carries, or that of its start."""
     if len(state.actions) == len(actions):
         return state.actions
     return tuple(answer(action, action.begin, model) for action in actions)
 
 
-def shares_of(
+def contributions_of(
     actions: Sequence[Action], start: StepStart, states: Sequence[Any]
 ) -> tuple[Contribution, ...]:
     """Return the contribution of each action to the equations of a step."""
     return tuple(
-        [_share_of(action, start, mine) for action, mine in zip(actions, states, strict=True)]
+        [
+            _contribution_of(action, start, mine)
+            for action, mine in zip(actions, states, strict=True)
+        ]
     )
 
 
-def _share_of(action: Action, start: StepStart, state: Any) -> Contribution:
+def _contribution_of(action: Action, start: StepStart, state: Any) -> Contribution:
     """Return the contribution of an action to a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
-        return action.share(start, state)
-    return checked_share(action, answer(action, action.share, start, state), start)
+        return action.contribution(start, state)
+    return checked_contribution(action, answer(action, action.contribution, start, state), start)
 
 
-def done_by(
-    action: Action, start: StepStart, state: Any, share: Contribution, solution: Solution
+def result_of(
+    action: Action, start: StepStart, state: Any, contribution: Contribution, solution: Solution
 ) -> ActionResult:
     """Return the result of an action in a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
-        return action.finish(start, state, share, solution)
-    return checked_done(action, answer(action, action.finish, start, state, share, solution))
+        return action.finish(start, state, contribution, solution)
+    return checked_result(
+        action, answer(action, action.finish, start, state, contribution, solution)
+    )
 
 
-def acceleration_of(shares: Sequence[Contribution]) -> Floats:
+def acceleration_of(contributions: Sequence[Contribution]) -> Floats:
     """Return the acceleration of every mass by all actions together, m/s2, shape (2,)."""
     found: Floats = np.zeros(2)
-    for share in shares:
-        if share.acceleration is not None:
-            found = found + share.acceleration
+    for contribution in contributions:
+        if contribution.acceleration is not None:
+            found = found + contribution.acceleration
     return found
 
 
-def add_shares(shares: Sequence[Contribution], matrix: Floats, force: Floats) -> None:
+def add_contributions(contributions: Sequence[Contribution], matrix: Floats, force: Floats) -> None:
     """Add the forces and stiffnesses of actions to blocks of K (n, 6, 6) and F (n, 6), in place."""
-    for share in shares:
-        if len(share.block):
-            np.add.at(force, share.block, share.force)
-            if share.stiffness is not None:
-                np.add.at(matrix, share.block, share.stiffness)
+    for contribution in contributions:
+        if len(contribution.block):
+            np.add.at(force, contribution.block, contribution.force)
+            if contribution.stiffness is not None:
+                np.add.at(matrix, contribution.block, contribution.stiffness)

@@ -16,20 +16,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clast.actions.action import (
-    NO_SHARE,
+    NO_CONTRIBUTION,
     NOTHING,
+    Action,
     ActionResult,
     Contribution,
     Solution,
     StepStart,
     energy_of_linear,
 )
-from clast.model.model import Floats, Model
+from clast.model.model import Floats
 from clast.model.state import Ledger
-
-
-def _none_yet() -> Floats:
-    return np.zeros((0, 6))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,32 +35,33 @@ class DampingState:
 
     frequency: float = 0.0
     """Circular frequency of the last step's motion, 1/s."""
-    force: Floats = field(default_factory=_none_yet)
+    force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     """All forces on each block at its end but damping, (n, 6); none before the first step."""
     kinetic: float = 0.0
     """Kinetic energy at the start of the last step, J/m; 0 after a stop."""
 
 
 @dataclass(frozen=True)
-class Undamped:
+class Undamped(Action):
     """No damping."""
 
-    def begin(self, model: Model) -> None:
-        """Return None: nothing is known before the first step."""
-
-    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return nothing."""
-        return NO_SHARE
+        return NO_CONTRIBUTION
 
     def finish(
-        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
+        self,
+        start: StepStart,
+        state: DampingState | None,
+        contribution: Contribution,
+        solution: Solution,
     ) -> ActionResult:
         """Return that nothing was done."""
         return NOTHING
 
 
 @dataclass(frozen=True)
-class Rayleigh:
+class Rayleigh(Action):
     """C = mass M + stiffness K: a motion of frequency w has the ratio (mass/w + stiffness w)/2.
 
     ``mass`` damps slow motion, that of whole blocks too; ``stiffness`` damps quick straining and
@@ -75,27 +73,29 @@ class Rayleigh:
     stiffness: float = 0.0
     """Damping by the elasticity of the blocks, s."""
 
-    def begin(self, model: Model) -> None:
-        """Return None: nothing is known before the first step."""
-
-    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
         elastic = self.stiffness / start.step * model.area[:, None, None] * model.elasticity
         matrix[:, 3:, 3:] += elastic
-        return _resistance(matrix)
+        block = np.arange(len(matrix))
+        return Contribution(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
     def finish(
-        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
+        self,
+        start: StepStart,
+        state: DampingState | None,
+        contribution: Contribution,
+        solution: Solution,
     ) -> ActionResult:
         """Return the energy that damping has taken."""
-        work, _ = energy_of_linear(share, solution.displacement)
+        work, _ = energy_of_linear(contribution, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(damping=-work))
 
 
 @dataclass(frozen=True)
-class Adaptive:
+class Adaptive(Action):
     """Mass damping with the ratio ``ratio`` at the current frequency of the blocks.
 
     c = 2 ratio w, w^2 = d.K d / d.M d with K d the change of all forces in the last step (Underwood
@@ -106,16 +106,17 @@ class Adaptive:
     ratio: float = 0.8
     """Damping ratio; 1 is critical."""
 
-    def begin(self, model: Model) -> None:
-        """Return None: nothing is known before the first step."""
-
-    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return the share of the velocities that damping leaves."""
         frequency = 0.0 if state is None else state.frequency
         return Contribution(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
 
     def finish(
-        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
+        self,
+        start: StepStart,
+        state: DampingState | None,
+        contribution: Contribution,
+        solution: Solution,
     ) -> ActionResult:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
@@ -129,39 +130,34 @@ class Adaptive:
         before = np.einsum("nij,nj->ni", mass, entered)
         if float(np.sum(before * (entered + solution.gained))) < 0.0:
             frequency = max(frequency, np.pi / start.step)  # the motion turned round in the step
-        return _slowed(start, share, DampingState(frequency=frequency, force=force))
+        return _slowed(start, contribution, DampingState(frequency=frequency, force=force))
 
 
 @dataclass(frozen=True)
-class Kinetic:
+class Kinetic(Action):
     """Sets all velocities to zero after each peak of the kinetic energy (Cundall 1982).
 
     Between two stops nothing is damped.
     """
 
-    def begin(self, model: Model) -> None:
-        """Return None: nothing is known before the first step."""
-
-    def share(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
         passed = state is not None and start.state.ledger.kinetic < state.kinetic
         return Contribution(carried=0.0) if passed else Contribution()
 
     def finish(
-        self, start: StepStart, state: DampingState | None, share: Contribution, solution: Solution
+        self,
+        start: StepStart,
+        state: DampingState | None,
+        contribution: Contribution,
+        solution: Solution,
     ) -> ActionResult:
         """Return the kinetic energy that a stop has taken."""
-        kept = share.carried * start.state.ledger.kinetic
-        return _slowed(start, share, DampingState(kinetic=kept))
+        kept = contribution.carried * start.state.ledger.kinetic
+        return _slowed(start, contribution, DampingState(kinetic=kept))
 
 
-def _resistance(matrix: Floats) -> Contribution:
-    """Return the share of a force that grows with the displacements by ``matrix`` (n, 6, 6)."""
-    block = np.arange(len(matrix))
-    return Contribution(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
-
-
-def _slowed(start: StepStart, share: Contribution, state: DampingState) -> ActionResult:
+def _slowed(start: StepStart, contribution: Contribution, state: DampingState) -> ActionResult:
     """Return the kinetic energy that did not enter the step."""
-    taken = (1.0 - share.carried**2) * start.state.ledger.kinetic
+    taken = (1.0 - contribution.carried**2) * start.state.ledger.kinetic
     return ActionResult(work=0.0, ledger=Ledger(damping=taken), state=state)

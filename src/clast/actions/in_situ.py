@@ -72,7 +72,7 @@ class InSituBoundary:
             hold=weight[:, None, None] * np.tile(hold, (2, 1, 1)),
         )
 
-    def share(self, start: StepStart, state: LoadedEnds) -> Contribution:
+    def contribution(self, start: StepStart, state: LoadedEnds) -> Contribution:
         """Return the forces at the ends, and how they fall with the displacements."""
         at = start.state.vertices[state.vertex]
         moved = at - start.model.vertices[state.vertex]
@@ -86,10 +86,10 @@ class InSituBoundary:
         )
 
     def finish(
-        self, start: StepStart, state: LoadedEnds, share: Contribution, solution: Solution
+        self, start: StepStart, state: LoadedEnds, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of traction and springs: that of traction comes from outside."""
-        work, stored = energy_of_linear(share, solution.displacement)
+        work, stored = energy_of_linear(contribution, solution.displacement)
         rows = basis(start.state.vertices[state.vertex] - start.frames.centroid[state.block])
         moved = np.einsum("kxi,ki->kx", rows, solution.displacement[state.block])
         brought = float(np.sum(state.force * moved))

@@ -91,7 +91,7 @@ class Relaxation:
         """Return no forces."""
         return no_forces(model.absent)
 
-    def share(self, start: StepStart, state: SupportForces) -> Contribution:
+    def contribution(self, start: StepStart, state: SupportForces) -> Contribution:
         """Return the remaining forces at the time at which forces are taken."""
         if not len(state.block):
             return Contribution()
@@ -104,11 +104,11 @@ class Relaxation:
         )
 
     def finish(
-        self, start: StepStart, state: SupportForces, share: Contribution, solution: Solution
+        self, start: StepStart, state: SupportForces, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the forces: it is that of blocks that were taken out."""
         if not len(state.block):
             return ActionResult(work=0.0, ledger=Ledger(), state=state)
-        work, _ = energy_of_linear(share, solution.displacement)
+        work, _ = energy_of_linear(contribution, solution.displacement)
         acting = state.since + state.duration > start.end
         return ActionResult(work=work, ledger=Ledger(removed=-work), state=state.rows(acting))

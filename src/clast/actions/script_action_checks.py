@@ -39,15 +39,15 @@ def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer
         ) from error
 
 
-def checked_share(action: Action, share: Any, start: StepStart) -> Contribution:
-    """Return a share that kernels can count on; raises ActionFault naming the action."""
-    for fault in _of_share(share, start.model.block_count):
-        raise ActionFault(f"share() gives {fault}", where=_name(action), remedy=HELP)
-    checked: Contribution = share
+def checked_contribution(action: Action, contribution: Any, start: StepStart) -> Contribution:
+    """Return a contribution that kernels can count on; raises ActionFault naming the action."""
+    for fault in _faults_of(contribution, start.model.block_count):
+        raise ActionFault(f"contribution() gives {fault}", where=_name(action), remedy=HELP)
+    checked: Contribution = contribution
     return checked
 
 
-def checked_done(action: Action, done: Any) -> ActionResult:
+def checked_result(action: Action, done: Any) -> ActionResult:
     """Return the result of an action; raises ActionFault where it is not an ActionResult."""
     if not isinstance(done, ActionResult):
         fault = f"a {type(done).__name__}, not an ActionResult"
@@ -70,22 +70,22 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, float | int | np.floating | np.integer) and bool(np.isfinite(value))
 
 
-def _of_share(share: Any, blocks: int) -> Iterator[str]:
+def _faults_of(contribution: Any, blocks: int) -> Iterator[str]:
     """Yield the faults of a contribution for so many blocks."""
-    if not isinstance(share, Contribution):
-        yield f"a {type(share).__name__}, not a Contribution"
+    if not isinstance(contribution, Contribution):
+        yield f"a {type(contribution).__name__}, not a Contribution"
         return
-    count = np.shape(share.block)[0] if np.ndim(share.block) == 1 else -1
-    yield from _of_blocks("block", share.block, blocks)
-    yield from _of_numbers("force", share.force, (count, 6))
-    if share.stiffness is not None:
-        yield from _of_numbers("stiffness", share.stiffness, (count, 6, 6))
-    if share.acceleration is not None:
-        yield from _of_numbers("acceleration", share.acceleration, (2,))
-    if not _is_number(share.carried) or not 0.0 <= share.carried <= 1.0:
-        yield f"carried = {share.carried!r:.40}, which is not a valid share from 0 to 1"
-    if share.springs is not None:
-        yield from _of_springs(share.springs, blocks)
+    count = np.shape(contribution.block)[0] if np.ndim(contribution.block) == 1 else -1
+    yield from _of_blocks("block", contribution.block, blocks)
+    yield from _of_numbers("force", contribution.force, (count, 6))
+    if contribution.stiffness is not None:
+        yield from _of_numbers("stiffness", contribution.stiffness, (count, 6, 6))
+    if contribution.acceleration is not None:
+        yield from _of_numbers("acceleration", contribution.acceleration, (2,))
+    if not _is_number(contribution.carried) or not 0.0 <= contribution.carried <= 1.0:
+        yield f"carried = {contribution.carried!r:.40}, which is not a valid share from 0 to 1"
+    if contribution.springs is not None:
+        yield from _of_springs(contribution.springs, blocks)
 
 
 def _of_blocks(name: str, number: Any, blocks: int) -> Iterator[str]:

@@ -47,7 +47,7 @@ class Supports:
         prescribed = any(hasattr(action, "anchors") for action in model.actions)
         return np.zeros((len(model.fixed_points.block), 2)) if prescribed else None
 
-    def share(self, start: StepStart, state: Floats | None) -> Contribution:
+    def contribution(self, start: StepStart, state: Floats | None) -> Contribution:
         """Return the forces of the springs and their stiffness k T^T T."""
         rows, drift, prescribed = self._rows(start)
         k, place = self.stiffness, np.where(prescribed, 1.0, start.forces_at)
@@ -63,42 +63,44 @@ class Supports:
         )
 
     def again(
-        self, start: StepStart, share: Contribution, displacement: Floats
+        self, start: StepStart, contribution: Contribution, displacement: Floats
     ) -> Contribution | None:
-        """Return the share with new multipliers if prescribed points miss their anchors.
+        """Return the contribution with new multipliers if prescribed points miss their anchors.
 
         ``displacement`` (n, 6) is that of blocks in the last solution.  None if no point misses.
         """
         if not start.model.actions:
             return None
         rows, drift, prescribed = self._rows(start)
-        missed = drift + self._followed(rows, share, displacement)
+        missed = drift + self._followed(rows, contribution, displacement)
         size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
         if not prescribed.any() or float(np.abs(missed[prescribed]).max()) <= THERE * size:
             return None
         more = np.where(prescribed[:, None], -self.stiffness * missed, 0.0)
-        return replace(share, force=share.force + np.add.reduce(rows * more[:, :, None], axis=1))
+        return replace(
+            contribution, force=contribution.force + np.add.reduce(rows * more[:, :, None], axis=1)
+        )
 
     def finish(
-        self, start: StepStart, state: Floats | None, share: Contribution, solution: Solution
+        self, start: StepStart, state: Floats | None, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return work and energy of the springs, and the work of a moving ground.
 
         The ground moves the anchors by u under the forces of the step; that alone stretches a
         spring, by -u, if its block does not move.
         """
-        work, stored = energy_of_linear(share, solution.displacement)
+        work, stored = energy_of_linear(contribution, solution.displacement)
         ground = start.model.ground_motion
         if state is None and isinstance(ground, Still):
             return ActionResult(work=work, ledger=Ledger(fixed_points=stored), state=state)
         rows, drift, prescribed = self._rows(start)
         motions, forces = 0.0, state
         if state is not None:
-            followed = self._followed(rows, share, solution.displacement)
+            followed = self._followed(rows, contribution, solution.displacement)
             place = np.where(prescribed, 1.0, start.forces_at)[:, None]
             # T begins with the identity
-            forces = share.force[:, :2] - place * self.stiffness * followed
-            by_springs = _rows_of(share, ~prescribed)
+            forces = contribution.force[:, :2] - place * self.stiffness * followed
+            by_springs = _rows_of(contribution, ~prescribed)
             stored = energy_of_linear(by_springs, solution.displacement)[1]
             motions = float(np.sum((forces * followed)[prescribed]))
         change = Ledger(fixed_points=stored, motions=motions)
@@ -109,9 +111,9 @@ class Supports:
         if not moved.any():
             return ActionResult(work=work, ledger=change, state=forces)
         # what held an excavated block does not stretch any more
-        still = start.model.absent[share.block] | prescribed
+        still = start.model.absent[contribution.block] | prescribed
         moved = np.where(still[:, None], 0.0, moved)
-        followed = self._followed(rows, share, solution.displacement)
+        followed = self._followed(rows, contribution, solution.displacement)
         at = start.forces_at
         brought = -self.stiffness * float(np.sum((drift + at * followed) * moved))
         mean = (1.0 - at) * followed + drift + (at - 0.5) * moved
@@ -119,9 +121,9 @@ class Supports:
         change = replace(change, fixed_points=stored, loads=brought)
         return ActionResult(work=work, ledger=change, state=forces)
 
-    def _followed(self, rows: Floats, share: Contribution, displacement: Floats) -> Floats:
+    def _followed(self, rows: Floats, contribution: Contribution, displacement: Floats) -> Floats:
         """Return the movement of the points, m, (k, 2)."""
-        return np.asarray(np.einsum("kxi,ki->kx", rows, displacement[share.block]))
+        return np.asarray(np.einsum("kxi,ki->kx", rows, displacement[contribution.block]))
 
     def _rows(self, start: StepStart) -> tuple[Floats, Floats, Bools]:
         """Return T (k, 2, 6) at points, offsets (k, 2) from anchors, m, and which are prescribed.
@@ -145,7 +147,12 @@ class Supports:
         return basis(at - start.frames.centroid[points.block]), at - anchor, prescribed
 
 
-def _rows_of(share: Contribution, wanted: Bools) -> Contribution:
-    """Return some rows of a share."""
-    stiffness = None if share.stiffness is None else share.stiffness[wanted]
-    return replace(share, block=share.block[wanted], force=share.force[wanted], stiffness=stiffness)
+def _rows_of(contribution: Contribution, wanted: Bools) -> Contribution:
+    """Return some rows of a contribution."""
+    stiffness = None if contribution.stiffness is None else contribution.stiffness[wanted]
+    return replace(
+        contribution,
+        block=contribution.block[wanted],
+        force=contribution.force[wanted],
+        stiffness=stiffness,
+    )

@@ -72,7 +72,7 @@ class BoundaryDashpots:
         count = len(model.viscous_edges)
         return Reaction(force=np.zeros((count, 2, 2)), held=np.ones(count, np.bool_))
 
-    def share(self, start: StepStart, state: Reaction) -> Contribution:
+    def contribution(self, start: StepStart, state: Reaction) -> Contribution:
         """Return forces at the Gauss points and how they fall with the displacements."""
         active = self._active(start, state)
         rows = active.rows
@@ -84,11 +84,11 @@ class BoundaryDashpots:
         )
 
     def finish(
-        self, start: StepStart, state: Reaction, share: Contribution, solution: Solution
+        self, start: StepStart, state: Reaction, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that left through the boundary, and that of springs that hold."""
         active = self._active(start, state)
-        moved = _movement(active.rows, solution.displacement[share.block])
+        moved = _movement(active.rows, solution.displacement[contribution.block])
         resisted = np.einsum("kgx,kxy,kgy->k", moved, active.stiffness, moved)
         came = float(np.sum((active.resting + active.wave) * moved))
         pulled = float(np.sum(active.pull * moved))

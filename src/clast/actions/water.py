@@ -10,13 +10,20 @@ beside it are the effective stress.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
-from clast.actions.pressure import pressure_forces
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
+from clast.actions.loads import pressure_forces
+from clast.model.model import Floats, Ints
 from clast.model.state import Ledger
 from clast.model.water import (
     Water,
@@ -25,25 +32,6 @@ from clast.model.water import (
     filled,
     wetted,
 )
-
-
-class Outlines(Protocol):
-    """Blocks that water may press: a model, or those of a frame."""
-
-    @property
-    def vertex_block(self) -> Ints:
-        """Block of each vertex, shape (nv,)."""
-        ...
-
-    @property
-    def vertex_after(self) -> Ints:
-        """Vertex after each one in its block, shape (nv,)."""
-        ...
-
-    @property
-    def absent(self) -> Bools:
-        """True for blocks that are not there, shape (n,)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -69,10 +57,11 @@ class Pressed:
         return left, right
 
 
-def pressed_by(water: Water, model: Outlines, vertices: Floats, time: float) -> Pressed:
+def pressed_by(water: Water, model: Any, vertices: Floats, time: float) -> Pressed:
     """Return where a water presses at a time, s, with blocks at ``vertices`` (nv, 2), m.
 
-    Excavated blocks are under no pressure, and the joints that they had are empty.
+    ``model`` may be a frame as well.  Excavated blocks are under no pressure, and the joints that
+    they had are empty.
     """
     owner, after = model.vertex_block, model.vertex_after
     weight = water.pressure_of_head(time)
@@ -98,13 +87,10 @@ def pressed_by(water: Water, model: Outlines, vertices: Floats, time: float) -> 
 
 
 @dataclass(frozen=True)
-class WaterPressure:
+class WaterPressure(Action):
     """The water of the model."""
 
-    def begin(self, model: Model) -> None:
-        """Return nothing: where water is follows from where the blocks are."""
-
-    def share(self, start: StepStart, state: None) -> Contribution:
+    def contribution(self, start: StepStart, state: None) -> Contribution:
         """Return the sum of the generalised forces of all water on each block."""
         model, midway = start.model, start.midway
         block: list[Ints] = []
@@ -122,10 +108,10 @@ class WaterPressure:
         return _summed(np.concatenate(block), np.concatenate(force), model.block_count)
 
     def finish(
-        self, start: StepStart, state: None, share: Contribution, solution: Solution
+        self, start: StepStart, state: None, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the water, which comes from outside."""
-        work, _ = energy_of_linear(share, solution.displacement)
+        work, _ = energy_of_linear(contribution, solution.displacement)
         return ActionResult(work=work, ledger=Ledger(water=work))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import StrictStr, model_validator
 
 from clast import spelling
-from clast.actions.motions.motions import Motions, OneMotion
+from clast.actions.motions import Motions, OneMotion
 from clast.block import polygon
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.table import Point, Positive, Table

@@ -180,7 +180,7 @@ DAMPING_ALTERNATIVES = Alternatives(
         "stiffness": (Field(ge=0.0), within(ranges.INTERVAL)),
         "ratio": (Field(gt=0.0, le=MOST),),
     },
-    needs={"damping": ("begin", "share", "finish")},
+    needs={"damping": ("begin", "contribution", "finish")},
 )
 """Kinds of damping; their numbers are read from their dataclasses."""
 DAMPING = Choice("damping", DAMPING_ALTERNATIVES, usual="rayleigh")

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.actions.bolts.bolt_states import BoltStates
-from clast.actions.bolts.bolts import Bolting
-from clast.actions.linings.linings import linings_of
+from clast.actions.bolts import Bolting, BoltStates
+from clast.actions.linings import linings_of
 from clast.actions.relaxation import absent_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts

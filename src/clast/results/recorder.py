@@ -293,7 +293,7 @@ class RunRecorder:
         """Return which bolts yielded or broke, and when."""
         if not len(self._model.bolts) or self._state is None:
             return ()
-        from clast.actions.bolts.bolt_events import story_of
+        from clast.actions.bolts import story_of
         from clast.results.frame_samples import bolt_states
 
         return story_of(bolt_states(self._model, self._state), self._model)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import ReportsEvents
-from clast.actions.active import actions_of, own_states
+from clast.actions.active import actions_of, states_of
 from clast.model.model import Model
 from clast.model.stage_records import Event
 from clast.model.state import State
@@ -41,7 +41,7 @@ class Listener:
         if not self._reporters:
             return
         actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
-        own = own_states(actions, self.model, before)
+        own = states_of(actions, self.model, before)
         for number, events in self._reporters:
             for kind, what, text in events(self.model, own[number], after.actions[number]):
                 yield Event(time=after.time, stage=self.stage, kind=kind, what=what, text=text)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.active import actions_of, own_states
+from clast.actions.active import actions_of, states_of
 from clast.actions.in_situ import LoadedEnds
 from clast.actions.relaxation import Relaxation, SupportForces, absent_in, no_forces
 from clast.block import polygon
@@ -191,7 +191,7 @@ def _own_states(
     """Return the own states of all actions of the model that is ``left``, with new ``forces``."""
     before = actions_of(model, method.fixed_point_stiffness, method.damping)
     after = actions_of(left, method.fixed_point_stiffness, method.damping)
-    own = list(own_states(before, model, state))
+    own = list(states_of(before, model, state))
     at = next(k for k, action in enumerate(after) if isinstance(action, Relaxation))
     if len(before) < len(after):
         own.insert(at, no_forces(model.absent))

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from clast.actions.linings.linings import linings_of
-from clast.actions.motions.motions import Motions
+from clast.actions.linings import linings_of
+from clast.actions.motions import Motions
 from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded

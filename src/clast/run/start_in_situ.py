@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.active import actions_of, own_states
+from clast.actions.active import actions_of, states_of
 from clast.actions.damping import Undamped
 from clast.actions.in_situ import InSituBoundary, tractions
 from clast.actions.viscous_edges import BoundaryDashpots
@@ -115,7 +115,7 @@ def in_equilibrium(
         )
     model = _held_fast(model)
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
-    state = replace(state, actions=own_states(actions, model, state))
+    state = replace(state, actions=states_of(actions, model, state))
     balance = _at_first(model, method, state, stress.in_contacts, step)
     before = _unbalanced(model, _equations(model, method, balance, step)).max(initial=0.0)
     for _ in range(LOOKS):
@@ -303,7 +303,9 @@ def _springs_that_settle(context: StepContext) -> tuple[tuple[Springs, ...], Spr
     """
     settles = [hasattr(action, "settled") for action in context.actions]
     both = [
-        springs_between([one for one, its in zip(context.shares, settles, strict=True) if its is k])
+        springs_between(
+            [one for one, its in zip(context.contributions, settles, strict=True) if its is k]
+        )
         for k in (True, False)
     ]
     return () if both[0] is None else (both[0],), both[1]
@@ -356,7 +358,9 @@ def _held(context: StepContext, unknowns: Floats) -> tuple[Any, ...]:
     """Return the own states of actions, the outline's with the reactions of its springs."""
     model, state, centroid = context.model, context.state, context.frames.centroid
     found = []
-    for action, own, share in zip(context.actions, state.actions, context.shares, strict=True):
+    for action, own, share in zip(
+        context.actions, state.actions, context.contributions, strict=True
+    ):
         if isinstance(action, InSituBoundary):
             rows = basis(state.vertices[own.vertex] - centroid[own.block])
             moved = np.einsum("kxi,ki->kx", rows, unknowns[own.block])

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import NOTHING, Solution
-from clast.actions.active import done_by
+from clast.actions.active import result_of
 from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
@@ -145,9 +145,9 @@ def balance(
     )
     numerical, unaccounted = ledger.numerical, ledger.unaccounted
     results = [
-        done_by(action, context.at, mine, share, of_actions)
+        result_of(action, context.at, mine, share, of_actions)
         for action, mine, share in zip(
-            context.actions, context.action_states, context.shares, strict=True
+            context.actions, context.action_states, context.contributions, strict=True
         )
     ]
     with_work = [done for done in results if done is not NOTHING]
@@ -157,7 +157,7 @@ def balance(
         numerical = numerical + change.numerical + removed
         unaccounted = unaccounted + change.unaccounted - done.work
     if context.held is not None:
-        carried = math.prod([one.carried for one in context.shares])
+        carried = math.prod([one.carried for one in context.contributions])
         undamped = (1.0 - carried**2) * _energy_of_driven(context, context.held)
         shock = _work_of_shocks(context, end, context.held)
         changes.append(Ledger(damping=-undamped, motions=-shock))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import Action, Contribution, StepStart
-from clast.actions.active import acceleration_of, add_shares, own_states, shares_of
+from clast.actions.active import acceleration_of, add_contributions, contributions_of, states_of
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
 from clast.compute.stopwatch import Stages
@@ -56,7 +56,7 @@ class StepContext:
     """The actions on the blocks beside contacts."""
     action_states: tuple[Any, ...]
     """Own state of each action."""
-    shares: tuple[Contribution, ...]
+    contributions: tuple[Contribution, ...]
     """The contribution of each action to the equations."""
     drift: Floats
     """Displacement that the velocities would bring, h v, m, shape (n, 6)."""
@@ -115,15 +115,17 @@ def begin(
         clock=method.clock,
     )
     actions = workspace.active.actions(model, method.fixed_point_stiffness, method.damping)
-    action_states = own_states(actions, model, state)
-    shares = shares_of(actions, at, action_states)
-    carried = method.dynamic_ratio * math.prod([share.carried for share in shares])
+    action_states = states_of(actions, model, state)
+    contributions = contributions_of(actions, at, action_states)
+    carried = method.dynamic_ratio * math.prod(
+        [contribution.carried for contribution in contributions]
+    )
     if carried < 1.0 and at.forces_at < 1.0:
         # what does not swing on would step from one side of its equilibrium to the other
         at = replace(at, forces_at=1.0)
-        shares = shares_of(actions, at, action_states)
+        contributions = contributions_of(actions, at, action_states)
     velocity, drift, held = _prescribed(
-        held_by(shares, model), method, state.velocity, carried * state.velocity, step
+        held_by(contributions, model), method, state.velocity, carried * state.velocity, step
     )
     return StepContext(
         at=at,
@@ -136,10 +138,10 @@ def begin(
         velocity=velocity,
         actions=actions,
         action_states=action_states,
-        shares=shares,
+        contributions=contributions,
         drift=drift,
-        springs=springs_between(shares),
-        acceleration=acceleration_of(shares),
+        springs=springs_between(contributions),
+        acceleration=acceleration_of(contributions),
         stages=stages,
         held=held,
     )
@@ -162,19 +164,19 @@ def _prescribed(
 
 
 def again(context: StepContext, unknowns: Floats) -> StepContext | None:
-    """Return a step with other shares where an action is not content with d (n, 6), else None.
+    """Return a step with other contributions where an action asks for them after d (n, 6).
 
-    Such an action says so by ``again(start, share, d)``, which gives the share, or None.
+    Its method ``again(start, contribution, d)`` returns one, or None where it is content.
     """
-    shares = context.shares
+    contributions = context.contributions
     for k, action in enumerate(context.actions):
         if hasattr(action, "again"):
-            share = action.again(context.at, shares[k], unknowns)
-            if share is not None and share is not shares[k]:
-                shares = *shares[:k], share, *shares[k + 1 :]
-    if shares is context.shares:
+            contribution = action.again(context.at, contributions[k], unknowns)
+            if contribution is not None and contribution is not contributions[k]:
+                contributions = *contributions[:k], contribution, *contributions[k + 1 :]
+    if contributions is context.contributions:
         return None
-    return replace(context, shares=shares, springs=springs_between(shares))
+    return replace(context, contributions=contributions, springs=springs_between(contributions))
 
 
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
@@ -193,7 +195,7 @@ def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> Diago
     if scheme.stopped is not None:
         terms = matrix, force, momentum
         inertia_projection.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
-    add_shares(context.shares, matrix, force)
+    add_contributions(context.contributions, matrix, force)
     base = DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
     if context.held is None:
         return base

@@ -15,7 +15,7 @@ from clast.model.ranges import check_names
 
 LONGEST_TITLE = 1000
 """Most characters of a title."""
-ACTION = ("begin", "share", "finish")
+ACTION = ("begin", "contribution", "finish")
 """Methods of an action."""
 
 

@@ -11,11 +11,16 @@ import shapely
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast import spelling
-from clast.actions.linings.lining_states import LiningShape, OneLining
-from clast.actions.linings.linings import ACROSS, ALONG, TURNING, Linings
-from clast.actions.linings.sections import interaction_curve
-from clast.actions.links.link_states import LinkRows
-from clast.actions.links.links import Links
+from clast.actions.linings import (
+    ACROSS,
+    ALONG,
+    TURNING,
+    Linings,
+    LiningShape,
+    OneLining,
+    interaction_curve,
+)
+from clast.actions.links import LinkRows, Links
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table

@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast.actions.links.link_states import COMPONENTS, LinkRows
-from clast.actions.links.links import Links
+from clast.actions.links import COMPONENTS, LinkRows, Links
 from clast.actions.loads import Moments
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within

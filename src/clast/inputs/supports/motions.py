@@ -9,13 +9,15 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import StrictStr, model_validator
 
-from clast.actions.motions.courses import (
+from clast.actions.motions import (
     Course,
+    Motions,
+    OneMotion,
+    Servo,
     along_displacements,
     along_velocities,
     at_constant_speed,
 )
-from clast.actions.motions.motions import Motions, OneMotion, Servo
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clast.actions.linings.sections import InteractionCurve, interaction_curve
+from clast.actions.linings import InteractionCurve, interaction_curve
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas

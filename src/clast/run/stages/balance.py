@@ -116,7 +116,7 @@ def forces_of(
         (response.normal_force, response.shear_force),
     )
     everybody = np.arange(model.block_count)
-    for share in context.shares:
+    for share in context.contributions:
         if share.acceleration is not None:
             sums.add(everybody, sums.mass[:, None] * share.acceleration, np.zeros(len(everybody)))
         if len(share.block):

@@ -14,9 +14,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from clast.actions.active import actions_of, own_states
-from clast.actions.linings.lining_states import LiningShape, LiningStates, OneLining
-from clast.actions.linings.linings import Linings, linings_of
+from clast.actions.active import actions_of, states_of
+from clast.actions.linings import Linings, LiningShape, LiningStates, OneLining, linings_of
 from clast.actions.relaxation import SupportForces
 from clast.block import polygon
 from clast.contact.contacts import LOCK, Contacts
@@ -60,7 +59,7 @@ def lined(
         coming[one.segments] = True
     left = without(model, model.absent & ~coming)
     actions = actions_of(left, method.fixed_point_stiffness, method.damping)
-    own = list(own_states(actions, left, state))
+    own = list(states_of(actions, left, state))
     number += len(actions) - len(model.actions)
     for one in fresh:
         state, own[number] = _put(left, state, one, linings, own[number])

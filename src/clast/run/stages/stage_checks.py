@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast import spelling
-from clast.actions.linings.linings import linings_of
+from clast.actions.linings import linings_of
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import Still
 from clast.model.model import Model

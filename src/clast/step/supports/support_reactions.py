@@ -69,13 +69,13 @@ def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
     borne = -_of_links(number, len(block), solution.contacts, solution.applied)
     if context.springs is not None:
         borne -= _of_springs(context.springs, solution, np.append(number, -1), len(block))
-    for share in context.shares:
-        rows = share.block
+    for contribution in context.contributions:
+        rows = contribution.block
         if rows.size:
             rows = (number[rows] >= 0).nonzero()[0]
         if rows.size:
-            force = forces_in(share, solution.unknowns, rows)
-            np.subtract.at(borne, number[share.block[rows]], force[:, :3])
+            force = forces_in(contribution, solution.unknowns, rows)
+            np.subtract.at(borne, number[contribution.block[rows]], force[:, :3])
     if held is None:
         borne[~model.fixed[block]] = 0.0
         return Holding(block=block, number=number, borne=borne, whole=NOTHING)
@@ -106,29 +106,33 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
     if wanted.of_ground.size and context.springs is not None:
         number = np.append(np.full(context.model.block_count, -1), 0)
         force = -_of_springs(context.springs, solution, number, 1)
-        # the ground counts from the origin, as from a centroid (actions/links/links.py)
+        # the ground counts from the origin, as from a centroid (actions/links.py)
         _add(found, wanted.about, wanted.of_ground, force, np.zeros((1, 2)))
     kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
-    for action, share in zip(context.actions, context.shares, strict=True):
+    for action, contribution in zip(context.actions, context.contributions, strict=True):
         support = getattr(action, "support", "")
-        if support == "motions" and share.block.size:
-            _add_servos(found, context, wanted.of_block, share, solution.unknowns)
+        if support == "motions" and contribution.block.size:
+            _add_servos(found, context, wanted.of_block, contribution, solution.unknowns)
         if support in kinds and kinds[support].size:
             pairs = kinds[support].copy()
             row = pairs[:, 1]
-            force = forces_in(share, solution.unknowns, row)[:, :3]
-            pairs[:, 1] = share.block[row]
+            force = forces_in(contribution, solution.unknowns, row)[:, :3]
+            pairs[:, 1] = contribution.block[row]
             _add(found, wanted.about, pairs, force, centroid)
     return found
 
 
 def _add_servos(
-    found: Floats, context: StepContext, of_block: Ints, share: Contribution, unknowns: Floats
+    found: Floats,
+    context: StepContext,
+    of_block: Ints,
+    contribution: Contribution,
+    unknowns: Floats,
 ) -> None:
     """Add the forces of servos to the reactions of their blocks, in place."""
-    force = forces_in(share, unknowns, np.arange(len(share.block)))[:, :3]
+    force = forces_in(contribution, unknowns, np.arange(len(contribution.block)))[:, :3]
     sums = np.zeros((context.model.block_count, 3))
-    np.add.at(sums, share.block, force)
+    np.add.at(sums, contribution.block, force)
     centroid = context.frames.centroid
     _add(found, context.model.reactions.about, of_block, sums[of_block[:, 1]], centroid)
 
@@ -144,12 +148,12 @@ def _add(found: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Flo
     np.add.at(found, pairs[:, 0], moved)
 
 
-def forces_in(share: Contribution, unknowns: Floats, rows: Ints) -> Floats:
-    """Return the generalised forces f - K d of some rows of a share, shape (r, 6)."""
-    force = share.force[rows]
-    if share.stiffness is None:
+def forces_in(contribution: Contribution, unknowns: Floats, rows: Ints) -> Floats:
+    """Return the generalised forces f - K d of some rows of a contribution, shape (r, 6)."""
+    force = contribution.force[rows]
+    if contribution.stiffness is None:
         return force
-    bent = np.einsum("kij,kj->ki", share.stiffness[rows], unknowns[share.block[rows]])
+    bent = np.einsum("kij,kj->ki", contribution.stiffness[rows], unknowns[contribution.block[rows]])
     return np.asarray(force - bent)
 
 

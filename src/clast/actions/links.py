@@ -29,18 +29,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
-from clast.actions.links.link_states import (
-    COMPONENTS,
-    ForceLimits,
-    LinkRows,
-    LinkStates,
-    YieldForces,
-)
 from clast.block import polygon
 from clast.block.displacement import movements
 from clast.block.rotation import turned_by
@@ -49,6 +42,91 @@ from clast.linear.system import stretches, with_ground
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.supports import FREE, GROUND, RIGID, SOFT, LinkLines
+
+COMPONENTS = ("along", "across", "rotation")
+"""Components of a link."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LinkRows:
+    """The m rows of springs of k links: one for each component that a link has."""
+
+    name: tuple[str, ...]
+    """Name of each link."""
+    block: Ints
+    """Its two blocks, or one and GROUND, shape (k, 2)."""
+    at: Floats
+    """Its point at the start, m, shape (k, 2)."""
+    along: Floats
+    """Unit vector of its direction at the start, shape (k, 2)."""
+    turning: Floats
+    """Shares of the turns of its two blocks, of sum 1, by which its direction turns, (k, 2)."""
+    stage: tuple[str, ...]
+    """Stage that installs it, "" where it is there from the start."""
+    link: Ints
+    """Link of each row, ascending, shape (m,)."""
+    component: Ints
+    """Its component, shape (m,)."""
+    stiffness: Floats
+    """N/m per m, or N per rad, inf: rigid, shape (m,)."""
+    strength: Floats
+    """Force, N/m, or moment, N, at which it yields, inf: never, shape (m,)."""
+    rupture: Floats
+    """Stretch, m or rad, at which it breaks for good, inf: never, shape (m,)."""
+    gap: Floats
+    """Play to either side before it acts, m or rad, shape (m,)."""
+    damping: Floats
+    """Force by rate, N s/m2 or N s per rad, shape (m,)."""
+
+    @property
+    def blocks(self) -> Ints:
+        """Blocks of each row, shape (m, 2)."""
+        return np.asarray(self.block[self.link])
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkStates:
+    """Where k links are, and the history of their m rows."""
+
+    at: Floats
+    """Their points on the first and the second block, m, shape (k, 2, 2)."""
+    angle: Floats
+    """By how much the first block has turned against the second, rad, shape (k,)."""
+    rest: Floats
+    """Stretch at which each row was installed, m or rad, NaN before, shape (m,)."""
+    plastic: Floats
+    """Plastic stretch, m or rad, shape (m,)."""
+    force: Floats
+    """Force on the first block, N/m, or moment, N, without damping, shape (m,)."""
+    drag: Floats
+    """Force or moment of its dashpot, shape (m,)."""
+    yielded: Bools
+    """True where it has yielded, shape (m,)."""
+    broken: Bools
+    """True where it has broken, or lost its block, shape (m,)."""
+
+    @property
+    def carries(self) -> Bools:
+        """Whether it can carry a force, shape (m,)."""
+        return np.asarray(~np.isnan(self.rest) & ~self.broken)
+
+
+class ForceLimits(Protocol):
+    """Limits of the forces of links."""
+
+    def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
+        """Return the least and the largest force of each row, N/m, or moment, N, (m,) each."""
+        ...
+
+
+@dataclass(frozen=True)
+class YieldForces:
+    """Each row yields by itself, to either side alike."""
+
+    def bounds(self, rows: LinkRows, state: LinkStates) -> tuple[Floats, Floats]:
+        """Return the strengths, of both signs."""
+        return -rows.strength, rows.strength
+
 
 NEAR = 1e-5
 """Force that rows may miss in a static step, as a share of the largest of them."""
@@ -111,24 +189,24 @@ class Links:
         )
         return self._installed(model, state, np.zeros(count))
 
-    def share(self, start: StepStart, state: LinkStates) -> Contribution:
+    def contribution(self, start: StepStart, state: LinkStates) -> Contribution:
         """Return the springs of all links that carry between blocks that can move."""
         active = self._active(start, state)
         if not len(active.row):
             return Contribution()
-        return LinkShare(springs=self._springs(start, active)[0], active=active)
+        return LinkContribution(springs=self._springs(start, active)[0], active=active)
 
     def again(
-        self, start: StepStart, share: Contribution, displacement: Floats
+        self, start: StepStart, contribution: Contribution, displacement: Floats
     ) -> Contribution | None:
-        """Return the share with rows that d (n, 6) stretches in a static step as blocks do.
+        """Return the contribution with rows that d (n, 6) stretches in a static step as blocks do.
 
         None where they did, near enough.  No velocity says how far blocks turn in a static step,
         and along the chord they would draw rigid links apart.
         """
-        if start.clock is None or not isinstance(share, LinkShare):
+        if start.clock is None or not isinstance(contribution, LinkContribution):
             return None
-        active = share.active
+        active = contribution.active
         moved = self._all_moved(start, active, displacement)
         at = self._carried(start, active.state, displacement)
         turn = start.state.rotation + start.rotation.angle(displacement[:, 2])
@@ -138,19 +216,22 @@ class Links:
         if float(missed.max()) <= NEAR * float(np.abs(force).max()):
             return None
         active = replace(active, stretch=stretch - moved)
-        return LinkShare(springs=self._springs(start, active)[0], active=active)
+        return LinkContribution(springs=self._springs(start, active)[0], active=active)
 
     def finish(
-        self, start: StepStart, state: LinkStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: LinkStates, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the links: they store energy, yield, break and damp."""
         active, rows = self._active(start, state), self.rows
         work, brought, (drag, moved) = 0.0, 0.0, np.zeros((2, len(rows.link)))
-        if share.springs is not None:
-            active = share.active if isinstance(share, LinkShare) else active
-            work, _ = energy_of_springs(share.springs, solution)
+        if contribution.springs is not None:
+            active = contribution.active if isinstance(contribution, LinkContribution) else active
+            work, _ = energy_of_springs(contribution.springs, solution)
             _, _, before = self._springs(start, active)
-            brought = float(solution.spring_forces(share.springs)[0] @ (before - share.springs.gap))
+            brought = float(
+                solution.spring_forces(contribution.springs)[0]
+                @ (before - contribution.springs.gap)
+            )
             moved = self._all_moved(start, active, solution.displacement)
             drag = -rows.damping * moved / start.step
         begun = active.state
@@ -183,7 +264,7 @@ class Links:
         return self._pulled(start, state, displacement)[0].force
 
     def settled(
-        self, start: StepStart, state: LinkStates, share: Contribution, displacement: Floats
+        self, start: StepStart, state: LinkStates, contribution: Contribution, displacement: Floats
     ) -> LinkStates:
         """Return the links with the forces after d (n, 6) of a solution that moves nothing."""
         pulled, moved = self._pulled(start, state, displacement)
@@ -444,7 +525,7 @@ class _Active:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LinkShare(Contribution):
+class LinkContribution(Contribution):
     """The contribution of links, with the rows that it is made of."""
 
     active: _Active

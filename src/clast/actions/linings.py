@@ -12,6 +12,16 @@ by 1/(2 n^2) (the trapezoidal rule).
 A section yields where N and M reach its strength (sections.py).  N is clipped to the strength
 of the section without a moment, M to its strength under the N of the same step: where a solution
 does not agree with the bounds that it had, the step is solved again with those of its own N.
+
+The sections:
+A rectangular section of thickness t that has yielded throughout, over a part c of it in compression
+f_c and over the rest in tension f_t, carries
+
+    N = f_t (t - c) - f_c c,    M = (f_c + f_t) c (t - c)/2,    0 <= c <= t
+
+(N positive in tension): a parabola over N, and its mirror image below.  Without tension it is that
+of plain concrete, N = -f_c (t - 2 e) with the eccentricity e = M/|N| (EN 1992-1-1, 12.6.1).  A
+polygon with its corners on the curve stands for it, on the safe side.
 """
 
 from __future__ import annotations
@@ -23,13 +33,138 @@ from typing import Any, ClassVar
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart
-from clast.actions.linings.lining_states import LiningStates, OneLining
-from clast.actions.linings.sections import edge_stress
-from clast.actions.links.link_states import LinkRows, LinkStates
-from clast.actions.links.links import Links
+from clast.actions.links import LinkRows, Links, LinkStates
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.supports import LiningJoints
+
+STEEP = 0.02
+"""Moment, in units of the largest, below which the curve is near one of its ends."""
+CORNERS = 33
+"""Corners of the polygon on each side, denser towards its ends: 64 sides in all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InteractionCurve:
+    """The upper half of the polygon of normal force and moment; the lower is its mirror image."""
+
+    normal: Floats
+    """Normal force of its corners, ascending, tension positive, N/m, shape (c,)."""
+    moment: Floats
+    """Moment of each, N, shape (c,)."""
+
+    @property
+    def largest(self) -> float:
+        """Largest moment of the section, N."""
+        return float(self.moment.max())
+
+    def moment_at(self, normal: Floats) -> Floats:
+        """Return the largest moments (k,), N, of the section under normal forces (k,), N/m."""
+        return np.asarray(np.interp(normal, self.normal, self.moment))
+
+    def utilisation(self, normal: Floats, moment: Floats) -> Floats:
+        """Return the share of the strength that is used, 1 on the curve, shape (k,).
+
+        The moment over that which the section carries with this normal force, or the normal force
+        over that which it carries without a moment, whichever is more.
+        """
+        least, most = self.normal[0], self.normal[-1]
+        pressed = np.where(normal < 0.0, normal / least, 0.0)
+        pulled = np.where(normal > 0.0, normal / max(most, np.finfo(float).tiny), 0.0)
+        # at its ends the curve is steep, and the normal force says how near it is
+        carries = np.maximum(self.moment_at(normal), STEEP * self.largest)
+        return np.maximum(np.abs(moment) / carries, np.maximum(pressed, pulled))
+
+
+def interaction_curve(thickness: float, tension: float, compression: float) -> InteractionCurve:
+    """Return the curve of a rectangular section, m, with strengths in Pa, all above 0."""
+    pressed = 0.5 * thickness * (1.0 + np.cos(np.linspace(0.0, np.pi, CORNERS)))
+    pulled = thickness - pressed
+    return InteractionCurve(
+        normal=tension * pulled - compression * pressed,
+        moment=0.5 * (tension + compression) * pressed * pulled,
+    )
+
+
+def edge_stress(normal: Floats, moment: Floats, thickness: float) -> Floats:
+    """Return the largest elastic stress at the two faces, N/t + 6 |M|/t^2, Pa, shape (k,)."""
+    return np.asarray(normal / thickness + 6.0 * np.abs(moment) / thickness**2)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LiningShape:
+    """How a lining of s segments lies along a line of p points, which rock may carry.
+
+    A segment has the points of the line along its outer face, then the two ends of its inner face.
+    """
+
+    at: Floats
+    """Points of the outer line as they were drawn, m, shape (p, 2)."""
+    point: Ints
+    """Point that each of a places in the rock carries, ascending, shape (a,)."""
+    vertex: Ints
+    """Vertices of the edge that each place is on, shape (a, 2)."""
+    share: Floats
+    """Where on it: 0 at the first of them, 1 at the second, shape (a,)."""
+    first: Ints
+    """First point of each segment, shape (s,)."""
+    count: Ints
+    """Number of points of each segment, shape (s,)."""
+    inner: Floats
+    """Inner ends of the two faces of each segment as they were drawn, m, shape (s, 2, 2)."""
+
+    def points_of(self, segment: int) -> Ints:
+        """Return the points of the outer face of a segment, shape (count,)."""
+        return (self.first[segment] + np.arange(self.count[segment])) % len(self.at)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class OneLining:
+    """A lining of s segments and k joints: between segments, and at ends that are held."""
+
+    name: str
+    """Its name."""
+    stage: str
+    """Stage that installs it, "" where it is there from the start."""
+    closed: bool
+    """Whether the last segment is joined to the first."""
+    thickness: float
+    """Thickness, m."""
+    tension: float
+    """Tensile strength, Pa, inf where it has no strengths."""
+    compression: float
+    """Compressive strength, Pa, inf where it has none."""
+    curve: InteractionCurve | None
+    """Strength of its sections; None: it is elastic."""
+    segments: Ints
+    """Block of each segment, shape (s,)."""
+    joints: Ints
+    """Its joints among those of all linings, shape (k,)."""
+    along: Floats
+    """Where each joint is along the middle of the lining, from its start, m, shape (k,)."""
+    at: Floats
+    """Where each is as drawn, m, shape (k, 2)."""
+    face: Ints
+    """Segment, and 0 for its start or 1 for its end, where each joint is, shape (k, 2)."""
+    shape: LiningShape
+    """How it lies."""
+    inside: Ints
+    """Blocks that must have been excavated where it comes, shape (r,)."""
+    loose: Ints
+    """Blocks of segments that are to be bonded and have no rock beside them, shape (q,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiningStates:
+    """The history of linings with k joints."""
+
+    joints: LinkStates
+    """The springs of their joints."""
+    cracked: Bools
+    """True where the tension at a face has been beyond the strength, shape (k,)."""
+    yielded: Bools
+    """True where the strength of the section has been reached, shape (k,)."""
+
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
@@ -58,7 +193,7 @@ class SectionLimits:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LiningShare(Contribution):
+class LiningContribution(Contribution):
     """The contribution of linings, with the largest moments that it allows."""
 
     bending: Floats = field(default_factory=lambda: np.zeros(0))
@@ -97,7 +232,7 @@ class Linings:
         none = np.zeros(len(self.springs.rows.name), np.bool_)
         return LiningStates(joints=self.springs.begin(model), cracked=none, yielded=none)
 
-    def share(self, start: StepStart, state: LiningStates) -> LiningShare:
+    def contribution(self, start: StepStart, state: LiningStates) -> LiningContribution:
         """Return the springs of the joints, and that segments keep their shape."""
         forces = self.forces(state)
         bending = np.full(len(forces), np.inf)
@@ -111,9 +246,9 @@ class Linings:
         return self._share(start, state, bending)
 
     def again(
-        self, start: StepStart, share: LiningShare, displacement: Floats
-    ) -> LiningShare | None:
-        """Return the share with other bounds where a solution d (n, 6) does not agree with its own.
+        self, start: StepStart, contribution: LiningContribution, displacement: Floats
+    ) -> LiningContribution | None:
+        """Return the contribution with other bounds where d (n, 6) does not agree with its own.
 
         None: all moments are within what their normal forces allow.
         """
@@ -122,9 +257,9 @@ class Linings:
         state = start.state.actions
         mine = next((one for one in state if isinstance(one, LiningStates)), None)
         mine = self.begin(start.model) if mine is None else mine
-        forces = self._within(share.bending).forces_at(start, mine.joints, displacement)
+        forces = self._within(contribution.bending).forces_at(start, mine.joints, displacement)
         forces = self._by_joint(forces)
-        bending = share.bending.copy()
+        bending = contribution.bending.copy()
         for one in self.each:
             if one.curve is None:
                 continue
@@ -135,26 +270,34 @@ class Linings:
                 (size >= had - close) & (np.abs(had - allowed) > close)
             )
             bending[one.joints] = np.where(off, allowed, had)
-        if np.array_equal(bending, share.bending):
+        if np.array_equal(bending, contribution.bending):
             return None
         return self._share(start, mine, bending)
 
     def finish(
-        self, start: StepStart, state: LiningStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: LiningStates, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the work of the joints, and their forces."""
-        bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
-        found = self._within(bending).finish(start, state.joints, share, solution)
+        bending = (
+            contribution.bending if isinstance(contribution, LiningContribution) else np.zeros(0)
+        )
+        found = self._within(bending).finish(start, state.joints, contribution, solution)
         ended = self._judged(state, found.state)
         self._reject_beyond(start.model, ended)
         return replace(found, state=ended)
 
     def settled(
-        self, start: StepStart, state: LiningStates, share: Contribution, displacement: Floats
+        self,
+        start: StepStart,
+        state: LiningStates,
+        contribution: Contribution,
+        displacement: Floats,
     ) -> LiningStates:
         """Return the linings with the forces after d (n, 6) of a solution that moves nothing."""
-        bending = share.bending if isinstance(share, LiningShare) else np.zeros(0)
-        joints = self._within(bending).settled(start, state.joints, share, displacement)
+        bending = (
+            contribution.bending if isinstance(contribution, LiningContribution) else np.zeros(0)
+        )
+        joints = self._within(bending).settled(start, state.joints, contribution, displacement)
         return self._judged(state, joints)
 
     def _reject_beyond(self, model: Model, state: LiningStates) -> None:
@@ -263,10 +406,10 @@ class Linings:
 
     # --- springs
 
-    def _share(self, start: StepStart, state: LiningStates, bending: Floats) -> LiningShare:
+    def _share(self, start: StepStart, state: LiningStates, bending: Floats) -> LiningContribution:
         """Return the contribution with these bounds of moments (k,)."""
-        springs = self._within(bending).share(start, state.joints).springs
-        return LiningShare(springs=springs, bending=bending)
+        springs = self._within(bending).contribution(start, state.joints).springs
+        return LiningContribution(springs=springs, bending=bending)
 
     def _within(self, bending: Floats) -> Links:
         """Return the springs with bounds, those of the moments being given (k,)."""

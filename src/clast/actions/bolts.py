@@ -18,12 +18,71 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
-from clast.actions.bolts.bolt_events import happened
-from clast.actions.bolts.bolt_states import BoltStates, untouched
 from clast.contact.clipped_spring import Clipped, Springs, table
-from clast.model.model import Floats, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.supports import Bolts
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltStates:
+    """The history of the m springs of bolts."""
+
+    rest: Floats
+    """Length at which it was installed l0, m, nan before, shape (m,)."""
+    plastic: Floats
+    """Plastic elongation p, m, shape (m,)."""
+    force: Floats
+    """Force F, N/m, tension positive, shape (m,)."""
+    yielded_at: Floats
+    """When it first yielded, s, nan where it has not, shape (m,)."""
+    broken_at: Floats
+    """When it broke, s, nan where it has not, shape (m,)."""
+    locked: Bools
+    """False where a jack holds it, shape (m,)."""
+    lost: Bools
+    """True where a block that it was anchored in is excavated, shape (m,)."""
+    counted: Bools
+    """True where the ledger has the energy that it was installed with, shape (m,)."""
+
+    @property
+    def carries(self) -> Bools:
+        """Whether it can carry a force, shape (m,)."""
+        return np.asarray(~np.isnan(self.rest) & np.isnan(self.broken_at) & ~self.lost)
+
+    @property
+    def state(self) -> Ints:
+        """Number of its state: not installed, intact, yielded, broken, lost, shape (m,).
+
+        The names are ``clast.results.schema.BOLT_STATES``.
+        """
+        found = np.where(np.isnan(self.rest), 0, 1)
+        found = np.where(np.isnan(self.yielded_at), found, 2)
+        found = np.where(np.isnan(self.broken_at), found, 3)
+        return np.where(self.lost, 4, found).astype(np.int64)
+
+    def elongation(self, bolts: Bolts) -> Floats:
+        """Return F/s + p: the elongation since the state without force, m, shape (m,)."""
+        return np.asarray(self.force / bolts.stiffness + self.plastic)
+
+    def energy(self, bolts: Bolts) -> Floats:
+        """Return the elastic energy F^2/(2 s), J/m, shape (m,)."""
+        return np.asarray(0.5 * self.force**2 / bolts.stiffness)
+
+
+def untouched(count: int) -> BoltStates:
+    """Return so many springs before they are installed."""
+    never, no = np.full(count, np.nan), np.zeros(count, np.bool_)
+    return BoltStates(
+        rest=never,
+        plastic=np.zeros(count),
+        force=np.zeros(count),
+        yielded_at=never,
+        broken_at=never,
+        locked=no,
+        lost=no,
+        counted=no,
+    )
 
 
 @dataclass(frozen=True)
@@ -35,14 +94,14 @@ class Bolting:
         none = untouched(len(model.bolts.stiffness))
         return taken_up(model, none, lengths(model, model.bolts.at))
 
-    def share(self, start: StepStart, state: BoltStates) -> Contribution:
+    def contribution(self, start: StepStart, state: BoltStates) -> Contribution:
         """Return the springs of all bolts that carry between blocks that can move."""
         points = start.state.points[start.model.point_slices.bolts]
         length = lengths(start.model, points)
         return Contribution(springs=_springs(start, taken_up(start.model, state, length), length))
 
     def finish(
-        self, start: StepStart, state: BoltStates, share: Contribution, solution: Solution
+        self, start: StepStart, state: BoltStates, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the result of the bolts: they store energy, yield and break.
 
@@ -56,8 +115,8 @@ class Bolting:
         pulled = stretched(bolts, begun, after, start.end)
         ended = ruptured(bolts, pulled, start.end)
         work = 0.0
-        if share.springs is not None:
-            work, _ = energy_of_springs(share.springs, solution)
+        if contribution.springs is not None:
+            work, _ = energy_of_springs(contribution.springs, solution)
         was = np.where(state.counted, state.energy(bolts), 0.0)
         fresh, jacked = begun.carries & ~state.counted, begun.carries & ~begun.locked
         installed = np.where(fresh, begun.energy(bolts), 0.0)
@@ -180,3 +239,48 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
         ).taken_at(place, none),
     )
     return found
+
+
+MOST = 20
+"""Events that are said one by one, at most."""
+
+
+def happened(
+    model: Model, before: BoltStates, after: BoltStates
+) -> list[tuple[float, str, str, str]]:
+    """Return the events of bolts between two states of a run, in the order of time.
+
+    Time, s, kind, name of the bolt, and a sentence.  ``before`` and ``after`` are the own states of
+    the action on bolts (``State.actions``); a block is lost between steps, and has no time.
+    """
+    names = model.bolts.name
+    found = []
+    for kind, was, now in (
+        ("yielded", before.yielded_at, after.yielded_at),
+        ("broke", before.broken_at, after.broken_at),
+    ):
+        first = _first(model, np.where(np.isnan(was), now, np.nan))
+        known = ~np.isnan(_first(model, was))
+        found += [
+            (float(first[k]), kind, names[k], f"bolt '{names[k]}' {kind} at t = {first[k]:.6g} s")
+            for k in np.flatnonzero(~np.isnan(first) & ~known)
+        ]
+    lost = np.unique(model.bolts.of_spring[after.lost & ~before.lost])
+    said = "lost its anchor with its block"
+    found += [(np.inf, "lost", names[k], f"bolt '{names[k]}' {said}") for k in lost]
+    return sorted(found)
+
+
+def story_of(state: BoltStates, model: Model) -> tuple[str, ...]:
+    """Return all that has happened to bolts since the start of a run; of many, how many more."""
+    events = [text for *_, text in happened(model, untouched(len(state.rest)), state)]
+    if len(events) <= MOST:
+        return tuple(events)
+    return *events[:MOST], f"bolts: {len(events) - MOST} more events after these"
+
+
+def _first(model: Model, times: Floats) -> Floats:
+    """Return the earliest of the times (m,) of the springs of each bolt, nan for none, (k,)."""
+    earliest = np.full(len(model.bolts), np.inf)
+    np.fmin.at(earliest, model.bolts.of_spring, times)
+    return np.where(np.isfinite(earliest), earliest, np.nan)

@@ -1,1 +1,0 @@
-"""Rock bolts: their forces, the history of their springs, and their events."""

@@ -1,1 +1,0 @@
-"""Linings: chains of stiff segments with springs between them, limited by their sections."""

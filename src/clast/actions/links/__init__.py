@@ -1,1 +1,0 @@
-"""Links between blocks at a point: hinges, sliders, springs of every kind."""

@@ -1,1 +1,0 @@
-"""Prescribed motions: how far they go, and how blocks follow."""
