@@ -15,7 +15,13 @@ WIDTH, STIFFNESS = 0.3, 2e9
 
 
 def wall(
-    courses: int, load: float, off: float, gravity: float, mirror: float, angle: float
+    courses: int,
+    load: float,
+    off: float,
+    gravity: float,
+    mirror: float,
+    angle: float,
+    over: float = 0.0,
 ) -> tuple[clast.Model, np.ndarray]:
     """Return a dry wall of 3 m under a load off its middle, and the direction of its sway."""
     turn = np.radians(angle)
@@ -32,7 +38,11 @@ def wall(
     box("base", 2.0, -1.0, 0.0, True)
     for k in range(courses):
         box(f"course {k + 1}", 0.5 * WIDTH, 3.0 * k / courses, 3.0 * (k + 1) / courses)
-    builder.point_load(off * across + 3.0 * up, -load * up, block=f"course {courses}")
+    grows = {}
+    if over:
+        builder.add_amplitude("up", [0.0, over], [0.0, 1.0])
+        grows = {"amplitude": "up"}
+    builder.point_load(off * across + 3.0 * up, -load * up, block=f"course {courses}", **grows)
     builder.measured_point("top", 3.0 * up, block=f"course {courses}")
     return builder.build(), across
 
@@ -229,3 +239,80 @@ def test_a_wall_loaded_in_its_middle_takes_no_step_more():
     run = loaded(model)
     assert (run.stages[0].outcome, run.stages[0].steps) == ("equilibrium", 4)
     assert abs(run.history("top").displacement[-1] @ across) < 1e-9
+
+
+def seen(vectors: Sequence[Sequence[float]], view: np.ndarray) -> list[np.ndarray]:
+    """Return vectors as a view has them, in the order that keeps outlines counter-clockwise."""
+    turned = [view @ np.asarray(one, float) for one in vectors]
+    return turned if np.linalg.det(view) > 0.0 else turned[::-1]
+
+
+VIEWS = {
+    "as drawn": (np.eye(2), 1),
+    "mirrored": (np.diag([-1.0, 1.0]), 1),
+    "numbered otherwise": (np.eye(2), -1),
+    "turned": (np.array([[0.8, -0.6], [0.6, 0.8]]), 1),
+}
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize(("share", "branches"), [(0.99, False), (1.01, True), (3.0, True)])
+def test_two_straight_bars_report_that_they_may_fold_to_either_side(
+    view: str, share: float, branches: bool
+):
+    turn, order = VIEWS[view]
+    spring, places = 1e5, [np.array([0.0, y]) for y in (0.0, 1.0, 2.0)]
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("bar", young=2e11, poisson=0.0, density=2000.0)
+    builder.add_joint(friction_angle=0.0)
+    ground = [(-9, -9), (-8, -9), (-8, -8), (-9, -8)]
+    outlines = {"ground": ground}
+    for k in (0, 1):
+        sides = [(-0.05, k + 0.9), (-0.05, k + 0.1), (0, k), (0.05, k + 0.1), (0.05, k + 0.9)]
+        outlines[f"bar {k + 1}"] = [*sides, (0, k + 1)]
+    for name, outline in list(outlines.items())[::order]:
+        builder.block(vertices=seen(outline, turn), name=name, fixed=name == "ground")
+    first, middle, top = (turn @ one for one in places)
+    rigid = {"x": "rigid", "y": "rigid", "contacts": False}
+    builder.link(first, blocks=("ground", "bar 1"), **rigid)
+    builder.link(middle, blocks=("bar 1", "bar 2"), **rigid, rotation=spring)
+    builder.link(top, blocks=("ground", "bar 2"), x="rigid", direction=turn[:, 0])
+    builder.point_load(top, turn @ (0.0, -share * 2.0 * spring), block="bar 2")
+    run = loaded(builder.build())
+    (record,) = run.stages
+    assert record.outcome == "equilibrium"
+    assert ("more than one path" in record.branch) == branches
+    assert any("more than one path" in one for one in run.report.warnings) == branches
+    if branches:
+        assert f" {share:.3g} times" in record.branch
+
+
+@pytest.mark.parametrize("courses", [3, 12, 24])
+@pytest.mark.parametrize(("share", "off", "branches"), [(0.95, 0, 0), (1.1, 0, 1), (1.1, 1e-4, 0)])
+def test_a_wall_loaded_in_its_middle_reports_that_it_may_buckle_to_either_side(
+    courses: int, share: float, off: float, branches: int
+):
+    load = share * wall_buckling.buckling_load(courses)
+    run = loaded(wall(courses, load, off, 9.8, 1, 37.0)[0])
+    assert bool(run.stages[0].branch) == bool(branches)
+    assert ("unstable" in str(run.stages[0])) == bool(branches)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.5])
+def test_a_load_that_grows_past_the_branch_reports_it_once(share: float):
+    load = share * wall_buckling.buckling_load(12)
+    run = loaded(wall(12, load, 0.0, 0.0, 1, 37.0, over=10.0)[0], step=0.5, end=12.0)
+    reports = [one for one in run.report.warnings if "more than one path" in one]
+    assert len(reports) == (share > 1.0)
+    # half of the steps are enough to see it
+    assert all("at t = 8" in one or "at t = 7.5" in one for one in reports)
+
+
+def test_what_falls_or_slides_reports_no_branch():
+    builder = clast.ModelBuilder(gravity=(0.0, -9.8))
+    builder.add_rock("stone", young=1e10, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=20.0)
+    builder.block(vertices=[(0, 0), (4, 0), (4, 4)], name="slope", fixed=True)
+    builder.block(vertices=[(1, 1), (2, 2), (1, 2)], name="wedge")
+    (record,) = loaded(builder.build()).stages
+    assert (record.outcome, record.branch) == ("fails", "")

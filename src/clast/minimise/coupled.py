@@ -15,6 +15,7 @@ at most, and far fewer where these are many.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -118,8 +119,9 @@ def gmres(
 ) -> Floats:
     """Return x (n, 6) of ``times(x) = force``; ``solved`` gives it nearly, not always alike."""
     size = float(np.linalg.norm(force))
-    basis, tried = [force / size], []
-    products, shares = np.zeros((MOST + 1, MOST)), np.zeros(MOST)
+    turns: list[tuple[float, float]] = []
+    basis, tried, left = [force / size], [], size
+    products = np.zeros((MOST + 1, MOST))
     for k in range(MOST):
         tried.append(solved(basis[k]))
         new = times(tried[k])
@@ -127,11 +129,19 @@ def gmres(
             products[j, k] = np.vdot(one, new)
             new = new - products[j, k] * one
         products[k + 1, k] = np.linalg.norm(new)
-        own, right = products[: k + 2, : k + 1], np.zeros(k + 2)
-        right[0] = size
-        shares = np.asarray(np.linalg.lstsq(own, right, rcond=None)[0])
-        left = float(np.linalg.norm(own @ shares - right))
+        # the residual by Givens rotations, which take the column to a triangle's
+        column = products[: k + 2, k].tolist()
+        for j, (cos, sin) in enumerate(turns):
+            upper, lower = column[j], column[j + 1]
+            column[j], column[j + 1] = cos * upper + sin * lower, cos * lower - sin * upper
+        diagonal = math.hypot(column[k], column[k + 1])
+        turns.append((column[k] / diagonal, column[k + 1] / diagonal) if diagonal else (1.0, 0.0))
+        left *= abs(turns[k][1])
         if left <= ACCURACY * size or products[k + 1, k] == 0.0:
             break
         basis.append(new / products[k + 1, k])
+    count = len(tried)
+    right = np.zeros(count + 1)
+    right[0] = size
+    shares = np.linalg.lstsq(products[: count + 1, :count], right, rcond=None)[0]
     return np.asarray(np.einsum("k,knd->nd", shares, np.array(tried)))

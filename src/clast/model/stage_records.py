@@ -112,11 +112,14 @@ class StageRecord:
     """Blocks that move where it fails, the one that moves most first."""
     reset: tuple[tuple[float, float], ...] = ()
     """New zero of the displacements of measured points, m, where the stage reset them."""
+    branch: str = ""
+    """That more than one path went on in a static stage, and which was followed; "" where not."""
 
     def __str__(self) -> str:
+        branch = f"; {self.branch}" if self.branch else ""
         return (
             f"{self.name}: {self.outcome} at t = {self.end:.6g} s after {self.steps} steps, "
-            f"unbalanced force {self.force_ratio:.2g}, {self.mover}"
+            f"unbalanced force {self.force_ratio:.2g}, {self.mover}{branch}"
         )
 
 

@@ -159,8 +159,11 @@ class Stepping:
         )
         if self.statics is not None:
             after = self._along(now, after, result, (clock, cuts))
-        if position is not None and self.is_over(after):
-            after = replace(after, position=replace(position, over=True))
+        if self.is_over(after):
+            if self.statics is not None and after.path is not None:
+                after = replace(after, path=self.statics.examined(after.path, after.state))
+            if position is not None:
+                after = replace(after, position=replace(position, over=True))
         return after, result
 
     def _happened(self, now: RunState, result: StepResult) -> Iterator[Event]:
@@ -435,8 +438,7 @@ class _March:
         if now.position is not None and judge is not None:
             if isinstance(self.keep, Keeper):
                 self.keep.stage_ended(judge.stage.name, now)
-            failure = now.path.failure if now.path is not None else None
-            position, events = self.course.leave(now.position, now.state, judge, failure)
+            position, events = self.course.leave(now.position, now.state, judge, now.path)
             self.now = replace(now, position=position, events=(*now.events, *events))
 
     def count_cuts(self, cuts: int) -> None:
@@ -460,6 +462,8 @@ class _March:
             # that its blocks still move has then been said
             taken = 0.0
             said = said if position is not None else (*said, failure_warning(failure))
+        if position is None and self.now.path is not None and self.now.path.branch:
+            said = (*said, f"the static run: {self.now.path.branch}")
         warnings = *said, *watch.warnings(seen, state, taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)

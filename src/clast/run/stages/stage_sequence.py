@@ -24,6 +24,7 @@ from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.spraying import events_of_linings
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
+from clast.run.stages.static_path import OnPath
 from clast.run.stages.transition import (
     Setting,
     before_all,
@@ -99,18 +100,21 @@ class StageSequence:
         position: Position,
         state: State,
         judge: EquilibriumCheck,
-        failure: Mechanism | None = None,
+        path: OnPath | None = None,
     ) -> tuple[Position, tuple[Event, ...]]:
         """Return the position at the end of a stage, and the events.
 
-        ``failure`` is how a static stage has failed, None where it has not.
+        ``path`` is that of a static stage.
         """
         stage = judge.stage
+        failure = None if path is None else path.failure
         outcome = REACHED if judge.is_over(position) else MOVING
         outcome = TIME_OVER if stage.until == TIME else outcome
         outcome = FAILS if failure is not None else outcome
         reference = here(state) if stage.reset_displacement else position.reference
         record = self.record(position, state, outcome)
+        if path is not None and path.branch:
+            record = replace(record, branch=path.branch)
         if failure is not None:
             record = replace(
                 record,
@@ -155,6 +159,8 @@ class StageSequence:
         for name, failure in position.failures:
             yield f"stage '{name}' fails: {failure}. Later results show no equilibrium"
         for stage, record in zip(self.stages, position.records, strict=False):
+            if record.branch:
+                yield f"stage '{record.name}': {record.branch}"
             if record.outcome == MOVING:
                 lasted = record.end - record.start
                 yield (

@@ -42,6 +42,7 @@ from clast.run.stages import failure_verdict
 from clast.run.stages.balance import out_of_balance
 from clast.run.stages.convergence import Convergence
 from clast.run.stages.equilibrium import EquilibriumCheck
+from clast.run.stages.stability import critical_mode
 from clast.run.stages.stage_position import Judgement, Position
 from clast.run.stages.transition import WELL_BELOW
 from clast.step.finish import LARGEST_TURN
@@ -119,6 +120,10 @@ class OnPath:
     """How the movements of its steps come to an end."""
     ahead: Floats = field(default_factory=_no_forces)
     """Forces against which the next step anticipates others, N/m and N, (n, 6), or (0, 6)."""
+    increments: int = 0
+    """Increments of load or time that have come to balance."""
+    branch: str = ""
+    """That more than one path goes on, in words; "" where none has been seen."""
 
     @property
     def load(self) -> float:
@@ -270,6 +275,10 @@ class StaticPath:
             broken=len(result.broken) + (0 if restarts else now.broken),
         )
         if judged.balanced:
+            after = replace(after, increments=now.increments + 1)
+            # the 1st, 2nd, 4th, ...: before what rounding begins has grown
+            if after.increments.bit_count() == 1 and self.is_under_way(result.state):
+                after = self.examined(after, result.state)
             return self._loaded(after)
         after = replace(after, ahead=self._ahead(after, judged.left))
         if now.failure is None and self._is_lost(after):
@@ -280,6 +289,16 @@ class StaticPath:
                 after, failure=failure, missing=nothing, ahead=nothing, reached=1.0, held=False
             )
         return after
+
+    def examined(self, now: OnPath, state: State) -> OnPath:
+        """Return the path in balance with the word on others that go on from there, if any do."""
+        if now.branch or now.failure is not None or not now.balanced or not self._grows:
+            return now
+        model, method = self.at(replace(now, ahead=_no_forces()), 0.0)
+        mode = critical_mode(model, method, state, LONGEST * self._falls)
+        if mode is None or mode.ratio < 1.0:
+            return now
+        return replace(now, branch=mode.stayed(state.time))
 
     def _converging(
         self, now: OnPath, before: State, result: StepResult, step: float, pushed: Bools
