@@ -28,7 +28,7 @@ from clast.errors import StepRejected
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import graph_of, symmetric_system, with_ground
 from clast.model.model import Floats, Ints, Model
-from clast.model.stages.records import towards
+from clast.model.stage_records import towards
 from clast.model.state import State
 from clast.read_only import changed
 from clast.step.convex import potential_of
