@@ -49,10 +49,10 @@ if TYPE_CHECKING:
     from clast.model.state import State as State
     from clast.model.surroundings import InSituStress as InSituStress
     from clast.pictures.figure_options import Look as Look
+    from clast.pictures.linings import plot_interaction as plot_interaction
     from clast.pictures.plot import plot_bolt_history as plot_bolt_history
     from clast.pictures.plot import plot_history as plot_history
     from clast.pictures.plot import plot_results as plot_results
-    from clast.pictures.supports.interaction import plot_interaction as plot_interaction
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
@@ -113,7 +113,7 @@ HOME = {
     "Look": "clast.pictures.figure_options",
     "plot_bolt_history": "clast.pictures.plot",
     "plot_history": "clast.pictures.plot",
-    "plot_interaction": "clast.pictures.supports.interaction",
+    "plot_interaction": "clast.pictures.linings",
     "plot_results": "clast.pictures.plot",
     "Run": "clast.results",
     "RunRecorder": "clast.results",

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import clast
-from clast.pictures.draw_bolts import handles_of
+from clast.pictures.supports import handles_of
 from clast.results import FrameBolts
 
 

@@ -6,7 +6,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.pictures.film import FilmLook, FrameDrawer
-from clast.pictures.joints.joint_values import JOINT_FIELDS, faces_opened, faces_slipped
+from clast.pictures.joint_values import JOINT_FIELDS, faces_opened, faces_slipped
 from clast.pictures.plot import plot_results
 
 

@@ -15,8 +15,8 @@ from clast.errors import CaseError
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import _asked, plot_histories
-from clast.pictures.joints.joint_values import resultants_of
-from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
+from clast.pictures.joint_values import resultants_of
+from clast.pictures.layers import _draw_chains, _draw_crosses, _triangles
 from clast.pictures.plot import plot_two_frames
 from scenes.drawings import text_of
 

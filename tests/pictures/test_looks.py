@@ -11,10 +11,10 @@ import pytest
 
 from clast.errors import CaseError
 from clast.pictures import canvas
+from clast.pictures.fields import colours_between, largest_but_few, scale_of
 from clast.pictures.figure_options import Look
 from clast.pictures.forces import APART, FARTHER, _apart
 from clast.pictures.plot import plot_results
-from clast.pictures.scale import colours_between, largest_but_few, scale_of
 from clast.results import Results
 from scenes.drawings import text_of
 

@@ -9,10 +9,10 @@ from matplotlib.colors import to_rgb
 import clast
 from clast.pictures import canvas
 from clast.pictures.draw_blocks import KIND_COLOURS
-from clast.pictures.draw_bolts import LOOKS
 from clast.pictures.draw_water import BLUE, PALE, pressures_of, waters_of
 from clast.pictures.figure_options import Look
 from clast.pictures.strokes import JOINT_COLOURS
+from clast.pictures.supports import BOLT_LOOKS
 
 matplotlib.use("Agg")
 
@@ -106,7 +106,7 @@ def test_only_water_is_blue():
         return blue > 0.05 + max(red, green)
 
     assert is_blue(BLUE) and is_blue(PALE)
-    others = [*KIND_COLOURS, *JOINT_COLOURS, *(colour for _, colour, _ in LOOKS)]
+    others = [*KIND_COLOURS, *JOINT_COLOURS, *(colour for _, colour, _ in BOLT_LOOKS)]
     others.remove("#8e24aa")  # a yielded bolt: purple
     assert not [colour for colour in others if is_blue(colour)]
     apart = [np.abs(np.subtract(to_rgb(PALE), to_rgb(one))).sum() for one in others]

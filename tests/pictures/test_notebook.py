@@ -9,7 +9,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.notebook.view import PageFrame, page_view
+from clast.pictures.notebook import PageFrame, page_view
 from clast.pictures.page.document import BUDGET, widget_script
 from clast.pictures.page.scene import scene_of
 from scenes.browsers import CHROMIUM, RENDERERS, until

@@ -13,9 +13,8 @@ import clast
 from clast.block.polygon import moments
 from clast.errors import CaseError
 from clast.pictures.page.document import write_page
-from clast.pictures.page.packing import affine, packed
+from clast.pictures.page.packing import affine, packed, room_of_each, spread
 from clast.pictures.page.scene import scene_of
-from clast.pictures.page.thinning import room_of_each, spread
 
 
 def unpacked(table, width):

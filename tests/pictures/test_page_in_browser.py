@@ -9,12 +9,12 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import clast
-from clast.pictures.joints.joint_values import JOINT_FIELDS, resultants_of, scale_of_faces
+from clast.pictures.fields import scale_of
+from clast.pictures.joint_values import JOINT_FIELDS, resultants_of, scale_of_faces
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.server import LiveServer
 from clast.pictures.page.document import BUDGET, page_text
 from clast.pictures.page.scene import scene_of
-from clast.pictures.scale import scale_of
 from scenes.browsers import colour_at, settled, until
 
 

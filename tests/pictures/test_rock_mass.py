@@ -13,8 +13,7 @@ from clast.errors import CaseError
 from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.rock_mass import plot_cut, plot_cut_statistics, write_cut_report
 from clast.pictures.rock_mass.cut_statistics import SECTOR, sectors, statistics_figure
-from clast.pictures.rock_mass.edge_groups import edges_of
-from clast.pictures.rock_mass.section import cut_figure
+from clast.pictures.rock_mass.section import cut_figure, edges_of_cut
 from clast.pictures.strokes import JOINT_COLOURS
 from clast.rockmass import (
     BlockPattern,
@@ -97,7 +96,7 @@ def test_joints_of_a_wall_have_their_colours_and_lengths(wall: Cut):
 
 
 def test_edges_inside_are_drawn_once(tunnel: Cut):
-    found = edges_of(tunnel)
+    found = edges_of_cut(tunnel)
     every = sum(one.lengths.sum() for one in (*found.joints, *found.others))
     rim = np.hypot(*(found.rim[:, 1] - found.rim[:, 0]).T).sum()
     onwards = [np.roll(tunnel.polygon(b), -1, axis=0) for b in range(tunnel.block_count)]
@@ -153,7 +152,7 @@ def test_more_joints_than_colours_are_dashed():
         JointSet(name=f"set {k}", angle=20.0 * k + 3, spacing=9.0 + k, joint=f"joint {k}")
         for k in range(9)
     ]
-    looks = [one.stroke for one in edges_of(cut(rectangle(60, 50), sets)).joints]
+    looks = [one.stroke for one in edges_of_cut(cut(rectangle(60, 50), sets)).joints]
     assert len({(one.colour, str(one.dashes)) for one in looks}) == 9
 
 
@@ -196,7 +195,7 @@ def test_formats(wall: Cut, tmp_path: Path, suffix: str):
 
 
 def test_rose_has_the_length_of_joints_by_direction(wall: Cut):
-    length = sectors(edges_of(wall).joints)
+    length = sectors(edges_of_cut(wall).joints)
     # beds run at 0 degrees, heads at 90
     assert length.shape == (2, round(180 / SECTOR))
     assert length[0, 0] == pytest.approx(6.0)
@@ -205,7 +204,7 @@ def test_rose_has_the_length_of_joints_by_direction(wall: Cut):
 
 
 def test_rose_takes_a_line_for_the_same_both_ways(tunnel: Cut):
-    bedding, *_ = edges_of(tunnel).joints
+    bedding, *_ = edges_of_cut(tunnel).joints
     length = sectors([bedding])[0]
     assert length[round(30 / SECTOR)] == pytest.approx(bedding.lengths.sum())
 

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.supports.draw_links import handles_of_links, places_of, states_of
-from clast.pictures.supports.draw_reactions import forces_in, reaction_arrows
+from clast.pictures.supports import (
+    forces_in,
+    handles_of_links,
+    places_of,
+    reaction_arrows,
+    states_of,
+)
 
 
 def beam() -> clast.ModelBuilder:

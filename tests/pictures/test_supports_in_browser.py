@@ -5,12 +5,10 @@ import pytest
 
 import clast
 from clast.pictures.draw_blocks import areas_of
-from clast.pictures.fields import SCALARS
-from clast.pictures.joints.joint_values import JOINT_FIELDS
+from clast.pictures.fields import SCALARS, scale_of
+from clast.pictures.joint_values import JOINT_FIELDS
 from clast.pictures.page.frame_data import moving
-from clast.pictures.scale import scale_of
-from clast.pictures.supports.draw_links import places_of, states_of
-from clast.pictures.supports.draw_reactions import forces_in
+from clast.pictures.supports import forces_in, places_of, states_of
 from clast.results.frames import absent_in_frame
 from scenes.browsers import colour_at, settled
 

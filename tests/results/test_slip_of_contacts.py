@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.joints.joint_values import JOINT_FIELDS, faces_worn
+from clast.pictures.joint_values import JOINT_FIELDS, faces_worn
 from clast.results import read_results
 
 

@@ -226,8 +226,8 @@ def _other_pictures(
     ``number`` finds the frame of an interaction curve.
     """
     from clast.pictures.histories import plot_histories
+    from clast.pictures.linings import plot_interaction
     from clast.pictures.plot import plot_bolt_history, plot_history, plot_two_frames
-    from clast.pictures.supports.interaction import plot_interaction
 
     return {
         "--point": plot_history,

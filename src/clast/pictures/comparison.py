@@ -12,8 +12,7 @@ import numpy as np
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
-from clast.pictures.fields import prefixed
-from clast.pictures.scale import colours_between
+from clast.pictures.fields import colours_between, prefixed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,8 +8,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
-from clast.pictures.fields import prefixed
-from clast.pictures.scale import ColourScale
+from clast.pictures.fields import ColourScale, prefixed
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
 

@@ -1,11 +1,16 @@
-"""Quantities that can colour the blocks of a picture, with labels, units and colours."""
+"""Quantities that colour a picture: labels, units, colours, and where their scale ends.
+
+A scale ends at the largest value, unless a few blocks would spoil it: where some that make up less
+than a hundredth of the area have values more than three times those of all others, it ends before
+them, and the colour bar shows by its pointed end that values go on.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -13,6 +18,9 @@ from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.results import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Colormap
 
 Values: TypeAlias = Callable[[Recording, int], Floats]
 
@@ -97,3 +105,108 @@ def round_below(value: float) -> float:
     """Return the largest of 1, 2, 5 times a power of ten that is not above ``value`` > 0."""
     power = 10.0 ** math.floor(math.log10(value))
     return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-12))
+
+
+FEW = 0.01
+"""Share of the area whose values may lie beyond the scale."""
+SPOILT = 3.0
+"""A scale is spoilt where its largest value is this many times the largest of all but a few."""
+NOISE = 1e-6
+"""Values below this share of the largest do not make a scale of their own."""
+ONE_SIDED = 0.02
+"""Values on one side of zero but for this share get a scale of one colour."""
+
+RISING = ("YlOrRd", 0.0, 0.66, 0.66, 0.85)
+FALLING = ("YlGnBu_r", 0.32, 1.0, 0.12, 1.0)
+BOTH = ("RdBu_r", 0.14, 0.86, 0.02, 0.98)
+"""Colours for values above zero, below, and on both sides: red is up or tension, blue the other.
+
+The shares leave out the dark ends, on which no outline and no arrow could be seen; the last two are
+those of values beyond the scale.
+"""
+
+
+@dataclass(frozen=True)
+class ColourScale:
+    """Colours and the values at their ends."""
+
+    colours: Colormap
+    """Colours from one end to the other, and beyond."""
+    low: float
+    """Value at the lower end."""
+    high: float
+    """Value at the upper end."""
+    extend: str
+    """Which ends values go beyond, as matplotlib calls it: neither, min, max, both."""
+    beyond: int
+    """Blocks whose values lie beyond the scale."""
+    ends: tuple[float, float]
+    """Least and largest value."""
+
+    def beyond_text(self, unit: str) -> str:
+        """Return how many values lie beyond the scale and how far they go, in words."""
+        texts = []
+        for name, end in zip(("min", "max"), self.ends, strict=True):
+            if self.extend in (name, "both"):
+                factor, prefix = prefixed(end, unit)
+                texts.append(f"{factor * end:.3g} {prefix}".replace("-", "−"))
+        return f"{self.beyond} beyond, to {' and '.join(texts)}"
+
+
+def scale_of(
+    values: Floats, area: Floats, limits: tuple[float, float] | None = None
+) -> ColourScale:
+    """Return the colours of values (n,) of blocks of an area (n,), m2, and where they end."""
+    low, high = limits or _ends(values, area)
+    slack = (1e-9 if limits else ONE_SIDED) * (high - low)
+    below, above = values < low - slack, values > high + slack
+    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
+    return ColourScale(
+        colours=colours_between(low, high),
+        low=low,
+        high=high,
+        extend=extend[int(below.any()), int(above.any())],
+        beyond=int(np.sum(below | above)),
+        ends=(float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))),
+    )
+
+
+def colours_between(low: float, high: float) -> Colormap:
+    """Return the colours of values from ``low`` to ``high``; that of zero is always the same."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    kind = RISING if low >= 0.0 else FALLING if high <= 0.0 else BOTH
+    name, first, last, under, over = kind
+    if kind is BOTH:
+        middle, half = 0.5 * (first + last), 0.5 * (last - first) / max(-low, high)
+        first, last = middle + half * low, middle + half * high
+    colours = ListedColormap(colormaps[name](np.linspace(first, last, 256)))
+    return colours.with_extremes(under=colormaps[name](under), over=colormaps[name](over))
+
+
+def _ends(values: Floats, area: Floats) -> tuple[float, float]:
+    """Return where the scale of values (n,) ends."""
+    size = largest_but_few(np.abs(values), area)
+    if size == 0.0:
+        return 0.0, 1.0
+    low, high = max(-size, float(values.min())), min(size, float(values.max()))
+    if low >= -ONE_SIDED * size:
+        return 0.0, size
+    if high <= ONE_SIDED * size:
+        return -size, 0.0
+    return -size, size
+
+
+def largest_but_few(sizes: Floats, weight: Floats, few: float = FEW) -> float:
+    """Return the largest of ``sizes`` (n,) >= 0, but for a few that would spoil a scale.
+
+    They are those that make up less than the share ``few`` of the total ``weight`` (n,).
+    """
+    largest = float(sizes.max(initial=0.0))
+    order = np.argsort(-sizes, kind="stable")
+    within = np.cumsum(weight[order]) > few * weight.sum()
+    usual = float(sizes[order][within].max(initial=0.0))
+    if usual <= NOISE * largest:
+        return largest
+    return float(sizes[sizes <= SPOILT * usual].max(initial=0.0))

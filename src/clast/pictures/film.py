@@ -18,8 +18,8 @@ from clast.pictures.encoders import ENCODERS, Pixels
 from clast.pictures.fields import check_field
 from clast.pictures.figure_options import CM, Look
 from clast.pictures.frames import FrameDrawing
-from clast.pictures.joints.joint_values import JOINT_FIELDS
-from clast.pictures.layers.frame_marks import draw_scale_bar
+from clast.pictures.joint_values import JOINT_FIELDS
+from clast.pictures.layers import draw_scale_bar
 from clast.results import Recording
 from clast.rockmass.drawings.drawing_files import replaced_path
 

@@ -10,8 +10,7 @@ import numpy as np
 from clast.model.model import Floats, Ints
 from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
 from clast.pictures.draw_blocks import outlines_of
-from clast.pictures.fields import prefixed, round_below
-from clast.pictures.scale import largest_but_few
+from clast.pictures.fields import largest_but_few, prefixed, round_below
 from clast.results import Recording
 
 if TYPE_CHECKING:

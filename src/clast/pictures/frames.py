@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
-from clast.pictures import canvas, draw_blocks, draw_bolts
+from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.draw_water import (
     draw_water,
@@ -18,12 +18,11 @@ from clast.pictures.draw_water import (
     waters_of,
     with_levels,
 )
-from clast.pictures.fields import KINDS, SCALARS, check_field
-from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
-from clast.pictures.layers.still_layers import LAYERS
-from clast.pictures.scale import ColourScale, scale_of
+from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, scale_of
+from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.layers import LAYERS
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, edges_by_joint, handles_of
-from clast.pictures.supports.draw_links import draw_links, handles_of_links
+from clast.pictures.supports import draw_bolts, draw_links, handles_of_bolts, handles_of_links
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -101,7 +100,7 @@ class FrameDrawing:
             *_block_handles(results, self.field, frame),
             *handles_of(self._edges(frame), self.part),
             *handles_of_water(waters, pressures),
-            *draw_bolts.handles_of(results.bolts(frame)),
+            *handles_of_bolts(results.bolts(frame)),
             *handles_of_links(results, frame),
             *(handle for layer in self.layers for handle in layer.handles(results, frame)),
         ]
@@ -131,7 +130,7 @@ class FrameDrawing:
             label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
         draw_water(axes, results, waters_of(results, frame), frame, seen)
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
-        draw_bolts.draw_bolts(axes, results.bolts(frame))
+        draw_bolts(axes, results.bolts(frame))
         for layer in self.layers:
             layer.draw(axes, results, frame)
         draw_links(axes, results, frame)

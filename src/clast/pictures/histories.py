@@ -16,7 +16,7 @@ from clast.pictures import canvas
 from clast.pictures.canvas import LEGEND, TEXT
 from clast.pictures.charts import Curve
 from clast.pictures.fields import prefixed
-from clast.pictures.supports.draw_linings import DIAGRAMS
+from clast.pictures.linings import DIAGRAMS
 from clast.results import Recording
 from clast.thumbnails import CURVE_COLOURS
 

@@ -18,8 +18,8 @@ from clast.pictures.figure_options import CM, DEFAULT, SMALLEST, Look
 from clast.pictures.forces import HEAD, Arrows, arrows_of, draw_arrows
 from clast.pictures.frames import FrameDrawing
 from clast.pictures.histories import plot_bolt_history, plot_history
-from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
-from clast.pictures.supports.draw_reactions import ReactionArrow, draw_reactions, reaction_arrows
+from clast.pictures.layers import draw_gravity, draw_scale_bar
+from clast.pictures.supports import ReactionArrow, draw_reactions, reaction_arrows
 from clast.results import Recording
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from clast.model.joints import WELD_STRENGTH
 from clast.model.stage_records import BROKEN_OFF, FAILS, MOVING, REACHED, StageRecord
 from clast.pictures.figure_options import Look
 from clast.pictures.histories import plot_histories
-from clast.pictures.html_files import html_path, write_html
+from clast.pictures.linings import plot_interaction
+from clast.pictures.page.document import html_path, write_html
 from clast.pictures.plot import plot_results
-from clast.pictures.supports.interaction import plot_interaction
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 from clast.results.schema import BOLT_STATES

@@ -16,8 +16,7 @@ from clast.pictures.canvas import LEGEND, TEXT, style
 from clast.pictures.charts import Chart, Curve, curve, draw_chart, exact_curve, merged
 from clast.pictures.draw_water import BLUE
 from clast.pictures.strokes import following
-from clast.pictures.supports.draw_links import COLOURS as COLOURS_OF_LINKS
-from clast.pictures.supports.draw_links import draw_links_at_start
+from clast.pictures.supports import LINK_COLOURS, draw_links_at_start
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +28,7 @@ ROCK, FIXED, OUTLINE = "#e6dccb", "#b7aea1", "#4a443c"
 """Colours of free blocks, fixed blocks and their outlines."""
 ARROW = "#c1440e"
 """Colour of loads and velocities."""
-SUPPORT = COLOURS_OF_LINKS["intact"]
+SUPPORT = LINK_COLOURS["intact"]
 """Colour of bolts and links."""
 SET_UP, CHART, HIGH = 2.3, 2.9, 2.4
 """Width of the set-up and of a chart, and their height, inches."""

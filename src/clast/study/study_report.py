@@ -16,7 +16,7 @@ import shapely
 
 from clast.errors import CaseError
 from clast.model.model import Floats, Model
-from clast.pictures.html_files import write_html
+from clast.pictures.page.document import write_html
 from clast.pictures.study import figures
 from clast.pictures.study.figures import FailurePlaces
 from clast.results import read_results

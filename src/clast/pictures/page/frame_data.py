@@ -1,9 +1,9 @@
-"""The changing parts of a page, frame by frame: motion, fields, contacts, joints, bolts, points."""
+"""The parts of a page that change with frames: motion, fields, contacts, supports, points."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,29 @@ from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
-from clast.pictures.joints.joint_values import JOINT_FIELDS
-from clast.pictures.page.packing import LEVELS, affine, packed, raw
-from clast.pictures.page.supports_data import linings_in, links_in, reactions_in
-from clast.pictures.page.thinning import ALWAYS, Rows, room_of_each, spread
+from clast.pictures.joint_values import JOINT_FIELDS
+from clast.pictures.linings import DIAGRAMS, comes_back
+from clast.pictures.page.packing import (
+    ALWAYS,
+    LEVELS,
+    Rows,
+    affine,
+    packed,
+    raw,
+    room_of_each,
+    spread,
+)
+from clast.pictures.supports import (
+    LINK_COLOURS,
+    REACTION_COLOUR,
+    directions_of,
+    forces_in,
+    places_of,
+    states_of,
+)
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
+from clast.results.schema import LINK_STATES
 
 CONTACT_BYTES, FACE_BYTES = 28, 16
 """Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
@@ -319,3 +336,72 @@ def _points(about: _About) -> list[dict[str, Any]]:
         place = at - about.origin + history.displacement[row] + np.reshape(before, (-1, 2))
         found.append({"name": name, "x": place[:, 0].tolist(), "y": place[:, 1].tolist()})
     return found
+
+
+BEARS = (1, 4)
+"""First state of a joint of a lining in which it carries, and the first after these."""
+
+
+def supports_of(results: Recording) -> dict[str, Any]:
+    """Return what of links, reactions and linings stays the same: names, colours, vertices."""
+    links = results.supported.links
+    looks = [
+        ("link" if one == "intact" else f"link, {one}", LINK_COLOURS[one]) for one in LINK_STATES
+    ]
+    return {
+        "link_looks": looks,
+        "link_holds": links.holds.tolist() if links.name else [],
+        "reaction_colour": REACTION_COLOUR,
+        "linings": [_lining(results, name) for name in results.lining_name],
+        "diagrams": {name: astuple(one) for name, one in DIAGRAMS.items()},
+    }
+
+
+def _lining(results: Recording, name: str) -> dict[str, Any]:
+    """Return the vertices outside and inside at each joint of a lining, and whether it closes."""
+    lining = results.lining(name)
+    return {"face": lining.face.tolist(), "closed": comes_back(results, name, lining)}
+
+
+def links_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
+    """Return both points, directions and states of the links in some frames; None without any."""
+    links = results.supported.links
+    if not links.name:
+        return None
+    places = np.stack([places_of(results, int(k)) for k in numbers]) - origin
+    directions = np.stack([directions_of(results, int(k)) for k in numbers])
+    states = np.stack([states_of(results, int(k)) for k in numbers])
+    ends = {f"{axis}{end}": places[:, :, end, k] for end in (0, 1) for k, axis in enumerate("xy")}
+    ends |= {"wayX": directions[..., 0], "wayY": directions[..., 1]}
+    return {
+        "names": list(links.name),
+        **{name: raw(values, "<f4") for name, values in ends.items()},
+        "state": raw(states, "<i4"),
+    }
+
+
+def reactions_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
+    """Return where reactions act, m, and their forces, N/m, in some frames; NaN for none."""
+    names = results.reaction_name
+    if not names:
+        return None
+    found = np.full((4, len(numbers), len(names)), np.nan)
+    for row, number in enumerate(numbers):
+        for name, at, force in forces_in(results, int(number)):
+            found[:, row, names.index(name)] = *(at - origin), *force
+    columns = zip(("x", "y", "fx", "fy"), found, strict=True)
+    return {"names": list(names), **{name: raw(values, "<f4") for name, values in columns}}
+
+
+def linings_in(results: Recording, numbers: Ints) -> dict[str, str] | None:
+    """Return N, Q and M of the joints of all linings in some frames; NaN: it does not bear."""
+    if not results.lining_name:
+        return None
+    every: dict[str, list[Floats]] = {one.column: [] for one in DIAGRAMS.values()}
+    for name in results.lining_name:
+        lining = results.lining(name)
+        rows = results.rows_at(lining.time, numbers)
+        carries = (lining.state[rows] >= BEARS[0]) & (lining.state[rows] < BEARS[1])
+        for column, values in every.items():
+            values.append(np.where(carries, getattr(lining, column)[rows], np.nan))
+    return {name: raw(np.concatenate(values, axis=1), "<f4") for name, values in every.items()}

@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 
 from clast.pictures.canvas import check_installed
-from clast.pictures.draw_bolts import LOOKS
-from clast.pictures.fields import SCALARS
+from clast.pictures.fields import SCALARS, colours_between
 from clast.pictures.histories import History, histories_of
-from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
-from clast.pictures.page.frame_data import moving
+from clast.pictures.joint_values import JOINT_FIELDS, THICK, THIN
+from clast.pictures.page.frame_data import moving, supports_of
 from clast.pictures.page.packing import raw
-from clast.pictures.page.supports_data import supports_of
-from clast.pictures.scale import colours_between
 from clast.pictures.strokes import strokes_of
+from clast.pictures.supports import BOLT_LOOKS
 from clast.results import Recording
 from clast.thumbnails import CURVE_COLOURS
 
@@ -60,7 +58,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
             **({"water": ("Water pressure", "Pa")} if results.water else {}),
         },
         "joint_looks": _joint_looks(results),
-        "bolt_looks": [(label, colour) for label, colour, _ in LOOKS],
+        "bolt_looks": [(label, colour) for label, colour, _ in BOLT_LOOKS],
         "waters": [(one.surface + results.origin - origin).tolist() for one in results.water],
         "colours": _colours(),
         "curve_colours": CURVE_COLOURS,

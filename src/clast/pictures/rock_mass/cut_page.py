@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clast.pictures.figure_options import DEFAULT, Look
-from clast.pictures.html_files import html_path, write_html
+from clast.pictures.page.document import html_path, write_html
 from clast.pictures.rock_mass.cut_statistics import statistics_figure
 from clast.pictures.rock_mass.section import BY, cut_figure
 from clast.rockmass import Cut, CutReport, Finding, Sizes

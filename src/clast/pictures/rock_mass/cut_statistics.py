@@ -12,8 +12,7 @@ from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import round_below
-from clast.pictures.rock_mass.edge_groups import edges_of
-from clast.pictures.rock_mass.section import counted
+from clast.pictures.rock_mass.section import counted, edges_of_cut
 from clast.pictures.strokes import DASHES, EdgeGroup, following
 from clast.rockmass import Cut
 
@@ -53,7 +52,7 @@ def plot_cut_statistics(cut: Cut, path: Path | str, *, title: str = "") -> Path:
 
 def statistics_figure(cut: Cut, *, title: str) -> Figure:
     """Return the picture of ``plot_cut_statistics``."""
-    joints = edges_of(cut).joints
+    joints = edges_of_cut(cut).joints
     report = cut.report
     handles = _handles(joints, (report.smallest_block, report.smallest_edge))
     count = counted(cut)

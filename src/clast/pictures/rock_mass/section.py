@@ -16,13 +16,67 @@ from clast.model.model import Bools, Floats
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.figure_options import DEFAULT, Look
-from clast.pictures.rock_mass.edge_groups import Sorted, edges_of
-from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of, label
+from clast.pictures.strokes import (
+    CONSTRUCTED,
+    GROUND,
+    WELD,
+    EdgeGroup,
+    Stroke,
+    draw_edges,
+    following,
+    groups,
+    handles_of,
+    label,
+    partners,
+    strokes_of,
+)
 from clast.rockmass import Cut
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+PLAIN = Stroke(label="joints", colour=INK, width=0.7)
+RIM = Stroke(label="boundary", colour=INK, width=1.5, above=3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CutEdges:
+    """All edges of a cut, each once."""
+
+    joints: tuple[EdgeGroup, ...]
+    """Those of each joint that has some, then those along which no joint is named."""
+    others: tuple[EdgeGroup, ...]
+    """Welds, construction joints, and the rim where only one block is."""
+
+    @property
+    def rim(self) -> Floats:
+        """Edges with rock on their left only, m, shape (n, 2, 2)."""
+        found = [one.ends for one in self.others if one.stroke is RIM]
+        return found[0] if found else np.zeros((0, 2, 2))
+
+    @property
+    def plain(self) -> tuple[EdgeGroup, ...]:
+        """The joints all alike."""
+        ends = [one.ends for one in self.joints]
+        return (EdgeGroup(ends=np.concatenate(ends), stroke=PLAIN),) if ends else ()
+
+
+def edges_of_cut(cut: Cut) -> CutEdges:
+    """Return the edges of a cut by their joints, those inside once."""
+    after = following(cut.block_start)
+    ends = np.stack([cut.vertices, cut.vertices[after]], axis=1)
+    partner = partners(cut.vertices, after)
+    once = (partner < 0) | (np.arange(len(partner)) < partner)
+    number = np.where(partner < 0, len(cut.joint_names), cut.edge_joint)
+    strokes = {**strokes_of(dict(enumerate(cut.joint_names))), len(cut.joint_names): RIM}
+    found = groups(strokes, number[once], ends[once])
+    others = (CONSTRUCTED, WELD, RIM)
+    return CutEdges(
+        joints=tuple(one for one in found if one.stroke not in others),
+        others=tuple(one for one in found if one.stroke in others),
+    )
+
 
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
 """Hatching of rock that a stage excavates, and of voids."""
@@ -46,7 +100,7 @@ class _Paint:
     """The caption of its colours."""
 
 
-def _by_set(cut: Cut, found: Sorted) -> _Paint:
+def _by_set(cut: Cut, found: CutEdges) -> _Paint:
     return _Paint(
         fills=(GROUND,) * len(cut.rock_names),
         rocks=False,
@@ -55,7 +109,7 @@ def _by_set(cut: Cut, found: Sorted) -> _Paint:
     )
 
 
-def _by_rock(cut: Cut, found: Sorted) -> _Paint:
+def _by_rock(cut: Cut, found: CutEdges) -> _Paint:
     return _Paint(
         fills=tuple(draw_blocks.kind_colour(k) for k in range(len(cut.rock_names))),
         rocks=True,
@@ -64,7 +118,7 @@ def _by_rock(cut: Cut, found: Sorted) -> _Paint:
     )
 
 
-BY: dict[str, Callable[[Cut, Sorted], _Paint]] = {"set": _by_set, "rock": _by_rock}
+BY: dict[str, Callable[[Cut, CutEdges], _Paint]] = {"set": _by_set, "rock": _by_rock}
 """The meanings of the colours."""
 
 
@@ -96,7 +150,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
             where="limits",
             remedy="leave them out",
         )
-    found = edges_of(cut)
+    found = edges_of_cut(cut)
     paint = BY[by](cut, found)
     part = _part(cut, look)
     shown = draw_blocks.within(cut, cut.vertices, *part)

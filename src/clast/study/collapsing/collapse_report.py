@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.model.stages import Stage
-from clast.pictures.html_files import write_html
+from clast.pictures.page.document import write_html
 from clast.pictures.study import figures
 from clast.results import read_results
 from clast.rockmass.drawings.blocks_out import write_blocks_dxf

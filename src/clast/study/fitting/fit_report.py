@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.pictures.html_files import write_html
+from clast.pictures.page.document import write_html
 from clast.pictures.study import fit_figures
 from clast.pictures.study.figures import behind_number
 from clast.study.fitting.fitting import Fit

@@ -2,8 +2,7 @@
 
 Slip is that of the contacts: a face is a line between its outermost ones, with their mean, and
 blocks that touch in one contact have a dot there; so are mobilised friction and the share that
-slides.  Opening is that of edges that ran along each
-other at the start, whether they touch or not.
+slides.  Opening is that of edges that ran along each other at the start, whether they touch or not.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
-from clast.pictures.scale import ColourScale, scale_of
+from clast.pictures.fields import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import FrameContacts, Recording
 from clast.results.frames import absent_in_frame
@@ -23,7 +22,6 @@ from clast.results.frames import absent_in_frame
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import LineCollection
-
 
 STRAIGHT = 12
 """Directions in half a turn that are told apart: faces of two blocks at a corner are two."""

@@ -1,1 +1,0 @@
-"""Joints on pictures: edges by joint, slip and opening."""

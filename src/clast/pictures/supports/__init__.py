@@ -1,1 +1,0 @@
-"""Reactions of supports, drawn on a picture."""
