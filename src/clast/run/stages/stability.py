@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.actions.active import add_shares
+from clast.actions.active import add_contributions
 from clast.block.positions import moved_to
 from clast.contact.clipped_spring import Forces, Springs
 from clast.contact.laws import SpringLaw, clipped, has_limits
@@ -161,7 +161,7 @@ class _Tangent:
         model, state = self._context.model, self._context.state
         forces = np.zeros_like(way)
         forces[:, :3] = self._turning.forces(way)
-        if any(len(one.block) and one.stiffness is None for one in self._context.shares):
+        if any(len(one.block) and one.stiffness is None for one in self._context.contributions):
             far = np.abs(way[:, :2]).max() + (np.abs(way[:, 2]) * np.sqrt(model.area)).max()
             small = SMALL * float(np.sqrt(np.median(model.area))) / far
             forces += (self._loads(small * way) - self._loads(-small * way)) / (2.0 * small)
@@ -174,8 +174,8 @@ class _Tangent:
         context, forces = self._context, np.zeros_like(way)
         moved = _moved(context, way)
         at = begin(context.model, context.method, moved, context.step, context.workspace)
-        loads = [one for one in at.shares if one.stiffness is None]
-        add_shares(loads, np.zeros((0, 6, 6)), forces)
+        loads = [one for one in at.contributions if one.stiffness is None]
+        add_contributions(loads, np.zeros((0, 6, 6)), forces)
         return forces
 
 
