@@ -68,7 +68,7 @@ def persistent(size: int) -> Network:
         JointSet(
             name=f"set at {angle:g}",
             angle=angle,
-            spacing=Lognormal(mean=spacing, std=SPREAD * spacing),
+            spacing=Lognormal(mean=spacing, sd=SPREAD * spacing),
         )
         for angle, spacing in zip(ANGLES, SPACINGS, strict=True)
     ]

@@ -36,6 +36,13 @@ if TYPE_CHECKING:
     from clast.errors import RunStopped as RunStopped
     from clast.errors import RunWarning as RunWarning
     from clast.inputs.in_situ import Overburden as Overburden
+    from clast.model.distributions import Beta as Beta
+    from clast.model.distributions import Discrete as Discrete
+    from clast.model.distributions import Lognormal as Lognormal
+    from clast.model.distributions import Normal as Normal
+    from clast.model.distributions import Triangular as Triangular
+    from clast.model.distributions import Uniform as Uniform
+    from clast.model.distributions import Values as Values
     from clast.model.ground_motion import Accelerogram as Accelerogram
     from clast.model.ground_motion import IncomingWave as IncomingWave
     from clast.model.ground_motion import InertialForce as InertialForce
@@ -63,16 +70,9 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
-    from clast.study.distributions import Beta as Beta
-    from clast.study.distributions import Discrete as Discrete
-    from clast.study.distributions import Lognormal as Lognormal
-    from clast.study.distributions import Normal as Normal
     from clast.study.distributions import Numbered as Numbered
     from clast.study.distributions import Range as Range
     from clast.study.distributions import Times as Times
-    from clast.study.distributions import Triangular as Triangular
-    from clast.study.distributions import Uniform as Uniform
-    from clast.study.distributions import Values as Values
     from clast.study.fitting.fit import fit as fit
     from clast.study.fitting.fitting import Fit as Fit
     from clast.study.fitting.observations import FitSettings as FitSettings
@@ -130,16 +130,16 @@ HOME = {
     "Collapse": "clast.study.collapsing.collapse",
     "collapse_load": "clast.study.collapsing.collapse",
     "factor_of_safety": "clast.study.collapsing.collapse",
-    "Beta": "clast.study.distributions",
-    "Discrete": "clast.study.distributions",
-    "Lognormal": "clast.study.distributions",
-    "Normal": "clast.study.distributions",
+    "Beta": "clast.model.distributions",
+    "Discrete": "clast.model.distributions",
+    "Lognormal": "clast.model.distributions",
+    "Normal": "clast.model.distributions",
     "Numbered": "clast.study.distributions",
     "Range": "clast.study.distributions",
     "Times": "clast.study.distributions",
-    "Triangular": "clast.study.distributions",
-    "Uniform": "clast.study.distributions",
-    "Values": "clast.study.distributions",
+    "Triangular": "clast.model.distributions",
+    "Uniform": "clast.model.distributions",
+    "Values": "clast.model.distributions",
 }
 """Public name -> module that defines it."""
 

@@ -33,7 +33,7 @@ def edges(model: Model) -> dict[str, int]:
 def test_two_sets_are_cut_as_a_script_cuts_them():
     case = Case.from_toml(TWO_SETS)
     model = case.model()
-    spacing = Lognormal(mean=2.0, std=0.3)
+    spacing = Lognormal(mean=2.0, sd=0.3)
     sets = [
         JointSet(name="bedding", joint="bedding", angle=10.0, spacing=spacing),
         JointSet(name="cross", joint="cross", angle=95.0, spacing=2.5),
@@ -140,7 +140,7 @@ def test_a_case_written_anew_is_cut_alike(text):
     "values",
     [
         "spacing = {distribution = 'uniform', low = 1.0, high = 2.0}",
-        "spacing = {distribution = 'normal', mean = 1.5, std = 0.1}",
+        "spacing = {distribution = 'normal', mean = 1.5, sd = 0.1}",
         "spacing = {distribution = 'exponential', mean = 1.5}",
         "spacing = {distribution = 'values', values = [1.0, 2.0]}",
         "spacing = 1\ntrace_length = 4\nbridge_length = 0.5\nstagger = 0.5\norigin = [1, 2]",

@@ -72,11 +72,11 @@ def test_a_ratio_of_stresses_in_per_cent():
 def test_a_scatter_beyond_the_mean(kind, key):
     def case(std: float) -> str:
         keys = {"spacing": "1.5", "trace_length": "3.0", "bridge_length": "1.0"}
-        keys[key] = f'{{distribution = "{kind}", mean = 2.0, std = {std}}}'
+        keys[key] = f'{{distribution = "{kind}", mean = 2.0, sd = {std}}}'
         return DOMAIN + SET + "".join(f"{name} = {value}\n" for name, value in keys.items())
 
-    assert warned(case(2.5), f"joint_set 'beds', {key}", "std is 2.5")
-    assert not warned(case(1.0), "std")
+    assert warned(case(2.5), f"joint_set 'beds', {key}", "sd is 2.5")
+    assert not warned(case(1.0), "sd")
 
 
 def test_traces_without_bridges():

@@ -43,7 +43,7 @@ SETS = """[[joint_set]]
 name = "bedding"
 joint = "bed"
 angle = 10.0
-spacing = {distribution = "lognormal", mean = 2.0, std = 0.3}
+spacing = {distribution = "lognormal", mean = 2.0, sd = 0.3}
 trace_length = {distribution = "uniform", low = 4.0, high = 8.0}
 bridge_length = 0.5
 origin = [0.5, 0.5]

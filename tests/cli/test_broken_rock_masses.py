@@ -13,7 +13,7 @@ from scenes.cut_cases import TUNNEL, TWO_SETS, WALL
 from scenes.refusals import refusal, some_of
 
 BEDDING = 'name = "bedding"\njoint = "bedding"\nangle = 10.0\n'
-LOGNORMAL = '{distribution = "lognormal", mean = 2.0, std = 0.3}'
+LOGNORMAL = '{distribution = "lognormal", mean = 2.0, sd = 0.3}'
 BOX = "[[0, 0], [10, 0], [10, 8], [0, 8]]"
 CROSS = "angle = 95.0\nspacing = 2.5\n"
 BAECHER = 'angle = 95.0\nmodel = "baecher"\n'
@@ -150,25 +150,25 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     "spacing of a text": (spacing('"2 m"'), ["'bedding' spacing", "must be a number"]),
     "spacing of a list": (spacing("[1.0, 2.0]"), ["'bedding' spacing", "must be a number"]),
     "unknown distribution": (
-        spacing('{distribution = "log-normal", mean = 2.0, std = 0.3}'),
+        spacing('{distribution = "log-normal", mean = 2.0, sd = 0.3}'),
         ["'bedding' spacing.distribution", "'lognormal'"],
     ),
     "no distribution": (spacing("{mean = 1.0}"), ["spacing.distribution", "is missing"]),
     "no mean": (
-        spacing('{distribution = "lognormal", std = 0.3}'),
-        ["'bedding' spacing.mean", "is missing", "mean, std"],
+        spacing('{distribution = "lognormal", sd = 0.3}'),
+        ["'bedding' spacing.mean", "is missing", "mean, sd"],
     ),
-    "std below 0": (
-        spacing('{distribution = "lognormal", mean = 2.0, std = -0.3}'),
-        ["joint_set 'bedding', spacing, std", "not a standard deviation"],
+    "sd below 0": (
+        spacing('{distribution = "lognormal", mean = 2.0, sd = -0.3}'),
+        ["joint_set 'bedding', spacing, sd", "not a standard deviation"],
     ),
-    "std of an exponential": (
-        spacing('{distribution = "exponential", mean = 2.0, std = 0.3}'),
-        ["'bedding' spacing.std", "no such key"],
+    "sd of an exponential": (
+        spacing('{distribution = "exponential", mean = 2.0, sd = 0.3}'),
+        ["'bedding' spacing.sd", "no such key"],
     ),
     "unknown number": (
-        spacing('{distribution = "normal", mean = 2.0, sdt = 0.3}'),
-        ["'bedding' spacing.sdt", "'std'"],
+        spacing('{distribution = "normal", mean = 2.0, sdd = 0.3}'),
+        ["'bedding' spacing.sdd", "'sd'"],
     ),
     "low above high": (
         spacing('{distribution = "uniform", low = 2.0, high = 1.0}'),
@@ -186,9 +186,9 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
         ["joint_set 'cross', intensity", "both given"],
     ),
     "intensity 0": (cross(BAECHER + "intensity = 0\ntrace_length = 1\n"), ["intensity", "above 0"]),
-    "std beyond all means": (
-        spacing('{distribution = "lognormal", mean = 1.0, std = 1000.0}'),
-        ["joint_set 'bedding', spacing, std", "100 times the mean"],
+    "sd beyond all means": (
+        spacing('{distribution = "lognormal", mean = 1.0, sd = 1000.0}'),
+        ["joint_set 'bedding', spacing, sd", "100 times the mean"],
     ),
     "traces without end": (
         cross(BAECHER + "intensity = 1\ntrace_length = 1e12\n"),

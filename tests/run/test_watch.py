@@ -178,7 +178,7 @@ seed = SEED
 every = 3e-3
 """
 TWO_SETS = (
-    '[[joint_set]]\nname = "a"\nangle = -22\nspacing = {distribution="normal",mean=1.3,std=0.3}\n'
+    '[[joint_set]]\nname = "a"\nangle = -22\nspacing = {distribution="normal",mean=1.3,sd=0.3}\n'
     '[[joint_set]]\nname = "b"\nangle = 55\nspacing = 1.1\n'
 )
 RANDOM_LINES = '[[joint_set]]\nname = "a"\nmodel = "poisson-lines"\nintensity = 1.6\n'

@@ -18,7 +18,7 @@ seed = 7
 name = "bedding"
 joint = "bedding"
 angle = 10.0
-spacing = {distribution = "lognormal", mean = 2.0, std = 0.3}
+spacing = {distribution = "lognormal", mean = 2.0, sd = 0.3}
 [[joint_set]]
 name = "cross"
 joint = "cross"

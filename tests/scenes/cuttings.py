@@ -147,7 +147,7 @@ def _random_openings(rng: np.random.Generator, middle: np.ndarray, size: float) 
 
 
 def _random_sets(rng: np.random.Generator, s: float) -> list[JointSet]:
-    spreads = [s, Normal(mean=s, std=0.3 * s), Lognormal(mean=s, std=0.5 * s), Exponential(mean=s)]
+    spreads = [s, Normal(mean=s, sd=0.3 * s), Lognormal(mean=s, sd=0.5 * s), Exponential(mean=s)]
     spreads.append(Uniform(low=0.5 * s, high=1.5 * s))
 
     def angle() -> float:

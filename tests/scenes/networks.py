@@ -162,8 +162,8 @@ def _spread(rng: Random, mean: float) -> float | Table:
     choices: list[float | Table] = [
         mean,
         {"distribution": "uniform", "low": 0.5 * mean, "high": 1.5 * mean},
-        {"distribution": "normal", "mean": mean, "std": 0.3 * mean},
-        {"distribution": "lognormal", "mean": mean, "std": 0.6 * mean},
+        {"distribution": "normal", "mean": mean, "sd": 0.3 * mean},
+        {"distribution": "lognormal", "mean": mean, "sd": 0.6 * mean},
         {"distribution": "exponential", "mean": mean},
     ]
     return choices[int(rng.integers(len(choices)))]

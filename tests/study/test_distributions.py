@@ -5,19 +5,17 @@ import pytest
 from scipy import stats
 
 from clast.errors import CaseError
-from clast.study.distributions import (
+from clast.model.distributions import (
     Beta,
     Discrete,
     Distribution,
     Lognormal,
     Normal,
-    Range,
-    Times,
     Triangular,
     Uniform,
     Values,
-    parsed,
 )
+from clast.study.distributions import Range, Times, parsed
 
 TRUNCATED = stats.truncnorm(-1.0, 2.0, 35.0, 5.0)
 LOG = float(np.sqrt(np.log1p(0.25)))

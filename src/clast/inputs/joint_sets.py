@@ -29,8 +29,8 @@ ALTERNATIVES = Alternatives(
 )
 DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
     "uniform": ("low", "high"),
-    "normal": ("mean", "std"),
-    "lognormal": ("mean", "std"),
+    "normal": ("mean", "sd"),
+    "lognormal": ("mean", "sd"),
     "exponential": ("mean",),
     "values": ("values",),
 }
@@ -41,12 +41,12 @@ class SpreadTable(Table):
     """A distribution of spacings or lengths: all values are above 0."""
 
     distribution: Literal["uniform", "normal", "lognormal", "exponential", "values"]
-    """uniform (low, high), normal (mean, std), lognormal (mean, std), exponential (mean) or values
+    """uniform (low, high), normal (mean, sd), lognormal (mean, sd), exponential (mean) or values
     (a list, repeated).
     """
     mean: Number | None = None
     """Mean of the values, m."""
-    std: Number | None = None
+    sd: Number | None = None
     """Standard deviation of the values, m."""
     low: Number | None = None
     """Smallest value, m."""
@@ -57,17 +57,15 @@ class SpreadTable(Table):
 
     @model_validator(mode="after")
     def _has_its_numbers(self) -> Self:
-        given = [
-            k for k in ("mean", "std", "low", "high", "values") if getattr(self, k) is not None
-        ]
+        given = [k for k in ("mean", "sd", "low", "high", "values") if getattr(self, k) is not None]
         check_keys(given, DISTRIBUTIONS[self.distribution], (), f"{self.distribution} distribution")
         return self
 
     def build(self) -> Any:
         """Return the distribution."""
-        from clast.rockmass.joints import spacing_distributions
+        from clast.model import distributions
 
-        kind = getattr(spacing_distributions, self.distribution.capitalize())
+        kind = getattr(distributions, self.distribution.capitalize())
         return kind(**{key: getattr(self, key) for key in DISTRIBUTIONS[self.distribution]})
 
 

@@ -1,5 +1,6 @@
 """Rock masses: joint sets, traces, openings and masonry, and the blocks that they cut."""
 
+from clast.model.distributions import Distribution, Exponential, Lognormal, Normal, Uniform, Values
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
 from clast.rockmass.cutting import Cut, cut
@@ -15,15 +16,7 @@ from clast.rockmass.joints.joint_models import (
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
 from clast.rockmass.joints.plan import Fisher, VonMises, apparent
-from clast.rockmass.joints.spacing_distributions import (
-    Distribution,
-    Exponential,
-    Fixed,
-    Lognormal,
-    Normal,
-    Uniform,
-    Values,
-)
+from clast.rockmass.joints.spacing_distributions import Fixed
 from clast.rockmass.repair import BlockRepair, Repaired, RepairReport, repaired
 
 __all__ = [

@@ -37,9 +37,10 @@ import numpy as np
 from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
+from clast.model.distributions import Distribution, Value, Values
 from clast.model.model import Floats
 from clast.study import sampling as samplings
-from clast.study.distributions import Distribution, Numbered, Range, Value, Values, parsed
+from clast.study.distributions import Numbered, Range, parsed
 from clast.study.expressions import Expression, read
 from clast.study.fitting.observations import FitSettings, Observation, of_rows
 from clast.study.measures import ARGUMENTS, CONDITIONS, FOS, unit_of
@@ -561,10 +562,14 @@ def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
 
 
 def _distribution(value: Any, where: str) -> Distribution:
-    if isinstance(value, Distribution):
-        return value
     if isinstance(value, str):
         return parsed(value, where)
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    return Values(tuple(value) if isinstance(value, list | tuple) else (value,))
+    if not isinstance(value, Distribution):
+        value = Values(tuple(value) if isinstance(value, list | tuple) else (value,))
+    try:
+        value.validate()
+    except CaseError as error:
+        raise CaseError(error.what, where=error.where or where, remedy=error.remedy) from None
+    return value

@@ -36,12 +36,12 @@ from typing import Any
 from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError, ResultsLost
 from clast.inputs.declaring import text as case_text
+from clast.model.distributions import Value
 from clast.results import locks
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.results.output import fresh
 from clast.study.description import COLLAPSE, FIT, Description, described
-from clast.study.distributions import Value
 from clast.study.parameters import content_of
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"

@@ -22,7 +22,8 @@ from clast.case.case_file import Case, json_schema
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import UNIT
-from clast.study.distributions import Discrete, Distribution, Times, Value, Values
+from clast.model.distributions import Discrete, Distribution, Value, Values
+from clast.study.distributions import Times
 
 PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
 """A key of a path, and the rest after it."""

@@ -12,9 +12,10 @@ import numpy as np
 from scipy import stats
 
 from clast.errors import CaseError, shortened
+from clast.model.distributions import Value
 from clast.model.model import Floats
 from clast.study.description import MONTECARLO, SWEEP, Description
-from clast.study.distributions import Numbered, Value
+from clast.study.distributions import Numbered
 from clast.study.folder import DONE, StudyFolder
 from clast.study.sampling import LatinHypercube, Morris, PointEstimate, Random
 

@@ -257,7 +257,7 @@ model = "parallel"
 joint = "bedding"
 dip = 10.0
 dip_direction = 90.0
-spacing = {distribution = "normal", mean = 2.0, std = 0.1}
+spacing = {distribution = "normal", mean = 2.0, sd = 0.1}
 spacing_is = "true"
 origin = [0.0, 1.0]
 stagger = 0.0

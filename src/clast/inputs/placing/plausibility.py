@@ -62,13 +62,13 @@ def doubted_sets(sets: Sequence[JointSetTable]) -> Iterator[str]:
         where = f"joint_set '{shortened(one.name)}'"
         for key in ("spacing", "trace_length", "bridge_length"):
             spread = getattr(one, key)
-            if not isinstance(spread, SpreadTable) or spread.std is None or spread.mean is None:
+            if not isinstance(spread, SpreadTable) or spread.sd is None or spread.mean is None:
                 continue
-            if spread.std > spread.mean:
+            if spread.sd > spread.mean:
                 yield (
-                    f"{where}, {key}: std is {spread.std:g} m and the mean only {spread.mean:g} m, "
-                    "so most values would be far from it; std is in m, not a share or per cent. "
-                    "Lower std, or take an exponential distribution, whose std is its mean"
+                    f"{where}, {key}: sd is {spread.sd:g} m and the mean only {spread.mean:g} m, "
+                    "so most values would be far from it; sd is in m, not a share or per cent. "
+                    "Lower sd, or take an exponential distribution, whose sd is its mean"
                 )
         if one.trace_length is not None and one.bridge_length is None and _parted(one):
             yield (

@@ -10,15 +10,10 @@ import numpy as np
 import shapely
 from scipy.spatial import Voronoi as Diagram
 
+from clast.model.distributions import Exponential
 from clast.model.model import Floats
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window, along, pieces, until
-from clast.rockmass.joints.spacing_distributions import (
-    Distribution,
-    Exponential,
-    Fixed,
-    distribution,
-    running,
-)
+from clast.rockmass.joints.spacing_distributions import Fixed, Spacing, distribution, running
 
 ORIENTED = frozenset({"angle", "dip", "dip_direction", "spacing_is", "angle_spread"})
 TRACED = frozenset({"spacing", "trace_length", "bridge_length", "origin", "stagger"})
@@ -116,7 +111,7 @@ def family(plan: Plan, rng: np.random.Generator) -> Drawn:
     return Drawn(ends=np.concatenate(found), carriers=whole)
 
 
-def _positions(spacing: Distribution, low: float, high: float, rng: np.random.Generator) -> Floats:
+def _positions(spacing: Spacing, low: float, high: float, rng: np.random.Generator) -> Floats:
     """Return number and place of lines from below ``low`` to above ``high``, shape (k, 2)."""
     if spacing.large == spacing.mean:
         s = spacing.mean
@@ -131,8 +126,8 @@ def _positions(spacing: Distribution, low: float, high: float, rng: np.random.Ge
 
 
 def _traces(
-    trace: Distribution,
-    bridge: Distribution,
+    trace: Spacing,
+    bridge: Spacing,
     shift: float,
     between: tuple[float, float],
     rng: np.random.Generator,
@@ -156,7 +151,7 @@ def _traces(
     return spans[(spans[:, 1] > low) & (spans[:, 0] < high)]
 
 
-def number_or(value: float | Distribution | None) -> Distribution | None:
+def number_or(value: float | Spacing | None) -> Spacing | None:
     """Return a number as a fixed distribution, a distribution or None as it is."""
     return None if value is None else distribution(value)
 
@@ -307,7 +302,7 @@ class Voronoi:
         return plan.window.area / plan.spacing.mean**2 if plan.spacing else 1.0
 
 
-def _random(spread: Distribution | None) -> Distribution:
+def _random(spread: Spacing | None) -> Spacing:
     """Return a fixed length as the mean of an exponential one, and others as they are."""
     if spread is None or isinstance(spread, Fixed):
         return Exponential(mean=spread.mean if spread else math.inf)

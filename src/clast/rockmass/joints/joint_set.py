@@ -23,7 +23,7 @@ from clast.rockmass.joints.plan import (
     apparent,
     normal_of,
 )
-from clast.rockmass.joints.spacing_distributions import Distribution, Scaled
+from clast.rockmass.joints.spacing_distributions import Scaled, Spacing, check_spacing
 
 KEYS = (
     "angle",
@@ -62,13 +62,13 @@ class JointSet:
     """Dip of the planes, degrees; with ``dip_direction``, in place of ``angle``."""
     dip_direction: float | None = None
     """Direction of dip, degrees clockwise from north."""
-    spacing: float | Distribution | None = None
+    spacing: float | Spacing | None = None
     """Distance between lines, m."""
     spacing_is: str | None = None
     """"true" (in space) or "apparent" (in the section); must be said where dip is used."""
-    trace_length: float | Distribution | None = None
+    trace_length: float | Spacing | None = None
     """Length of the traces, m; None: persistent."""
-    bridge_length: float | Distribution | None = None
+    bridge_length: float | Spacing | None = None
     """Rock bridge between traces on one line, m; None: traces follow each other."""
     origin: Any = None
     """A line of the set passes here, m, shape (2,); None: the lower left of its window."""
@@ -124,7 +124,7 @@ class JointSet:
         for key in ("spacing", "trace_length", "bridge_length"):
             spread = number_or(getattr(self, key))
             if spread is not None:
-                spread.check(f"{self.where}, {key}")
+                check_spacing(spread, f"{self.where}, {key}")
         trace, bridge = number_or(self.trace_length), number_or(self.bridge_length)
         if trace is not None and bridge is not None:
             share = trace.mean / (trace.mean + bridge.mean)

@@ -13,7 +13,7 @@ import shapely
 
 from clast.errors import ModelError
 from clast.model.model import Floats
-from clast.rockmass.joints.spacing_distributions import Distribution
+from clast.rockmass.joints.spacing_distributions import Spacing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,13 +73,13 @@ class Plan:
 
     direction: MeanDirection
     """Direction of its lines."""
-    spacing: Distribution | None
+    spacing: Spacing | None
     """Spacing in the section, m."""
     intensity: float | None
     """Length of lines per area P21, m/m2."""
-    trace: Distribution | None
+    trace: Spacing | None
     """Length of traces, m; None: persistent."""
-    bridge: Distribution | None
+    bridge: Spacing | None
     """Length of the rock bridges between traces of a line, m."""
     origin: Floats
     """A line passes here, m, shape (2,)."""

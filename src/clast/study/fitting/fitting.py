@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from clast.errors import CaseError, ClastError, shortened
+from clast.model.distributions import Distribution, Values
 from clast.model.model import Floats
-from clast.study.distributions import Distribution, Range, Values
+from clast.study.distributions import Range
 from clast.study.executors import Driver, Workers
 from clast.study.fitting.observations import Observation
 from clast.study.folder import DONE, StudyFolder, write_whole
