@@ -66,10 +66,10 @@ def test_links_and_reactions_stand_where_still_pictures_have_them(opened, held):
 @pytest.fixture(scope="module")
 def lined(tmp_path_factory):
     """Return the run of a ring of shotcrete that two forces press."""
-    from clast.verification.problems.supports.lining_ring import PROBLEM
+    from clast.verification.problems.supports.lining_ring import lining_ring
 
     return clast.simulate(
-        PROBLEM.set_up(),
+        lining_ring.set_up(),
         end=0.1,
         every=0.05,
         step=0.05,

@@ -87,7 +87,9 @@ def test_numbers_and_areas_between_random_spacings():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("problem", [random_spacing.PROBLEM, cells.PROBLEM], ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "problem", [random_spacing.random_spacing, cells.voronoi_cells], ids=lambda p: p.name
+)
 @pytest.mark.one_in(2)
 def test_the_whole_of_problems_that_have_a_brief_form(problem):
     assert misses(problem.run(CUT)) == []

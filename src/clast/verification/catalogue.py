@@ -2,238 +2,56 @@
 
 from __future__ import annotations
 
-from clast.verification.problem import Problem
-from clast.verification.problems.blocks import column, floating, free_fall, patch, pendulum, spin
-from clast.verification.problems.contact import (
-    bounce,
-    collision,
-    penetration,
-    restitution,
-    stack,
-    stiffness,
-    two_planes,
-)
-from clast.verification.problems.cutting import (
-    apparent_dip,
-    cells,
-    chords,
-    intensity,
-    persistent_lines,
-    random_spacing,
-)
-from clast.verification.problems.friction import (
-    dam,
-    decelerating_block,
-    direct_shear,
-    friction_lag,
-    incline,
-    ladder,
-    open_joints,
-    plane_of_weakness,
-    rough_joint,
-    seams,
-    slip_weakening,
-    stick_slip,
-    submerged_block,
-    tilt_table,
-)
-from clast.verification.problems.masonry import (
-    arch,
-    arch_falls,
-    arch_load,
-    arch_push,
-    arch_spread,
-    bonded_beam,
-    kern,
-    overhang,
-    rocking,
-    three_hinges,
-    wall_buckling,
-    wall_push,
-)
-from clast.verification.problems.method import (
-    convergence,
-    energy,
-    invariance,
-    order,
-    resumed_run,
-    staged_views,
-)
-from clast.verification.problems.slopes import (
-    active_passive,
-    block_train,
-    bolted_block,
-    bolted_toppling,
-    cohesive_slab,
-    drained_slope,
-    plane_failure,
-    slide_topple,
-    toppling,
-    wet_slope,
-)
-from clast.verification.problems.supports import (
-    drawn_block,
-    hinges,
-    lining_beam,
-    lining_confinement,
-    lining_ring,
-    servo_press,
-    settling_pier,
-    slider,
-    slow_press,
-    yielding_beam,
-)
-from clast.verification.problems.underground import (
-    bolted_stages,
-    excavated_stack,
-    in_situ,
-    jointed_rock,
-    key_block,
-    kirsch,
-    pull_test,
-    relaxed_support,
-    roof_wedge,
-    slipping_ring,
-    snap_through,
-    two_bolts,
-)
-from clast.verification.problems.waves import (
-    chain,
-    damped_block,
-    damped_layer,
-    free_surface,
-    incoming_wave,
-    layer,
-    layer_peaks,
-    moving_base,
-    newmark,
-    oblique_wave,
-    rocking_spectrum,
-    sinking_block,
-    viscous_end,
-    wave,
-)
+from importlib import import_module
 
-GROUPS: dict[str, tuple[Problem, ...]] = {
-    "blocks": (
-        free_fall.PROBLEM,
-        spin.PROBLEM,
-        pendulum.PROBLEM,
-        patch.PROBLEM,
-        column.PROBLEM,
-        floating.PROBLEM,
-    ),
-    "contact": (
-        penetration.PROBLEM,
-        stiffness.PROBLEM,
-        stack.PROBLEM,
-        two_planes.PROBLEM,
-        bounce.PROBLEM,
-        restitution.PROBLEM,
-        collision.PROBLEM,
-    ),
+from clast.verification.problem import Problem
+
+MODULES = {
+    "blocks": "free_fall spin pendulum patch column floating",
+    "contact": "penetration stiffness stack two_planes bounce restitution collision",
     "friction": (
-        incline.PROBLEM,
-        friction_lag.PROBLEM,
-        decelerating_block.PROBLEM,
-        slip_weakening.PROBLEM,
-        stick_slip.PROBLEM,
-        rough_joint.PROBLEM,
-        seams.PROBLEM,
-        direct_shear.PROBLEM,
-        plane_of_weakness.PROBLEM,
-        ladder.PROBLEM,
-        open_joints.PROBLEM,
-        dam.PROBLEM,
-        submerged_block.PROBLEM,
-        tilt_table.PROBLEM,
+        "incline friction_lag decelerating_block slip_weakening stick_slip rough_joint seams "
+        "direct_shear plane_of_weakness ladder open_joints dam submerged_block tilt_table "
     ),
     "slopes": (
-        slide_topple.PROBLEM,
-        plane_failure.PROBLEM,
-        wet_slope.PROBLEM,
-        drained_slope.PROBLEM,
-        cohesive_slab.PROBLEM,
-        block_train.PROBLEM,
-        toppling.PROBLEM,
-        active_passive.PROBLEM,
-        bolted_block.PROBLEM,
-        bolted_toppling.PROBLEM,
+        "slide_topple plane_failure wet_slope drained_slope cohesive_slab block_train toppling "
+        "active_passive bolted_block bolted_toppling "
     ),
     "underground": (
-        key_block.PROBLEM,
-        roof_wedge.PROBLEM,
-        slipping_ring.PROBLEM,
-        jointed_rock.PROBLEM,
-        excavated_stack.PROBLEM,
-        relaxed_support.PROBLEM,
-        two_bolts.PROBLEM,
-        pull_test.PROBLEM,
-        bolted_stages.PROBLEM,
-        in_situ.PROBLEM,
-        kirsch.PROBLEM,
-        snap_through.PROBLEM,
+        "key_block roof_wedge slipping_ring jointed_rock excavated_stack relaxed_support "
+        "two_bolts pull_test bolted_stages in_situ kirsch snap_through "
     ),
     "masonry": (
-        overhang.PROBLEM,
-        kern.PROBLEM,
-        bonded_beam.PROBLEM,
-        arch.PROBLEM,
-        arch_load.PROBLEM,
-        arch_push.PROBLEM,
-        arch_spread.PROBLEM,
-        arch_falls.PROBLEM,
-        wall_push.PROBLEM,
-        wall_buckling.PROBLEM,
-        three_hinges.PROBLEM,
-        rocking.PROBLEM,
+        "overhang kern bonded_beam arch arch_load arch_push arch_spread arch_falls wall_push "
+        "wall_buckling three_hinges rocking "
     ),
     "supports": (
-        drawn_block.PROBLEM,
-        settling_pier.PROBLEM,
-        servo_press.PROBLEM,
-        slow_press.PROBLEM,
-        hinges.PROBLEM,
-        slider.PROBLEM,
-        yielding_beam.PROBLEM,
-        lining_beam.PROBLEM,
-        lining_ring.PROBLEM,
-        lining_confinement.PROBLEM,
+        "drawn_block settling_pier servo_press slow_press hinges slider yielding_beam "
+        "lining_beam lining_ring lining_confinement "
     ),
     "waves": (
-        chain.PROBLEM,
-        damped_block.PROBLEM,
-        wave.PROBLEM,
-        newmark.PROBLEM,
-        moving_base.PROBLEM,
-        viscous_end.PROBLEM,
-        sinking_block.PROBLEM,
-        oblique_wave.PROBLEM,
-        free_surface.PROBLEM,
-        incoming_wave.PROBLEM,
-        layer.PROBLEM,
-        layer_peaks.PROBLEM,
-        damped_layer.PROBLEM,
-        rocking_spectrum.PROBLEM,
+        "chain damped_block wave newmark moving_base viscous_end sinking_block oblique_wave "
+        "free_surface incoming_wave layer layer_peaks damped_layer rocking_spectrum "
     ),
-    "cutting": (
-        persistent_lines.PROBLEM,
-        random_spacing.PROBLEM,
-        intensity.PROBLEM,
-        cells.PROBLEM,
-        apparent_dip.PROBLEM,
-        chords.PROBLEM,
-    ),
-    "method": (
-        energy.PROBLEM,
-        order.PROBLEM,
-        convergence.PROBLEM,
-        invariance.PROBLEM,
-        staged_views.PROBLEM,
-        resumed_run.PROBLEM,
-    ),
+    "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
+    "method": "energy order convergence invariance staged_views resumed_run",
 }
-"""Folder -> its problems: the subject of their tests, from single blocks to the whole method."""
+"""Folder -> its modules, from single blocks to the whole method."""
 
-PROBLEMS: tuple[Problem, ...] = tuple(problem for group in GROUPS.values() for problem in group)
+
+def _problems_of(group: str, names: str) -> tuple[Problem, ...]:
+    """Return the problems of modules, in the order in which they stand there."""
+    modules = [import_module(f"clast.verification.problems.{group}.{n}") for n in names.split()]
+    return tuple(
+        value
+        for module in modules
+        for value in vars(module).values()
+        if isinstance(value, Problem) and value.examine.__module__ == module.__name__
+    )
+
+
+GROUPS = {group: _problems_of(group, names) for group, names in MODULES.items()}
+"""Folder -> its problems: the subject of their tests."""
+
+PROBLEMS = tuple(problem for group in GROUPS.values() for problem in group)
 """All problems."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
+from inspect import cleandoc
 from typing import Any
 
 from clast.errors import RunStopped
 from clast.model.model import Model
-from clast.pictures.verification import Chart
+from clast.pictures.verification import Chart, Curve
 from clast.verification.variants import Variant
 
 
@@ -165,14 +167,31 @@ class Row(Comparison):
         }
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """The result of a problem with one variant."""
+class Trial:
+    """A run of a problem with one variant: collects computed values beside exact ones."""
 
-    comparisons: tuple[Comparison, ...]
-    """Computed beside exact."""
-    charts: tuple[Chart, ...] = ()
-    """The same as curves."""
+    def __init__(self, variant: Variant) -> None:
+        """Begin with no values."""
+        self.variant = variant
+        self.rows: list[Comparison] = []
+        self.charts: list[Chart] = []
+
+    def relative(
+        self, quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
+    ) -> None:
+        """Add a value, compared by (computed - exact) / |exact|."""
+        self.rows.append(relative(quantity, unit, computed, exact, tolerance, reason))
+
+    def absolute(
+        self, quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
+    ) -> None:
+        """Add a value, compared by computed - exact, in ``unit``."""
+        self.rows.append(absolute(quantity, unit, computed, exact, tolerance, reason))
+
+    def chart(self, title: str, x_label: str, y_label: str, *curves: Curve, **axes: Any) -> None:
+        """Add the same as curves; ``axes`` as of Chart."""
+        chart = Chart(title=title, x_label=x_label, y_label=y_label, curves=curves, **axes)
+        self.charts.append(chart)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,34 +230,40 @@ class Problem:
     """The exact answer."""
     source: str
     """Where the formula comes from."""
+    left_out: str = ""
+    """Processes that it is not run with, and why; empty where it is run with all."""
     set_up: Callable[[], Model]
     """The system at the start, for the figure."""
-    examine: Callable[[Variant], Outcome]
-    """Run the problem with a variant."""
+    examine: Callable[..., object]
+    """Run the problem with a trial and the cases."""
     variants: tuple[Variant, ...]
     """The variants of a full run."""
     quick: tuple[Variant, ...]
     """The variants where time is short."""
-    examine_briefly: Callable[[Variant], Outcome] | None = None
-    """The same with fewer cases, for where time is short; all of them if absent."""
-    left_out: str = ""
-    """Processes that it is not run with, and why; empty where it is run with all."""
+    cases: tuple[Any, ...] = ()
+    """The cases run; all that are the defaults of ``examine`` if empty."""
+    few: tuple[Any, ...] = ()
+    """The cases where time is short; all of them if empty."""
+    briefly: Callable[[Trial], object] | None = None
+    """The part of ``examine`` that is run where time is short; all of it if None."""
     known_failures: tuple[KnownFailure, ...] = ()
     """The known misses."""
 
     def brief(self) -> Problem:
-        """Return the problem with its variants where time is short."""
-        examine = self.examine_briefly or self.examine
-        return replace(self, variants=self.quick, examine=examine)
+        """Return the problem with its variants and cases where time is short."""
+        examine = self.briefly or self.examine
+        return replace(self, variants=self.quick, cases=self.few, examine=examine)
 
     def findings(self, variant: Variant) -> Findings:
         """Run the problem with a variant; a run that stops is a row that misses."""
+        trial = Trial(variant)
         try:
-            outcome = self.examine(variant)
+            self.examine(trial, *self.cases)
         except RunStopped as stopped:
-            outcome = Outcome((_stopped(stopped),))
-        rows = tuple(self._row(comparison, variant) for comparison in outcome.comparisons)
-        return Findings(problem=self, variant=variant, rows=rows, charts=outcome.charts)
+            trial = Trial(variant)
+            trial.absolute("runs that stopped before their end", "", 1.0, 0.0, 0.0, str(stopped))
+        rows = tuple(self._row(comparison, variant) for comparison in trial.rows)
+        return Findings(problem=self, variant=variant, rows=rows, charts=tuple(trial.charts))
 
     def run(self, variant: Variant) -> list[Row]:
         """Run the problem with a variant and return its rows."""
@@ -258,9 +283,33 @@ class Problem:
         )
 
 
-def _stopped(stopped: RunStopped) -> Comparison:
-    """Return the comparison that a run which could not go on leaves."""
-    return absolute("runs that stopped before their end", "", 1.0, 0.0, 0.0, str(stopped))
+FIELDS = {"Exact": "formula", "Source": "source", "Not run with": "left_out"}
+"""Last sections of the docstring of a problem, and the fields that they fill."""
+SECTION = re.compile(rf"\n+({'|'.join(FIELDS)}): ")
+
+
+def problem(**settings: Any) -> Callable[[Callable[..., None]], Problem]:
+    """Make a problem of the function that examines it; ``settings`` as of Problem.
+
+    The function's name is that of the problem; its docstring is title, text and FIELDS.
+    """
+
+    def of(examine: Callable[..., None]) -> Problem:
+        head, *sections = re.split(SECTION, cleandoc(examine.__doc__ or ""))
+        title, _, text = head.partition("\n\n")
+        texts = dict(zip(map(FIELDS.__getitem__, sections[::2]), sections[1::2], strict=True))
+        texts = {field: " ".join(words.split()).removesuffix(".") for field, words in texts.items()}
+        fields: dict[str, Any] = {**texts, "text": " ".join(text.split())}
+        name = examine.__name__.replace("_", "-")
+        return Problem(
+            name=name,
+            title=" ".join(title.split()).removesuffix("."),
+            examine=examine,
+            **fields,
+            **settings,
+        )
+
+    return of
 
 
 def fixed_failures(findings: Iterable[Findings]) -> list[KnownFailure]:

@@ -9,6 +9,9 @@ from typing import Any
 
 from clast.inputs.method import FIXED_POINT_FACTOR, MethodTable
 from clast.model.model import Model
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
 from clast.step.method import Method
 
 CRITDIS = 0.5
@@ -68,6 +71,13 @@ class Variant:
             dynamic_ratio=dynamic_ratio,
         )
 
+    def run(
+        self, model: Model, *, step: float, end: float, every: float | None = None, **numbers: float
+    ) -> Run:
+        """Run a model to ``end``, s, with ``numbers`` of method(); one frame by default."""
+        schedule = Schedule(step=step, end=end, every=end if every is None else every)
+        return simulate(model, self.method(model, **numbers), schedule)
+
 
 LAGGED = Variant(name="modified, lagged friction", process={"name": "modified"})
 """The paper's process: one pass, sliding friction as a known force."""
@@ -78,8 +88,7 @@ IMPLICIT = Variant(
 """The paper's process with sliding friction mu N inside the solve."""
 
 PASSES = Variant(
-    name="modified, 4 passes",
-    process={"name": "modified", "friction": "implicit", "passes": 4},
+    name="modified, 4 passes", process={"name": "modified", "friction": "implicit", "passes": 4}
 )
 """Up to four assemblies and solves a step, until the modes of the contacts agree."""
 

@@ -12,12 +12,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model, Plane, PlaneStrain, PlaneStress
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Chart,
+    InputBuilder,
+    Model,
+    Plane,
+    PlaneStrain,
+    PlaneStress,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25
@@ -31,7 +37,7 @@ PLANES: tuple[Plane, ...] = (PlaneStress(), PlaneStrain())
 STRAINED = "the weight acts on the shortened column: of the size of its strain, 2.6e-5"
 
 
-def column(plane: Plane = PLANES[0]) -> Model:
+def model_of_column(plane: Plane = PLANES[0]) -> Model:
     """Return a column of 2 m x 10 m on a fixed, smooth floor."""
     builder = InputBuilder(title="Column", plane=plane, gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=DENSITY)
@@ -51,31 +57,17 @@ def exact_shortening(plane: Plane) -> float:
 
 def settled(plane: Plane, variant: Variant) -> tuple[float, float, float]:
     """Return the vertical stress, Pa, the shortening and the settlement of the foot, m."""
-    model = column(plane)
-    method = variant.method(
-        model, normal_stiffness=STIFFNESS, max_displacement=0.05, dynamic_ratio=0.0
+    model = model_of_column(plane)
+    run = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=STIFFNESS,
+        max_displacement=0.05,
+        dynamic_ratio=0.0,
     )
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
     foot, top = (float(run.history(name).displacement[-1, 1]) for name in ("foot", "top"))
     return float(run.state.stress[1, 1]), foot - top, -foot
-
-
-def examine(variant: Variant) -> Outcome:
-    """Compare stress, shortening and settlement in plane stress and plane strain."""
-    rows: list[Comparison] = []
-    shortenings = []
-    for plane in PLANES:
-        stress, shortening, settlement = settled(plane, variant)
-        shortenings.append(shortening)
-        exact = exact_shortening(plane)
-        sunk = WEIGHT / (2.0 * STIFFNESS)
-        case = f"plane {plane.name}"
-        rows += [
-            relative(f"vertical stress, {case}", "Pa", stress, STRESS, 1e-4, STRAINED),
-            relative(f"shortening, {case}", "m", shortening, exact, 1e-4, STRAINED),
-            relative(f"settlement of the foot, {case}", "m", settlement, sunk, 1e-6, "at rest"),
-        ]
-    return Outcome(tuple(rows), (_chart(variant, shortenings),))
 
 
 def _chart(variant: Variant, shortenings: list[float]) -> Chart:
@@ -95,16 +87,27 @@ def _chart(variant: Variant, shortenings: list[float]) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="column",
-    title="Column under its own weight",
-    text="A block of 2 m x 10 m stands on a fixed, smooth floor; E = 5 GPa, nu = 0.25, "
-    "rho = 2700 kg/m3, g = 9.8 m/s2, p = 2 GPa, h = 5 ms, static (dynamic_ratio = 0).",
-    formula="sigma_yy = -rho g H/2; shortening rho g H^2/(2E') with E' = E in plane stress, "
-    "E/(1 - nu^2) in plane strain; the foot settles by W/(2p)",
-    source="elasticity, averaged over the column (a block has one strain)",
-    set_up=column,
-    examine=examine,
-    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE),
-    quick=(LAGGED, CONVEX),
+@problem(
+    set_up=model_of_column, variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE), quick=(LAGGED, CONVEX)
 )
+def column(trial: Trial) -> None:
+    """Column under its own weight.
+
+    A block of 2 m x 10 m stands on a fixed, smooth floor; E = 5 GPa, nu = 0.25, rho = 2700 kg/m3, g
+    = 9.8 m/s2, p = 2 GPa, h = 5 ms, static (dynamic_ratio = 0).
+
+    Exact: sigma_yy = -rho g H/2; shortening rho g H^2/(2E') with E' = E in plane stress, E/(1 -
+    nu^2) in plane strain; the foot settles by W/(2p).
+    Source: elasticity, averaged over the column (a block has one strain).
+    """
+    shortenings = []
+    for plane in PLANES:
+        stress, shortening, settlement = settled(plane, trial.variant)
+        shortenings.append(shortening)
+        exact = exact_shortening(plane)
+        sunk = WEIGHT / (2.0 * STIFFNESS)
+        case = f"plane {plane.name}"
+        trial.relative(f"vertical stress, {case}", "Pa", stress, STRESS, 1e-4, STRAINED)
+        trial.relative(f"shortening, {case}", "m", shortening, exact, 1e-4, STRAINED)
+        trial.relative(f"settlement of the foot, {case}", "m", settlement, sunk, 1e-6, "at rest")
+    trial.charts.append(_chart(trial.variant, shortenings))

@@ -9,13 +9,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, Curve, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Chart,
+    Comparison,
+    Curve,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
@@ -39,22 +45,9 @@ def block_in_the_air(velocity: tuple[float, float, float] = THROWN) -> Model:
 def flight(velocity: tuple[float, float, float], step: float, variant: Variant) -> PointHistory:
     """Return the computed flight of the centroid over 1 s."""
     model = block_in_the_air(velocity)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.5)
-    schedule = Schedule(step=step, end=DURATION, every=DURATION)
-    return simulate(model, method, schedule).history("centroid")
-
-
-def examine(variant: Variant) -> Outcome:
-    """Compare fall and throw at two step sizes."""
-    rows: list[Comparison] = []
-    curves = []
-    for step in STEPS:
-        fall, throw = flight((0.0, 0.0, 0.0), step, variant), flight(THROWN, step, variant)
-        rows += compare(fall, throw, step, late(step, variant))
-        every = max(1, len(throw.time) // 20)
-        label = f"{variant.name}, h = {1e3 * step:g} ms"
-        curves.append(curve(label, *throw.displacement[::every].T))
-    return Outcome(tuple(rows), (_chart(tuple(curves)),))
+    return variant.run(
+        model, step=step, end=DURATION, normal_stiffness=1e9, max_displacement=0.5
+    ).history("centroid")
 
 
 def late(step: float, variant: Variant) -> float:
@@ -103,15 +96,24 @@ def _chart(flights: tuple[Curve, ...]) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="free-fall",
-    title="Free fall and projectile",
-    text="A block falls from rest, and another is thrown with (3, 4) m/s and a spin of 0.5 rad/s; "
-    "g = 9.8 m/s2, steps of 5 and 20 ms.",
-    formula="(u t, v t - g t^2/2); backward Euler ends g t h/2 below",
-    source="Galilei; the sum of n steps of backward Euler",
-    set_up=block_in_the_air,
-    examine=examine,
-    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE),
-    quick=(LAGGED,),
-)
+@problem(set_up=block_in_the_air, variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE), quick=(LAGGED,))
+def free_fall(trial: Trial) -> None:
+    """Free fall and projectile.
+
+    A block falls from rest, and another is thrown with (3, 4) m/s and a spin of 0.5 rad/s; g = 9.8
+    m/s2, steps of 5 and 20 ms.
+
+    Exact: (u t, v t - g t^2/2); backward Euler ends g t h/2 below.
+    Source: Galilei; the sum of n steps of backward Euler.
+    """
+    curves = []
+    for step in STEPS:
+        fall, throw = (
+            flight((0.0, 0.0, 0.0), step, trial.variant),
+            flight(THROWN, step, trial.variant),
+        )
+        trial.rows += compare(fall, throw, step, late(step, trial.variant))
+        every = max(1, len(throw.time) // 20)
+        label = f"{trial.variant.name}, h = {1e3 * step:g} ms"
+        curves.append(curve(label, *throw.displacement[::every].T))
+    trial.charts.append(_chart(tuple(curves)))

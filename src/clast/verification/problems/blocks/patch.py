@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Plane,
+    PlaneStrain,
+    PlaneStress,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 YOUNG, POISSON = 5e9, 0.25
@@ -61,8 +67,14 @@ def exact_displacement(plane: Plane) -> Floats:
 def loaded(plane: Plane, variant: Variant) -> tuple[Floats, Floats]:
     """Return stress (3,), Pa, and displacement of the corners, m (k, 2)."""
     model = loaded_block(plane)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    run = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=1e9,
+        max_displacement=0.05,
+        dynamic_ratio=0.0,
+    )
     moved = np.array([run.history(f"corner {k}").displacement[-1] for k in range(len(CORNERS))])
     return run.state.stress[0], without_rigid_motion(moved)
 
@@ -75,46 +87,36 @@ def without_rigid_motion(moved: Floats) -> Floats:
     return np.stack([u + turn * y, v - turn * x], axis=1)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare stress and displacement in plane stress and plane strain."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=loaded_block, variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE, MULTIPLIERS), quick=(LAGGED,)
+)
+def patch(trial: Trial) -> None:
+    """Patch test.
+
+    Tractions of a uniform stress (3, -5, 2) kPa act on all edges of a free pentagon; E = 5 GPa, nu
+    = 0.25, static (dynamic_ratio = 0).
+
+    Exact: stress = applied stress, displacement = strain . (x - xc), strain by Hooke's law with
+    sigma_zz = 0 or eps_zz = 0.
+    Source: Hooke's law.
+    """
     pairs = []
     for plane in PLANES:
-        stress, moved = loaded(plane, variant)
+        stress, moved = loaded(plane, trial.variant)
         exact = exact_displacement(plane)
         case = f"plane {plane.name}"
         for name, found, applied in zip(("xx", "yy", "xy"), stress, STRESS, strict=True):
-            rows.append(
-                relative(f"stress {name}, {case}", "Pa", found, applied, TOLERANCE, STRAINED)
-            )
+            trial.relative(f"stress {name}, {case}", "Pa", found, applied, TOLERANCE, STRAINED)
         worst = np.unravel_index(np.abs(moved - exact).argmax(), exact.shape)
         quantity = f"displacement of the worst corner, {case}"
-        rows.append(relative(quantity, "m", moved[worst], exact[worst], TOLERANCE, STRAINED))
+        trial.relative(quantity, "m", moved[worst], exact[worst], TOLERANCE, STRAINED)
         pairs.append(1e6 * np.stack([exact.ravel(), moved.ravel()]))
     found = np.concatenate(pairs, axis=1)
     limit = 1.1 * np.abs(found[0]).max()
-    chart = Chart(
-        title="displacement of the corners",
-        x_label="affine field, µm",
-        y_label="computed, µm",
-        curves=(
-            exact_curve("equal", (-limit, limit), (-limit, limit)),
-            curve(variant.name, *found),
-        ),
+    trial.chart(
+        "displacement of the corners",
+        "affine field, µm",
+        "computed, µm",
+        exact_curve("equal", (-limit, limit), (-limit, limit)),
+        curve(trial.variant.name, *found),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="patch",
-    title="Patch test",
-    text="Tractions of a uniform stress (3, -5, 2) kPa act on all edges of a free pentagon; "
-    "E = 5 GPa, nu = 0.25, static (dynamic_ratio = 0).",
-    formula="stress = applied stress, displacement = strain . (x - xc), strain by Hooke's law with "
-    "sigma_zz = 0 or eps_zz = 0",
-    source="Hooke's law",
-    set_up=loaded_block,
-    examine=examine,
-    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE, MULTIPLIERS),
-    quick=(LAGGED,),
-)

@@ -11,18 +11,19 @@ K being the complete elliptic integral of the first kind.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from scipy.special import ellipk
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2700.0
@@ -37,10 +38,7 @@ STEP = 2e-3
 SMALL = float(2.0 * np.pi * np.sqrt(INERTIA / (GRAVITY * ARM)))
 """Period of small amplitudes, s."""
 GROWS = "constant acceleration lets the amplitude grow, by pi w h/4 a half-swing and more"
-TOLERANCES = {
-    1.0: (5e-5, "the formula neglects a^2/16 = 2e-5"),
-    60.0: (4e-3, GROWS),
-}
+TOLERANCES = {1.0: (5e-5, "the formula neglects a^2/16 = 2e-5"), 60.0: (4e-3, GROWS)}
 """Tolerance of the period by amplitude, and its reason."""
 
 
@@ -67,9 +65,10 @@ def hung_block(amplitude: float = 30.0) -> Model:
 def swing(amplitude: float, variant: Variant) -> PointHistory:
     """Return the motion of the block, let go at ``amplitude``, degrees, over 1.27 periods."""
     model = hung_block(amplitude)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.1)
     end = 1.27 * exact_period(amplitude)
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("centroid")
+    return variant.run(
+        model, step=STEP, end=end, normal_stiffness=1e9, max_displacement=0.1
+    ).history("centroid")
 
 
 def period(time: Floats, angle: Floats) -> float:
@@ -87,48 +86,42 @@ def exact_growth(variant: Variant) -> float:
     return float(0.25 * np.pi * STEP * np.sqrt(GRAVITY * ARM / INERTIA))
 
 
-def examine(amplitudes: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the periods of ``amplitudes``, degrees, and the growth of the smallest."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=hung_block,
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
+    quick=(LAGGED,),
+    few=(AMPLITUDES[:1],),
+)
+def pendulum(trial: Trial, amplitudes: tuple[float, ...] = AMPLITUDES) -> None:
+    """Pendulum.
+
+    A block of 0.5 m x 2 m is hung on a fixed point in the middle of its top and let go at 1 and at
+    60 degrees; g = 9.8 m/s2, h = 2 ms. The period is taken between the first and the third passage
+    through the vertical.
+
+    Exact: T = 2 pi sqrt(I_O/(m g l)) small, 4 sqrt(I_O/(m g l)) K(sin(a/2)) large.
+    Source: physical pendulum; complete elliptic integral by scipy.
+    """
     periods = []
     for amplitude in amplitudes:
-        history = swing(amplitude, variant)
+        history = swing(amplitude, trial.variant)
         angle = np.radians(amplitude) + history.rotation
         exact = SMALL if amplitude == AMPLITUDES[0] else exact_period(amplitude)
         tolerance, reason = TOLERANCES[amplitude]
         periods.append(period(history.time, angle))
         quantity = f"period at {amplitude:g} degrees"
-        rows.append(relative(quantity, "s", periods[-1], exact, tolerance, reason))
+        trial.relative(quantity, "s", periods[-1], exact, tolerance, reason)
         if amplitude == AMPLITUDES[0]:
             growth = -angle.min() / angle[0] - 1.0
             quantity = "growth of the amplitude in half a swing"
-            rows.append(
-                absolute(quantity, "", growth, exact_growth(variant), 2e-5, "of first order in h")
+            trial.absolute(
+                quantity, "", growth, exact_growth(trial.variant), 2e-5, "of first order in h"
             )
     fine = np.linspace(0.0, 1.1 * AMPLITUDES[-1], 100)
-    chart = Chart(
-        title="period of the pendulum",
-        x_label="amplitude, degrees",
-        y_label="period, s",
-        curves=(
-            exact_curve("4 sqrt(I/(m g l)) K", fine, [exact_period(angle) for angle in fine]),
-            curve(variant.name, amplitudes, periods),
-        ),
+    trial.chart(
+        "period of the pendulum",
+        "amplitude, degrees",
+        "period, s",
+        exact_curve("4 sqrt(I/(m g l)) K", fine, [exact_period(angle) for angle in fine]),
+        curve(trial.variant.name, amplitudes, periods),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="pendulum",
-    title="Pendulum",
-    text="A block of 0.5 m x 2 m is hung on a fixed point in the middle of its top and let go at 1 "
-    "and at 60 degrees; g = 9.8 m/s2, h = 2 ms. The period is taken between the first and the "
-    "third passage through the vertical.",
-    formula="T = 2 pi sqrt(I_O/(m g l)) small, 4 sqrt(I_O/(m g l)) K(sin(a/2)) large",
-    source="physical pendulum; complete elliptic integral by scipy",
-    set_up=hung_block,
-    examine=partial(examine, AMPLITUDES),
-    examine_briefly=partial(examine, AMPLITUDES[:1]),
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
-    quick=(LAGGED,),
-)

@@ -15,16 +15,9 @@ arrives.  The convex process has a restitution of its own (see restitution).
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, absolute
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import EULER, LAGGED, OPEN_CLOSE, PASSES, Variant
 
 SPEED = 0.1
@@ -38,12 +31,7 @@ STEPS = (0.05, 0.1, 0.2, 0.5)
 """w h."""
 FEW = STEPS[2:]
 """w h where time is short."""
-THETAS = {
-    LAGGED.name: 1.0,
-    PASSES.name: 1.0,
-    OPEN_CLOSE.name: 1.0,
-    EULER.name: 2.0,
-}
+THETAS = {LAGGED.name: 1.0, PASSES.name: 1.0, OPEN_CLOSE.name: 1.0, EULER.name: 2.0}
 """theta_in + theta_out by variant."""
 ARRIVALS = np.arange(8) / 8.0
 """Shares of a step at which the block arrives."""
@@ -60,12 +48,11 @@ def block_above_floor(gap: float = 0.1) -> Model:
     return builder.build()
 
 
-def bounce(step: float, arrival: float, variant: Variant) -> float:
+def model_of_bounce(step: float, arrival: float, variant: Variant) -> float:
     """Return the restitution of a block that lands ``arrival`` of a ``step``, s, into a step."""
     model = block_above_floor(SPEED * step * (1.0 + arrival))
-    method = variant.method(model, normal_stiffness=STIFFNESS, max_displacement=0.1)
     end = 1.5 * np.pi / FREQUENCY + 8.0 * step
-    run = simulate(model, method, Schedule(step=step, end=end, every=end))
+    run = variant.run(model, step=step, end=end, normal_stiffness=STIFFNESS, max_displacement=0.1)
     return float(run.history("centroid").velocity[-1, 1]) / SPEED
 
 
@@ -74,46 +61,41 @@ def exact_restitution(step: float, variant: Variant) -> float:
     return float(np.exp(-0.25 * np.pi * step * THETAS[variant.name]))
 
 
-def examine(steps: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the mean restitution of eight arrivals for the ``steps`` w h."""
-    rows, computed = [], []
+@problem(
+    set_up=block_above_floor,
+    variants=(LAGGED, PASSES, EULER, OPEN_CLOSE),
+    quick=(LAGGED,),
+    few=(FEW,),
+)
+def bounce(trial: Trial, steps: tuple[float, ...] = STEPS) -> None:
+    """Bounce on the contact springs.
+
+    A block of 1 m x 1 m lands flat on a fixed floor at 0.1 m/s without gravity; p = 10 MPa, rho =
+    2700 kg/m3. The restitution comes from the numerical damping of the time scheme; it is averaged
+    over eight instants of arrival within a step.
+
+    Exact: exp(-pi w h (theta_in + theta_out)/4), w = sqrt(2 p/m): exp(-pi w h/4) with constant
+    acceleration, exp(-pi w h/2) with backward Euler.
+    Source: spectral radius of the time scheme for an undamped oscillator.
+    Not run with: convex: it has a restitution of its own, which the problem restitution compares.
+    """
+    trial.rows, computed = [], []
     for step in steps:
-        found = [bounce(step / FREQUENCY, arrival, variant) for arrival in ARRIVALS]
+        found = [model_of_bounce(step / FREQUENCY, arrival, trial.variant) for arrival in ARRIVALS]
         computed.append(found)
         quantity = f"restitution at w h = {step:g}, mean of 8 arrivals"
-        exact = exact_restitution(step, variant)
+        exact = exact_restitution(step, trial.variant)
         reason = "the formula neglects (w h)^2"
-        rows.append(absolute(quantity, "", float(np.mean(found)), exact, 0.3 * step**2, reason))
+        trial.absolute(quantity, "", float(np.mean(found)), exact, 0.3 * step**2, reason)
     fine = np.linspace(0.0, max(STEPS), 51)
-    chart = Chart(
-        title="restitution",
-        x_label="ω h",
-        y_label="speed after / speed before",
-        curves=(
-            exact_curve(
-                f"exp(-{0.25 * THETAS[variant.name]:g} π ω h)",
-                fine,
-                [exact_restitution(step, variant) for step in fine],
-            ),
-            curve(variant.name, np.repeat(steps, len(ARRIVALS)), np.ravel(computed)),
+    trial.chart(
+        "restitution",
+        "ω h",
+        "speed after / speed before",
+        exact_curve(
+            f"exp(-{0.25 * THETAS[trial.variant.name]:g} π ω h)",
+            fine,
+            [exact_restitution(step, trial.variant) for step in fine],
         ),
+        curve(trial.variant.name, np.repeat(steps, len(ARRIVALS)), np.ravel(computed)),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="bounce",
-    title="Bounce on the contact springs",
-    text="A block of 1 m x 1 m lands flat on a fixed floor at 0.1 m/s without gravity; p = 10 MPa, "
-    "rho = 2700 kg/m3. The restitution comes from the numerical damping of the time scheme; it is "
-    "averaged over eight instants of arrival within a step.",
-    formula="exp(-pi w h (theta_in + theta_out)/4), w = sqrt(2 p/m): exp(-pi w h/4) with constant "
-    "acceleration, exp(-pi w h/2) with backward Euler",
-    source="spectral radius of the time scheme for an undamped oscillator",
-    set_up=block_above_floor,
-    examine=partial(examine, STEPS),
-    examine_briefly=partial(examine, FEW),
-    variants=(LAGGED, PASSES, EULER, OPEN_CLOSE),
-    left_out="convex: it has a restitution of its own, which the problem restitution compares",
-    quick=(LAGGED,),
-)

@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.model.state import State, initial_state
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, absolute
+from clast.verification.problems import (
+    Chart,
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    State,
+    Trial,
+    curve,
+    exact_curve,
+    initial_state,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -56,22 +61,6 @@ def momentum(model: Model, state: State) -> Floats:
     return np.array([*linear.sum(axis=0), angular.sum()])
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare momentum before and after, and the speed of the common centre of mass."""
-    model = two_blocks()
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.02)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
-    before, after = momentum(model, initial_state(model)), momentum(model, run.state)
-    scale = float(np.hypot(*before[:2]))
-    lost = (after - before) / scale
-    rows = (
-        absolute("change of momentum x / momentum", "", lost[0], 0.0, 1e-13, ROUND_OFF),
-        absolute("change of momentum y / momentum", "", lost[1], 0.0, 1e-13, ROUND_OFF),
-        absolute("change of moment of momentum / momentum", "m", lost[2], 0.0, 1e-3, MOMENT),
-    )
-    return Outcome(rows, (_chart(variant, run, before[0]),))
-
-
 def _chart(variant: Variant, run: Run, momentum_x: float) -> Chart:
     """Return the horizontal velocity of both blocks and of their centre of mass over time."""
     mass = run.model.mass
@@ -90,15 +79,28 @@ def _chart(variant: Variant, run: Run, momentum_x: float) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="collision",
-    title="Collision of two free blocks",
-    text="A tilted block of 1 m2 flying at (1, 0.2) m/s hits a block of 2 m2 at rest, off its "
-    "centre, with a friction angle of 30 degrees and no gravity; p = 0.1 GPa, h = 1 ms.",
-    formula="momentum and moment of momentum after = before",
-    source="Newton's third law",
+@problem(
     set_up=two_blocks,
-    examine=examine,
     variants=(LAGGED, OPEN_CLOSE, CONVEX, EULER, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(LAGGED, CONVEX),
 )
+def collision(trial: Trial) -> None:
+    """Collision of two free blocks.
+
+    A tilted block of 1 m2 flying at (1, 0.2) m/s hits a block of 2 m2 at rest, off its centre, with
+    a friction angle of 30 degrees and no gravity; p = 0.1 GPa, h = 1 ms.
+
+    Exact: momentum and moment of momentum after = before.
+    Source: Newton's third law.
+    """
+    model = two_blocks()
+    run = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.02
+    )
+    before, after = momentum(model, initial_state(model)), momentum(model, run.state)
+    scale = float(np.hypot(*before[:2]))
+    lost = (after - before) / scale
+    trial.absolute("change of momentum x / momentum", "", lost[0], 0.0, 1e-13, ROUND_OFF)
+    trial.absolute("change of momentum y / momentum", "", lost[1], 0.0, 1e-13, ROUND_OFF)
+    trial.absolute("change of moment of momentum / momentum", "m", lost[2], 0.0, 1e-3, MOMENT)
+    trial.charts.append(_chart(trial.variant, run, before[0]))

@@ -15,12 +15,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Chart,
+    InputBuilder,
+    Model,
+    Trial,
+    absolute,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -55,10 +60,14 @@ def block_on_floor() -> Model:
 def rest(stiffness: float, variant: Variant) -> tuple[float, float, float]:
     """Return penetration, m, contact force, N/m, of the block at rest, and the last step, s."""
     model = block_on_floor()
-    method = variant.method(
-        model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
+    run = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=stiffness,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
     )
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
     memory, step = run.state.memory, float(run.steps["step"][-1])
     return float(-memory.gap.mean()), float(memory.normal_force.sum()), step
 
@@ -73,22 +82,35 @@ def exact_penetration(stiffness: float, variant: Variant, step: float) -> float:
     return float(penalty * stiff / ((1.0 + stiff) ** solves - 1.0))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare penetration and contact force over the stiffness."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=block_on_floor,
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(MULTIPLIERS,),
+)
+def penetration(trial: Trial) -> None:
+    """Penetration of a block at rest.
+
+    A block of 1 m x 1 m rests on a fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, h = 1 ms, static
+    (dynamic_ratio = 0). The block is stiff, so that only the contacts give.
+
+    Exact: contact force W; penetration W/(n p) with the penalty law, times b/((1 + b)^4 - 1) with
+    four solves of the augmented Lagrangian law, b = p h2/(2m), h that of the mass term, and 0 where
+    the convex process carries multipliers over.
+    Source: equilibrium; geometric series of the solves of a step.
+    """
     found, step = [], STEP
     for stiffness in STIFFNESSES:
-        penetration, force, step = rest(stiffness, variant)
+        penetration, force, step = rest(stiffness, trial.variant)
         found.append(penetration)
-        exact = exact_penetration(stiffness, variant, step)
+        exact = exact_penetration(stiffness, trial.variant, step)
         at = f"at p = {stiffness:.0e}"
         if exact:
             row = relative(f"penetration {at}", "m", penetration, exact, TOLERANCE, REASON)
         else:
             share = TOLERANCE * exact_penetration(stiffness, CONVEX, step)
             row = absolute(f"penetration {at}", "m", penetration, exact, share, REASON)
-        rows.append(row)
-        rows.append(relative(f"contact force {at}", "N/m", force, WEIGHT, TOLERANCE, REASON))
+        trial.rows.append(row)
+        trial.relative(f"contact force {at}", "N/m", force, WEIGHT, TOLERANCE, REASON)
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 50)
     chart = Chart(
         title="penetration at rest",
@@ -96,29 +118,13 @@ def examine(variant: Variant) -> Outcome:
         y_label="penetration, m",
         curves=(
             exact_curve(
-                "W/(n p), four solves" if "solves" in variant.contact_law else "W/(n p)",
+                "W/(n p), four solves" if "solves" in trial.variant.contact_law else "W/(n p)",
                 fine,
-                [exact_penetration(stiffness, variant, step) for stiffness in fine],
+                [exact_penetration(stiffness, trial.variant, step) for stiffness in fine],
             ),
-            curve(variant.name, STIFFNESSES, found),
+            curve(trial.variant.name, STIFFNESSES, found),
         ),
         x_scale="log",
         y_scale="log",
     )
-    return Outcome(tuple(rows), () if variant is CONVEX_MULTIPLIERS else (chart,))
-
-
-PROBLEM = Problem(
-    name="penetration",
-    title="Penetration of a block at rest",
-    text="A block of 1 m x 1 m rests on a fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, h = 1 ms, "
-    "static (dynamic_ratio = 0). The block is stiff, so that only the contacts give.",
-    formula="contact force W; penetration W/(n p) with the penalty law, times b/((1 + b)^4 - 1) "
-    "with four solves of the augmented Lagrangian law, b = p h2/(2m), h that of the mass term, and "
-    "0 where the convex process carries multipliers over",
-    source="equilibrium; geometric series of the solves of a step",
-    set_up=block_on_floor,
-    examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
-    quick=(MULTIPLIERS,),
-)
+    trial.charts += () if trial.variant is CONVEX_MULTIPLIERS else (chart,)

@@ -11,16 +11,12 @@ them with e = 1 the last leaves with its speed (Newton's cradle).
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, Variant
 
 YOUNG, DENSITY, GRAVITY = 5e9, 2500.0, 9.8
@@ -112,18 +108,37 @@ def last_of_row(variant: Variant, gap: float) -> float:
     return float(run.history(str(ROW)).velocity[-1, 0]) / SPEED
 
 
-def examine(
-    masses: tuple[float, ...], steps: tuple[float, ...], arrivals: tuple[float, ...], by: Variant
-) -> Outcome:
-    """Compare speeds of parting over all stiffnesses, ``steps``, s, ``arrivals`` and ``masses``."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=two_squares,
+    variants=(CONVEX,),
+    quick=(CONVEX,),
+    few=((FIXED, 1e3), STEPS[::2], (0.0, 0.55)),
+)
+def restitution(
+    trial: Trial,
+    masses: tuple[float, ...] = MASSES,
+    steps: tuple[float, ...] = STEPS,
+    arrivals: tuple[float, ...] = tuple(ARRIVALS),
+) -> None:
+    """Restitution.
+
+    Squares of 1 m meet at 1 m/s without gravity: one hits a fixed one, or a free one of a mass from
+    1/1000 to 1000 times its own; p from E/1000 to 10 E, h from 0.02 to 10 ms, ten moments of a
+    step. One falls from 1 m, and one hits a row of five, in touch and apart.
+
+    Exact: speed after = e x speed before; height of the rebound e^2 x 1 m; the last of the row
+    leaves with the speed of the first (e = 1).
+    Source: definition of the restitution; exchange of momentum between equal masses.
+    Not run with: modified and open-close: they know no restitution, but rebound from their springs
+    as in the problem bounce.
+    """
     found: dict[float, list[float]] = {e: [] for e in RESTITUTIONS}
     for mass in masses:
         other = "a fixed square" if mass == FIXED else f"a free square, masses 1:{mass:g}"
         for e in RESTITUTIONS:
             speeds = np.array(
                 [
-                    parting(by, e, mass, stiffness, step, arrival)
+                    parting(trial.variant, e, mass, stiffness, step, arrival)
                     for stiffness in STIFFNESSES
                     for step in steps
                     for arrival in arrivals
@@ -132,44 +147,23 @@ def examine(
             found[e].extend(speeds)
             worst = float(speeds[np.argmax(np.abs(speeds - e))])
             quantity = f"restitution {e:g}, {other}: the worst"
-            rows.append(absolute(quantity, "", worst, e, 1e-6, ASKED))
+            trial.absolute(quantity, "", worst, e, 1e-6, ASKED)
     for e in (0.5, 1.0):
         heights = [
-            height(by, e, stiffness, 1e-2) for stiffness in (STIFFNESSES[0], STIFFNESSES[-1])
+            height(trial.variant, e, stiffness, 1e-2)
+            for stiffness in (STIFFNESSES[0], STIFFNESSES[-1])
         ]
         worst = max(heights, key=lambda one, e=e: abs(one - e**2))  # type: ignore[misc]
         reason = "heights are known at the ends of steps"
-        rows.append(absolute(f"rebound from 1 m with {e:g}", "m", worst, e**2, 5e-3, reason))
+        trial.absolute(f"rebound from 1 m with {e:g}", "m", worst, e**2, 5e-3, reason)
     for gap in (0.0, 1e-4):
         quantity = f"speed of the last of {ROW} in a row, {1e3 * gap:g} mm apart"
-        rows.append(absolute(quantity, "", last_of_row(by, gap), 1.0, 1e-6, "round-off"))
+        trial.absolute(quantity, "", last_of_row(trial.variant, gap), 1.0, 1e-6, "round-off")
     asked = np.repeat(RESTITUTIONS, [len(found[e]) for e in RESTITUTIONS])
-    chart = Chart(
-        title="speed of parting",
-        x_label="restitution",
-        y_label="speed after / speed before",
-        curves=(
-            exact_curve("e", (0.0, 1.0), (0.0, 1.0)),
-            curve(by.name, asked, np.concatenate([found[e] for e in RESTITUTIONS])),
-        ),
+    trial.chart(
+        "speed of parting",
+        "restitution",
+        "speed after / speed before",
+        exact_curve("e", (0.0, 1.0), (0.0, 1.0)),
+        curve(trial.variant.name, asked, np.concatenate([found[e] for e in RESTITUTIONS])),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="restitution",
-    title="Restitution",
-    text="Squares of 1 m meet at 1 m/s without gravity: one hits a fixed one, or a free one of a "
-    "mass from 1/1000 to 1000 times its own; p from E/1000 to 10 E, h from 0.02 to 10 ms, ten "
-    "moments of a step. One falls from 1 m, and one hits a row of five, in touch and apart.",
-    formula="speed after = e x speed before; height of the rebound e^2 x 1 m; the last of the row "
-    "leaves with the speed of the first (e = 1)",
-    source="definition of the restitution; exchange of momentum between equal masses",
-    set_up=two_squares,
-    examine=partial(examine, MASSES, STEPS, tuple(ARRIVALS)),
-    examine_briefly=partial(examine, (FIXED, 1e3), STEPS[::2], (0.0, 0.55)),
-    variants=(CONVEX,),
-    left_out="modified and open-close: they know no restitution, but rebound from their springs "
-    "as in the problem bounce",
-    quick=(CONVEX,),
-)

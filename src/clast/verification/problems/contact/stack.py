@@ -10,13 +10,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.model.state import State
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    State,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -24,7 +27,6 @@ from clast.verification.variants import (
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
-    Variant,
 )
 
 GRAVITY = 9.8
@@ -39,7 +41,7 @@ TOLERANCE = 1e-6
 REASON = "what is left of the vibration after 1.2 s"
 
 
-def stack() -> Model:
+def model_of_stack() -> Model:
     """Return five blocks on a fixed floor, some as wide as the one below."""
     builder = InputBuilder(title="Stack at rest", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
@@ -61,44 +63,38 @@ def joint_loads(model: Model, state: State) -> tuple[Floats, Floats]:
     return force, depth / count
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare forces and penetrations of all joints with the weight above them."""
-    model = stack()
-    method = variant.method(model, normal_stiffness=STIFFNESS, max_displacement=0.01)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
-    force, penetration = joint_loads(model, run.state)
-    weight = np.cumsum(GRAVITY * model.mass[:0:-1])[::-1]
-    exact = weight / (np.array(CONTACTS) * STIFFNESS)
-    rows: list[Comparison] = []
-    for k in range(len(WIDTHS)):
-        name = "base reaction" if k == 0 else f"normal force of joint {k}"
-        rows.append(relative(name, "N/m", force[k], weight[k], TOLERANCE, REASON))
-    for k in range(len(WIDTHS) if variant.contact_law["name"] == "penalty" else 0):
-        name = f"penetration of joint {k}, {CONTACTS[k]} contacts"
-        rows.append(relative(name, "m", penetration[k], exact[k], TOLERANCE, REASON))
-    joints = np.arange(len(WIDTHS))
-    chart = Chart(
-        title="normal force of the joints",
-        x_label="joint, from below",
-        y_label="normal force, kN/m",
-        curves=(
-            exact_curve("weight above", joints, 1e-3 * weight),
-            curve(variant.name, joints, 1e-3 * force),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="stack",
-    title="Stack of blocks at rest",
-    text="Five blocks of 1 m height, 2, 2, 1.5, 1.5 and 1 m wide, are put on each other and on a "
-    "fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 1 ms. After 1.2 s they are at "
-    "rest.",
-    formula="sum of N of a joint = weight W above it; penetration W/(n p) with the penalty law",
-    source="equilibrium",
-    set_up=stack,
-    examine=examine,
+@problem(
+    set_up=model_of_stack,
     variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
 )
+def stack(trial: Trial) -> None:
+    """Stack of blocks at rest.
+
+    Five blocks of 1 m height, 2, 2, 1.5, 1.5 and 1 m wide, are put on each other and on a fixed
+    floor; rho = 2700 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 1 ms. After 1.2 s they are at rest.
+
+    Exact: sum of N of a joint = weight W above it; penetration W/(n p) with the penalty law.
+    Source: equilibrium.
+    """
+    model = model_of_stack()
+    run = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=STIFFNESS, max_displacement=0.01
+    )
+    force, penetration = joint_loads(model, run.state)
+    weight = np.cumsum(GRAVITY * model.mass[:0:-1])[::-1]
+    exact = weight / (np.array(CONTACTS) * STIFFNESS)
+    for k in range(len(WIDTHS)):
+        name = "base reaction" if k == 0 else f"normal force of joint {k}"
+        trial.relative(name, "N/m", force[k], weight[k], TOLERANCE, REASON)
+    for k in range(len(WIDTHS) if trial.variant.contact_law["name"] == "penalty" else 0):
+        name = f"penetration of joint {k}, {CONTACTS[k]} contacts"
+        trial.relative(name, "m", penetration[k], exact[k], TOLERANCE, REASON)
+    joints = np.arange(len(WIDTHS))
+    trial.chart(
+        "normal force of the joints",
+        "joint, from below",
+        "normal force, kN/m",
+        exact_curve("weight above", joints, 1e-3 * weight),
+        curve(trial.variant.name, joints, 1e-3 * force),
+    )

@@ -12,21 +12,17 @@ from __future__ import annotations
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import (
-    Comparison,
+from clast.verification.problems import (
+    InputBuilder,
     KnownFailure,
-    Outcome,
-    Problem,
-    absolute,
-    relative,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
 )
-from clast.verification.problems.friction.incline import GRAVITY, exact_way, incline
+from clast.verification.problems.friction.incline import GRAVITY, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, PASSES, Variant
 
 FRICTION_ANGLE = 20.0
@@ -58,16 +54,17 @@ def dropped_block() -> Model:
 
 def run_to(model: Model, stiffness: float, end: float, variant: Variant) -> Run | None:
     """Return the run to ``end``, s, or None where it could not go on."""
-    method = variant.method(model, normal_stiffness=stiffness, max_displacement=0.01)
     try:
-        return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+        return variant.run(
+            model, step=STEP, end=end, normal_stiffness=stiffness, max_displacement=0.01
+        )
     except RunStopped:
         return None
 
 
 def slide(stiffness: float, variant: Variant) -> tuple[float, float]:
     """Return the way along the incline / sqrt(2) and the mean penetration, m; nan if stopped."""
-    run = run_to(incline(FRICTION_ANGLE), stiffness, SLIDE, variant)
+    run = run_to(model_of_incline(FRICTION_ANGLE), stiffness, SLIDE, variant)
     if run is None:
         return np.nan, np.nan
     right, up = run.history("A").displacement[-1]
@@ -82,52 +79,8 @@ def energy_left(number: float, variant: Variant) -> float:
     return float(run.energy["kinetic"][-50:].max()) / (MASS * GRAVITY * DROP)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the slide over the stiffness, and see whether a dropped block comes to rest."""
-    rows: list[Comparison] = []
-    exact = exact_way(FRICTION_ANGLE, SLIDE)
-    errors = []
-    for stiffness in STIFFNESSES:
-        way, penetration = slide(stiffness, variant)
-        sunk = 0.5 * NORMAL_FORCE / stiffness
-        at = f"at p = {stiffness:.0e}"
-        tolerance = 0.0066 + sunk / exact
-        rows.append(relative(f"displacement on the incline {at}", "m", way, exact, tolerance, SOFT))
-        if stiffness >= SETTLED:
-            quantity = f"penetration on the incline {at}"
-            rows.append(
-                relative(quantity, "m", penetration, sunk, 2e-3, "vibration has not died out yet")
-            )
-        errors.append(100.0 * abs(way / exact - 1.0))
-    for number in NUMBERS:
-        quantity = f"energy left of a drop at p h2/m = {number:g}"
-        rows.append(absolute(quantity, "", energy_left(number, variant), 0.0, 1e-6, "at rest"))
-    fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
-    chart = Chart(
-        title="error of the displacement on the incline",
-        x_label="normal stiffness p, N/m per m",
-        y_label="error, %",
-        curves=(
-            exact_curve("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact)),
-            curve(variant.name, STIFFNESSES, errors),
-        ),
-        x_scale="log",
-        y_scale="log",
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="stiffness",
-    title="How stiff contacts may be",
-    text="The block on the incline at 20 degrees with normal stiffnesses from 10 MPa to 1 TPa, "
-    "0.2 s from rest, and a block of 1 m x 1 m dropped by 0.1 mm; h = 1 ms. On the incline "
-    "p h2/m = 1 is at p = 6.1 GPa.",
-    formula="displacement as in the incline problem; penetration N/(2p); a dropped block comes to "
-    "rest",
-    source="Newton's law; the paper's Section 3 has the study",
-    set_up=incline,
-    examine=examine,
+@problem(
+    set_up=model_of_incline,
     variants=(LAGGED, PASSES, OPEN_CLOSE, CONVEX),
     quick=(),
     known_failures=(
@@ -159,3 +112,39 @@ PROBLEM = Problem(
         ),
     ),
 )
+def stiffness(trial: Trial) -> None:
+    """How stiff contacts may be.
+
+    The block on the incline at 20 degrees with normal stiffnesses from 10 MPa to 1 TPa, 0.2 s from
+    rest, and a block of 1 m x 1 m dropped by 0.1 mm; h = 1 ms. On the incline p h2/m = 1 is at p =
+    6.1 GPa.
+
+    Exact: displacement as in the incline problem; penetration N/(2p); a dropped block comes to
+    rest.
+    Source: Newton's law; the paper's Section 3 has the study.
+    """
+    exact = exact_way(FRICTION_ANGLE, SLIDE)
+    errors = []
+    for stiffness in STIFFNESSES:
+        way, penetration = slide(stiffness, trial.variant)
+        sunk = 0.5 * NORMAL_FORCE / stiffness
+        at = f"at p = {stiffness:.0e}"
+        tolerance = 0.0066 + sunk / exact
+        trial.relative(f"displacement on the incline {at}", "m", way, exact, tolerance, SOFT)
+        if stiffness >= SETTLED:
+            quantity = f"penetration on the incline {at}"
+            trial.relative(quantity, "m", penetration, sunk, 2e-3, "vibration has not died out yet")
+        errors.append(100.0 * abs(way / exact - 1.0))
+    for number in NUMBERS:
+        quantity = f"energy left of a drop at p h2/m = {number:g}"
+        trial.absolute(quantity, "", energy_left(number, trial.variant), 0.0, 1e-6, "at rest")
+    fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
+    trial.chart(
+        "error of the displacement on the incline",
+        "normal stiffness p, N/m per m",
+        "error, %",
+        exact_curve("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact)),
+        curve(trial.variant.name, STIFFNESSES, errors),
+        x_scale="log",
+        y_scale="log",
+    )

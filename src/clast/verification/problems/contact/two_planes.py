@@ -10,12 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -55,8 +50,14 @@ def trough(dip_b: float = 45.0) -> Model:
 def computed_shares(dip_b: float, variant: Variant) -> tuple[float, float]:
     """Return the normal forces of both planes over the weight."""
     model = trough(dip_b)
-    method = variant.method(model, normal_stiffness=5e8, max_displacement=0.01, dynamic_ratio=0.0)
-    memory = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state.memory
+    memory = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=5e8,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
+    ).state.memory
     owner, edge = model.vertex_block[memory.vertex], memory.block
     weight = float(model.mass[2] * GRAVITY)
     left, right = (
@@ -72,39 +73,33 @@ def exact_shares(dip_b: float) -> tuple[float, float]:
     return float(np.sin(b) / np.sin(a + b)), float(np.sin(a) / np.sin(a + b))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the forces on both planes."""
-    rows: list[Comparison] = []
-    found = []
-    for dip in DIPS_B:
-        found.append(computed_shares(dip, variant))
-        for plane, one, other in zip(("left", "right"), found[-1], exact_shares(dip), strict=True):
-            quantity = f"force on the {plane} plane, right dip {dip:g} degrees"
-            rows.append(relative(quantity, "W", one, other, 1e-4, SETTLED))
-    fine = np.linspace(10.0, 70.0, 61)
-    exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(found)
-    chart = Chart(
-        title="forces on the planes",
-        x_label="dip of the right plane, degrees",
-        y_label="normal force / weight",
-        curves=(
-            exact_curve("left plane", fine, exact[:, 0]),
-            exact_curve("right plane", fine, exact[:, 1]),
-            curve(variant.name, np.repeat(DIPS_B, 2), values.ravel()),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="two-planes",
-    title="Block on two planes",
-    text="A block of 1 m depth in a trough of two planes without friction, the left one dipping 30 "
-    "degrees and the right one 40, 50 and 60; p = 0.5 GPa, h = 1 ms, static (dynamic_ratio = 0).",
-    formula="N_a = W sin b/sin(a + b), N_b = W sin a/sin(a + b)",
-    source="equilibrium",
+@problem(
     set_up=trough,
-    examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
     quick=(MULTIPLIERS,),
 )
+def two_planes(trial: Trial) -> None:
+    """Block on two planes.
+
+    A block of 1 m depth in a trough of two planes without friction, the left one dipping 30 degrees
+    and the right one 40, 50 and 60; p = 0.5 GPa, h = 1 ms, static (dynamic_ratio = 0).
+
+    Exact: N_a = W sin b/sin(a + b), N_b = W sin a/sin(a + b).
+    Source: equilibrium.
+    """
+    found = []
+    for dip in DIPS_B:
+        found.append(computed_shares(dip, trial.variant))
+        for plane, one, other in zip(("left", "right"), found[-1], exact_shares(dip), strict=True):
+            quantity = f"force on the {plane} plane, right dip {dip:g} degrees"
+            trial.relative(quantity, "W", one, other, 1e-4, SETTLED)
+    fine = np.linspace(10.0, 70.0, 61)
+    exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(found)
+    trial.chart(
+        "forces on the planes",
+        "dip of the right plane, degrees",
+        "normal force / weight",
+        exact_curve("left plane", fine, exact[:, 0]),
+        exact_curve("right plane", fine, exact[:, 1]),
+        curve(trial.variant.name, np.repeat(DIPS_B, 2), values.ravel()),
+    )

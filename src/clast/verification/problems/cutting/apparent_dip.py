@@ -15,11 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Domain, JointSet, apparent, cut
 from clast.verification.cut_blocks import CUT, drawing_of, lines_of
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import Chart, Floats, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import Variant
 
 SIDE, SPACING = 40.0, 0.8
@@ -92,17 +90,6 @@ def measured(plane: JointPlane) -> tuple[float, float]:
     return float(angle), float(np.median(np.diff(np.sort(ends[:, 0] @ normal))))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare angle and spacing of the lines of each plane."""
-    rows: list[Comparison] = []
-    for plane in PLANES:
-        angle, spacing = measured(plane)
-        rows.append(absolute(f"angle of {plane}", "degrees", angle, plane.angle(), 1e-9, ROUND_OFF))
-        exact = SPACING * plane.factor()
-        rows.append(relative(f"spacing of {plane}", "m", spacing, exact, 1e-9, ROUND_OFF))
-    return Outcome(tuple(rows), (_chart(variant),))
-
-
 def _chart(variant: Variant) -> Chart:
     fine, marks = np.linspace(0.0, 180.0, 181), np.arange(0.0, 181.0, 20.0)
 
@@ -132,15 +119,19 @@ def _drawing() -> Model:
     )
 
 
-PROBLEM = Problem(
-    name="apparent-dip",
-    title="Joint planes in a section",
-    text="Eight joint planes, given by dip and dip direction, at a true spacing of 0.8 m, cut a "
-    "section; angle and spacing of the lines that it shows. The picture has three of them.",
-    formula="tan b = -tan d cos(D - a); spacing s/sqrt(sin2 d cos2(D - a) + cos2 d)",
-    source="normals of planes; Priest (1993), Discontinuity analysis for rock engineering",
-    set_up=_drawing,
-    examine=examine,
-    variants=(CUT,),
-    quick=(CUT,),
-)
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,))
+def apparent_dip(trial: Trial) -> None:
+    """Joint planes in a section.
+
+    Eight joint planes, given by dip and dip direction, at a true spacing of 0.8 m, cut a section;
+    angle and spacing of the lines that it shows. The picture has three of them.
+
+    Exact: tan b = -tan d cos(D - a); spacing s/sqrt(sin2 d cos2(D - a) + cos2 d).
+    Source: normals of planes; Priest (1993), Discontinuity analysis for rock engineering.
+    """
+    for plane in PLANES:
+        angle, spacing = measured(plane)
+        trial.absolute(f"angle of {plane}", "degrees", angle, plane.angle(), 1e-9, ROUND_OFF)
+        exact = SPACING * plane.factor()
+        trial.relative(f"spacing of {plane}", "m", spacing, exact, 1e-9, ROUND_OFF)
+    trial.charts.append(_chart(trial.variant))

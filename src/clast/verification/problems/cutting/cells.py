@@ -7,16 +7,11 @@ formula a cell has six corners on average.  Areas have the coefficient of variat
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import JointSet, Voronoi, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import Variant
+from clast.verification.problems import Floats, Model, Trial, curve, exact_curve, problem
 
 SIDE = 10.0
 """Side of the square, m."""
@@ -53,57 +48,40 @@ def allowed(count: Floats | int) -> Floats:
     return np.asarray(SHARE * np.sqrt(COUNTS[-1] / np.asarray(count)))
 
 
-def examine(counts: tuple[int, ...], variant: Variant) -> Outcome:
-    """Compare mean area, corners and variation of areas of the last number of cells."""
+def _drawing() -> Model:
+    network = [JointSet(name="cells", model=Voronoi(count=250))]
+    return drawing_of(cut(rectangle(SIDE, SIDE), network, seed=3), "Voronoi cells")
+
+
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,), few=(FEW,))
+def voronoi_cells(trial: Trial, counts: tuple[int, ...] = COUNTS) -> None:
+    """Cells about random points.
+
+    A square of 10 m x 10 m is cut into Voronoi cells about up to 5,000 random points (250 in the
+    picture); small cells are kept.
+
+    Exact: mean area A/n; six corners; coefficient of variation of the areas sqrt(0.280) = 0.529.
+    Source: Euler's formula; Gilbert (1962), Ann. Math. Statist. 33, for the variance.
+    """
     found = [cells(count) for count in counts]
     area, corners, variation = found[-1]
     count = counts[-1]
     tolerance = float(allowed(count))
     reason = f"scatter of {count} cells: about twice the standard error of the variation"
     of = f"of {count} cells"
-    rows: list[Comparison] = [
-        relative(f"mean area {of}", "m2", area, SIDE**2 / count, 1e-12, "none is lost or merged"),
-        relative(f"mean number of corners {of}", "", corners, CORNERS, tolerance, reason),
-        relative(
-            f"coefficient of variation of the areas {of}",
-            "",
-            variation,
-            VARIATION,
-            tolerance,
-            reason,
-        ),
-    ]
+    trial.relative(f"mean area {of}", "m2", area, SIDE**2 / count, 1e-12, "none is lost or merged")
+    trial.relative(f"mean number of corners {of}", "", corners, CORNERS, tolerance, reason)
+    trial.relative(
+        f"coefficient of variation of the areas {of}", "", variation, VARIATION, tolerance, reason
+    )
     fine = np.geomspace(0.8 * counts[0], 1.25 * counts[-1], 40)
-    chart = Chart(
-        title="variation of the areas",
-        x_label="number of cells",
-        y_label="deviation over mean",
-        curves=(
-            exact_curve("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION)),
-            exact_curve("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine))),
-            exact_curve("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine))),
-            curve(variant.name, counts, [one[2] for one in found]),
-        ),
+    trial.chart(
+        "variation of the areas",
+        "number of cells",
+        "deviation over mean",
+        exact_curve("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION)),
+        exact_curve("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine))),
+        exact_curve("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine))),
+        curve(trial.variant.name, counts, [one[2] for one in found]),
         x_scale="log",
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-def _drawing() -> Model:
-    network = [JointSet(name="cells", model=Voronoi(count=250))]
-    return drawing_of(cut(rectangle(SIDE, SIDE), network, seed=3), "Voronoi cells")
-
-
-PROBLEM = Problem(
-    name="voronoi-cells",
-    title="Cells about random points",
-    text="A square of 10 m x 10 m is cut into Voronoi cells about up to 5,000 random points (250 "
-    "in the picture); small cells are kept.",
-    formula="mean area A/n; six corners; coefficient of variation of the areas sqrt(0.280) = 0.529",
-    source="Euler's formula; Gilbert (1962), Ann. Math. Statist. 33, for the variance",
-    set_up=_drawing,
-    examine=partial(examine, COUNTS),
-    examine_briefly=partial(examine, FEW),
-    variants=(CUT,),
-    quick=(CUT,),
-)

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Circle, Cut, JointSet, Opening, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import Variant
+from clast.verification.problems import Model, Trial, curve, exact_curve, problem
 
 SIDE, CENTER, RADIUS = 8.0, (3.0, 4.0), 2.0
 """Side of the domain, centre and radius of the opening, m."""
@@ -45,48 +42,36 @@ def around(chords: int) -> Cut:
     return cut(rectangle(SIDE, SIDE), [bedding], openings=[tunnel])
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the radius of the corners, and the rock that is left about the opening."""
-    rows: list[Comparison] = []
-    void = np.pi * RADIUS**2
-    for chords in CHORDS:
-        at = f"with {chords} chords"
-        exact = exact_factor(chords)
-        rows.append(
-            relative(
-                f"radius of the corners over r {at}", "", factor(chords), exact, 1e-12, "formula"
-            )
-        )
-        found = SIDE**2 - float(areas(around(chords)).sum())
-        rows.append(relative(f"area of the opening {at}", "m2", found, void, 1e-9, ROUND_OFF))
-    fine = list(range(6, 80))
-    chart = Chart(
-        title="corners of equal area",
-        x_label="chords n",
-        y_label="radius of the corners over r",
-        curves=(
-            exact_curve("equal area", fine, [exact_factor(n) for n in fine]),
-            exact_curve("inscribed", fine, np.ones(len(fine))),
-            curve(variant.name, fine[::6], [factor(n) for n in fine[::6]]),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
 def _drawing() -> Model:
     return drawing_of(around(16), "A circular opening of 16 chords")
 
 
-PROBLEM = Problem(
-    name="chords",
-    title="Circular openings of straight chords",
-    text="A circular opening of radius 2 m with 16, 32 and 64 chords is void in rock of 8 m x 8 m "
-    "with bedding.",
-    formula="area of the opening pi r2; corners at r sqrt(2 pi/(n sin(2 pi/n))): 1.013002, "
-    "1.003222, 1.000804 r",
-    source="area of a regular polygon",
-    set_up=_drawing,
-    examine=examine,
-    variants=(CUT,),
-    quick=(CUT,),
-)
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,))
+def chords(trial: Trial) -> None:
+    """Circular openings of straight chords.
+
+    A circular opening of radius 2 m with 16, 32 and 64 chords is void in rock of 8 m x 8 m with
+    bedding.
+
+    Exact: area of the opening pi r2; corners at r sqrt(2 pi/(n sin(2 pi/n))): 1.013002, 1.003222,
+    1.000804 r.
+    Source: area of a regular polygon.
+    """
+    void = np.pi * RADIUS**2
+    for chords in CHORDS:
+        at = f"with {chords} chords"
+        exact = exact_factor(chords)
+        trial.relative(
+            f"radius of the corners over r {at}", "", factor(chords), exact, 1e-12, "formula"
+        )
+        found = SIDE**2 - float(areas(around(chords)).sum())
+        trial.relative(f"area of the opening {at}", "m2", found, void, 1e-9, ROUND_OFF)
+    fine = list(range(6, 80))
+    trial.chart(
+        "corners of equal area",
+        "chords n",
+        "radius of the corners over r",
+        exact_curve("equal area", fine, [exact_factor(n) for n in fine]),
+        exact_curve("inscribed", fine, np.ones(len(fine))),
+        curve(trial.variant.name, fine[::6], [factor(n) for n in fine[::6]]),
+    )

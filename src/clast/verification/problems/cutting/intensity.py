@@ -7,17 +7,21 @@ all directions alike it meets P10 = 2 P21/pi, the mean of |cos d| being 2/pi.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.rockmass import Baecher, JointSet, PoissonLines, cut
 from clast.rockmass.cut_report import frequency
 from clast.verification.cut_blocks import CUT, drawing_of, lines_of, rectangle
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import Variant
+from clast.verification.problems import (
+    Chart,
+    Curve,
+    Floats,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 
 SIDE = 100.0
 """Side of the square, m."""
@@ -84,35 +88,6 @@ def drawn_often(name: str) -> tuple[Floats, float]:
     return np.concatenate(found), times * SIDE**2
 
 
-def examine(isotropic: tuple[str, ...], variant: Variant) -> Outcome:
-    """Compare intensities of traces, of persistent joints, and of joints of all directions."""
-    traces = cut(rectangle(SIDE, SIDE), [TRACES]).report.sets[0]
-    persistent, area = lines_of(PERSISTENT, rectangle(SIDE, SIDE)), SIDE**2
-    scanline = ANGLE + 90.0 + OFF
-    rows: list[Comparison] = [
-        relative("P21 of traces", "m/m2", traces.p21, exact_of_traces(), 0.02, RIM),
-        relative(
-            "P10 of persistent joints at 35 degrees off their normal",
-            "1/m",
-            met(persistent, scanline, area),
-            float(exact_on_scanline(scanline)),
-            0.02,
-            RIM,
-        ),
-    ]
-    curves = [curve("persistent", SCANLINES, [met(persistent, one, area) for one in SCANLINES])]
-    for name in isotropic:
-        ends, all_area = drawn_often(name)
-        length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
-        rows.append(relative(f"P21 of {name}", "m/m2", length / all_area, ANYWHERE, 0.02, CHANCE))
-        found = np.array([met(ends, one, all_area) for one in SCANLINES])
-        worst = found[np.abs(found - exact_anywhere()).argmax()]
-        quantity = f"P10 of {name} along the worst of {len(SCANLINES)} scanlines"
-        rows.append(relative(quantity, "1/m", worst, exact_anywhere(), 0.03, CHANCE))
-        curves.append(curve(name, SCANLINES, found))
-    return Outcome(tuple(rows), (_chart(curves),))
-
-
 def _chart(curves: list[Curve]) -> Chart:
     fine = np.linspace(0.0, 180.0, 181)
     return Chart(
@@ -132,18 +107,39 @@ def _drawing() -> Model:
     return drawing_of(cut(rectangle(40.0, 30.0), sets), "Traces with rock bridges")
 
 
-PROBLEM = Problem(
-    name="intensity",
-    title="Intensities of joint sets",
-    text="In 100 m x 100 m: traces of 6 m with bridges of 2 m on lines 2 m apart, persistent "
-    "joints 2 m apart on scanlines of all directions, and joints of all directions with 2 m/m2 "
-    "(Baecher's traces four times, Poisson's lines sixty times). The picture has the blocks "
-    "between such traces and a second set.",
-    formula="P21 = t/((t + g) s) = 0.375 m/m2; P10 = |cos d|/s, 0.409576/m at 35 degrees; "
-    "P10 = 2 P21/pi for all directions alike",
-    source="stereology: the mean of |cos d| over all directions is 2/pi",
-    set_up=_drawing,
-    examine=partial(examine, tuple(ISOTROPIC)),
-    variants=(CUT,),
-    quick=(CUT,),
-)
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,))
+def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> None:
+    """Intensities of joint sets.
+
+    In 100 m x 100 m: traces of 6 m with bridges of 2 m on lines 2 m apart, persistent joints 2 m
+    apart on scanlines of all directions, and joints of all directions with 2 m/m2 (Baecher's traces
+    four times, Poisson's lines sixty times). The picture has the blocks between such traces and a
+    second set.
+
+    Exact: P21 = t/((t + g) s) = 0.375 m/m2; P10 = |cos d|/s, 0.409576/m at 35 degrees; P10 = 2
+    P21/pi for all directions alike.
+    Source: stereology: the mean of |cos d| over all directions is 2/pi.
+    """
+    traces = cut(rectangle(SIDE, SIDE), [TRACES]).report.sets[0]
+    persistent, area = lines_of(PERSISTENT, rectangle(SIDE, SIDE)), SIDE**2
+    scanline = ANGLE + 90.0 + OFF
+    trial.relative("P21 of traces", "m/m2", traces.p21, exact_of_traces(), 0.02, RIM)
+    trial.relative(
+        "P10 of persistent joints at 35 degrees off their normal",
+        "1/m",
+        met(persistent, scanline, area),
+        float(exact_on_scanline(scanline)),
+        0.02,
+        RIM,
+    )
+    curves = [curve("persistent", SCANLINES, [met(persistent, one, area) for one in SCANLINES])]
+    for name in isotropic:
+        ends, all_area = drawn_often(name)
+        length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+        trial.relative(f"P21 of {name}", "m/m2", length / all_area, ANYWHERE, 0.02, CHANCE)
+        found = np.array([met(ends, one, all_area) for one in SCANLINES])
+        worst = found[np.abs(found - exact_anywhere()).argmax()]
+        quantity = f"P10 of {name} along the worst of {len(SCANLINES)} scanlines"
+        trial.relative(quantity, "1/m", worst, exact_anywhere(), 0.03, CHANCE)
+        curves.append(curve(name, SCANLINES, found))
+    trial.charts.append(_chart(curves))

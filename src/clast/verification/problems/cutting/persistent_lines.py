@@ -12,11 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clast.model.model import Floats
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Baecher, Circle, Cut, Exponential, JointSet, Opening, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import Chart, Floats, Trial, curve, exact_curve, problem
 from clast.verification.variants import Variant
 
 WIDTH, HEIGHT = 10.0, 8.0
@@ -112,41 +110,6 @@ def traces_about_a_tunnel() -> Cut:
     return cut(rectangle(WIDTH, HEIGHT), traces, openings=[tunnel], seed=1)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare numbers of blocks, areas and intensity."""
-    found, report = network(), network().report
-    sizes = areas(found)
-    by_hand, faces = euler(traces_about_a_tunnel())
-    rows: list[Comparison] = [
-        absolute("blocks, 1 + L + X", "", report.blocks, exact_blocks(), 0.0, EXACT),
-        absolute("blocks foreseen", "", report.estimate, exact_blocks(), 0.0, EXACT),
-    ]
-    for one, said in zip(SETS, report.sets, strict=True):
-        lines = len(exact_lines(one))
-        rows.append(absolute(f"lines of set {one.name}", "", said.lines, lines, 0.0, EXACT))
-    rows += [
-        relative("sum of the areas", "m2", sizes.sum(), WIDTH * HEIGHT, 1e-12, ROUND_OFF),
-        relative(
-            "length of joints per area",
-            "m/m2",
-            sum(one.p21 for one in report.sets),
-            exact_intensity(),
-            1e-9,
-            "lines are drawn before they are rounded",
-        ),
-        relative("area of a whole cell", "m2", float(np.median(sizes)), exact_cell(), 1e-4, GRID),
-        absolute(
-            "blocks and the void of traces about a tunnel, E - V + 1",
-            "",
-            faces,
-            by_hand,
-            0.0,
-            EXACT,
-        ),
-    ]
-    return Outcome(tuple(rows), (_chart(SCALES, variant),))
-
-
 def _chart(scales: Sequence[float], variant: Variant) -> Chart:
     fine = np.geomspace(scales[0], scales[-1], 60)
     exact = [exact_blocks(float(scale)) for scale in fine]
@@ -163,17 +126,37 @@ def _chart(scales: Sequence[float], variant: Variant) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="persistent-lines",
-    title="Blocks between persistent joints",
-    text="Two sets of endless joints, at 30 degrees every 1.3 m and at 115 degrees every 0.9 m, "
-    "cut 10 m x 8 m; small blocks are kept. Then traces of two sets that end anywhere are cut "
-    "about a tunnel: what borders nothing is taken out, and blocks have no holes.",
-    formula="1 + L + X blocks of L lines and X crossings; F = E - V + 1; a whole cell has "
-    "s1 s2/sin(85 degrees); the areas sum up to the domain's",
-    source="Euler's formula for planar graphs in one piece",
-    set_up=lambda: drawing_of(network(), "Two persistent sets"),
-    examine=examine,
-    variants=(CUT,),
-    quick=(CUT,),
-)
+@problem(set_up=lambda: drawing_of(network(), "Two persistent sets"), variants=(CUT,), quick=(CUT,))
+def persistent_lines(trial: Trial) -> None:
+    """Blocks between persistent joints.
+
+    Two sets of endless joints, at 30 degrees every 1.3 m and at 115 degrees every 0.9 m, cut 10 m x
+    8 m; small blocks are kept. Then traces of two sets that end anywhere are cut about a tunnel:
+    what borders nothing is taken out, and blocks have no holes.
+
+    Exact: 1 + L + X blocks of L lines and X crossings; F = E - V + 1; a whole cell has s1 s2/sin(85
+    degrees); the areas sum up to the domain's.
+    Source: Euler's formula for planar graphs in one piece.
+    """
+    found, report = network(), network().report
+    sizes = areas(found)
+    by_hand, faces = euler(traces_about_a_tunnel())
+    trial.absolute("blocks, 1 + L + X", "", report.blocks, exact_blocks(), 0.0, EXACT)
+    trial.absolute("blocks foreseen", "", report.estimate, exact_blocks(), 0.0, EXACT)
+    for one, said in zip(SETS, report.sets, strict=True):
+        lines = len(exact_lines(one))
+        trial.absolute(f"lines of set {one.name}", "", said.lines, lines, 0.0, EXACT)
+    trial.relative("sum of the areas", "m2", sizes.sum(), WIDTH * HEIGHT, 1e-12, ROUND_OFF)
+    trial.relative(
+        "length of joints per area",
+        "m/m2",
+        sum(one.p21 for one in report.sets),
+        exact_intensity(),
+        1e-9,
+        "lines are drawn before they are rounded",
+    )
+    trial.relative("area of a whole cell", "m2", float(np.median(sizes)), exact_cell(), 1e-4, GRID)
+    trial.absolute(
+        "blocks and the void of traces about a tunnel, E - V + 1", "", faces, by_hand, 0.0, EXACT
+    )
+    trial.charts.append(_chart(SCALES, trial.variant))

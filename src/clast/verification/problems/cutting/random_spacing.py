@@ -12,16 +12,12 @@ be biased.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from scipy import special
 
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Exponential, JointSet, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import Chart, Floats, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import Variant
 
 WIDTH, HEIGHT = 40.0, 30.0
@@ -75,54 +71,6 @@ def distance(sample: Floats) -> float:
     return float(max((step[1:] - below).max(), (below - step[:-1]).max()))
 
 
-def examine(seeds: int, variant: Variant) -> Outcome:
-    """Compare numbers and areas of blocks over so many networks."""
-    networks = [of_network(seed) for seed in range(seeds)]
-    counts = np.array([count for count, _ in networks], float)
-    shares = np.array([(own[:, None] > AREAS).mean(axis=0) for _, own in networks])
-    one_each = np.array(
-        [np.random.default_rng(seed).choice(own) for seed, (_, own) in enumerate(networks)]
-    )
-    root = np.sqrt(seeds)
-    of_mean = f"three standard errors of the mean of {seeds} networks"
-    rows: list[Comparison] = [
-        absolute(
-            "mean number of blocks",
-            "",
-            counts.mean(),
-            exact_mean(),
-            ERRORS * exact_deviation() / root,
-            of_mean,
-        ),
-        relative(
-            "deviation of the number of blocks",
-            "",
-            counts.std(ddof=1),
-            exact_deviation(),
-            ERRORS / np.sqrt(2.0 * seeds),
-            f"three standard errors of the deviation of {seeds} networks",
-        ),
-    ]
-    errors = ERRORS * shares.std(axis=0, ddof=1) / root
-    for area, found, exact, error in zip(
-        AREAS, shares.mean(axis=0), exact_share(AREAS), errors, strict=True
-    ):
-        rows.append(
-            absolute(f"share of blocks above {area:g} m2", "", found, exact, error, of_mean)
-        )
-    rows.append(
-        absolute(
-            "distance of the distributions of areas",
-            "",
-            distance(one_each),
-            0.0,
-            KOLMOGOROV / root,
-            "Kolmogorov's for one block of each network, exceeded by one sample in a hundred",
-        )
-    )
-    return Outcome(tuple(rows), (_chart(networks, variant),))
-
-
 def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
     fine, marks = np.geomspace(0.02, 15.0, 100), np.geomspace(0.02, 15.0, 25)
     found = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
@@ -130,10 +78,7 @@ def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
         title="areas of blocks",
         x_label="area a, m²",
         y_label="share of blocks that are larger",
-        curves=(
-            exact_curve("z K₁(z)", fine, exact_share(fine)),
-            curve(variant.name, marks, found),
-        ),
+        curves=(exact_curve("z K₁(z)", fine, exact_share(fine)), curve(variant.name, marks, found)),
         x_scale="log",
     )
 
@@ -143,17 +88,52 @@ def _drawing() -> Model:
     return drawing_of(found, "Two sets of random spacing")
 
 
-PROBLEM = Problem(
-    name="random-spacing",
-    title="Blocks between joints of random spacing",
-    text="Upright and level joints of exponential spacing, 0.5 and 0.8 lines a metre, cut "
-    f"40 m x 30 m, {SEEDS} times.",
-    formula="E[N] = (1 + l1 W)(1 + l2 H) = 525, deviation 153.5; P(A > a) = z K1(z), "
-    "z = 2 sqrt(l1 l2 a)",
-    source="Poisson processes; the distribution of the product of two exponential lengths",
-    set_up=_drawing,
-    examine=partial(examine, SEEDS),
-    examine_briefly=partial(examine, FEW),
-    variants=(CUT,),
-    quick=(CUT,),
-)
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,), few=(FEW,))
+def random_spacing(trial: Trial, seeds: int = SEEDS) -> None:
+    """Blocks between joints of random spacing.
+
+    Upright and level joints of exponential spacing, 0.5 and 0.8 lines a metre, cut 40 m x 30 m, 400
+    times.
+
+    Exact: E[N] = (1 + l1 W)(1 + l2 H) = 525, deviation 153.5; P(A > a) = z K1(z), z = 2 sqrt(l1 l2
+    a).
+    Source: Poisson processes; the distribution of the product of two exponential lengths.
+    """
+    networks = [of_network(seed) for seed in range(seeds)]
+    counts = np.array([count for count, _ in networks], float)
+    shares = np.array([(own[:, None] > AREAS).mean(axis=0) for _, own in networks])
+    one_each = np.array(
+        [np.random.default_rng(seed).choice(own) for seed, (_, own) in enumerate(networks)]
+    )
+    root = np.sqrt(seeds)
+    of_mean = f"three standard errors of the mean of {seeds} networks"
+    trial.absolute(
+        "mean number of blocks",
+        "",
+        counts.mean(),
+        exact_mean(),
+        ERRORS * exact_deviation() / root,
+        of_mean,
+    )
+    trial.relative(
+        "deviation of the number of blocks",
+        "",
+        counts.std(ddof=1),
+        exact_deviation(),
+        ERRORS / np.sqrt(2.0 * seeds),
+        f"three standard errors of the deviation of {seeds} networks",
+    )
+    errors = ERRORS * shares.std(axis=0, ddof=1) / root
+    for area, found, exact, error in zip(
+        AREAS, shares.mean(axis=0), exact_share(AREAS), errors, strict=True
+    ):
+        trial.absolute(f"share of blocks above {area:g} m2", "", found, exact, error, of_mean)
+    trial.absolute(
+        "distance of the distributions of areas",
+        "",
+        distance(one_each),
+        0.0,
+        KOLMOGOROV / root,
+        "Kolmogorov's for one block of each network, exceeded by one sample in a hundred",
+    )
+    trial.charts.append(_chart(networks, trial.variant))

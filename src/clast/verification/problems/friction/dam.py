@@ -14,13 +14,17 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, WATER = 9.81, 2400.0, 1000.0
@@ -64,7 +68,7 @@ def exact_height() -> float:
     return float(np.cbrt(3.0 * WEIGHT * WIDTH / (WATER * GRAVITY)))
 
 
-def dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
+def model_of_dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
     """Return a fixed foundation and the dam on it, with water to its left."""
     builder = InputBuilder(title="Dam", gravity=(0.0, -GRAVITY))
     builder.add_rock("concrete", young=20e9, poisson=0.2, density=DENSITY)
@@ -81,12 +85,16 @@ def dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
 
 def reactions(level: float, variant: Variant) -> Floats:
     """Return the normal forces at heel and toe and the force along the base, N/m, shape (3,)."""
-    model = dam(level)
-    method = variant.method(
-        model, normal_stiffness=STIFFNESS, max_displacement=0.02, dynamic_ratio=0.0
-    )
+    model = model_of_dam(level)
     end = STEPS * STEP
-    memory = simulate(model, method, Schedule(step=STEP, end=end, every=end)).state.memory
+    memory = variant.run(
+        model,
+        step=STEP,
+        end=end,
+        normal_stiffness=STIFFNESS,
+        max_displacement=0.02,
+        dynamic_ratio=0.0,
+    ).state.memory
     heel = int(model.block_start[1])
     at = [memory.vertex == heel, memory.vertex == heel + 1]
     normal = [float(memory.normal_force[here].sum()) for here in at]
@@ -95,38 +103,32 @@ def reactions(level: float, variant: Variant) -> Floats:
     return np.array([*normal, along])
 
 
-def compare_reactions(variant: Variant) -> Outcome:
+def compare_reactions(trial: Trial) -> None:
     """Compare the reactions of the base."""
-    found = np.array([reactions(level, variant) for level in LEVELS])
-    rows: list[Comparison] = []
+    found = np.array([reactions(level, trial.variant) for level in LEVELS])
     for level, (heel, toe, along) in zip(LEVELS, found, strict=True):
         exact = exact_reactions(level)
         water = f"water {level:g} m high"
-        rows.append(relative(f"force at the heel, {water}", "N/m", heel, exact[0], 2e-3, LEANS))
-        rows.append(relative(f"force at the toe, {water}", "N/m", toe, exact[1], 5e-4, LEANS))
-        rows.append(
-            relative(f"force along the base, {water}", "N/m", along, thrust(level), 1e-4, LEANS)
-        )
+        trial.relative(f"force at the heel, {water}", "N/m", heel, exact[0], 2e-3, LEANS)
+        trial.relative(f"force at the toe, {water}", "N/m", toe, exact[1], 5e-4, LEANS)
+        trial.relative(f"force along the base, {water}", "N/m", along, thrust(level), 1e-4, LEANS)
     fine = np.linspace(0.0, exact_height(), 41)
     exact_lines = np.array([exact_reactions(level) for level in fine])
-    chart = Chart(
-        title="normal force at heel and toe",
-        x_label="height of the water, m",
-        y_label="force, kN/m",
-        curves=(
-            exact_curve("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0]),
-            exact_curve("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1]),
-            curve(f"heel, {variant.name}", LEVELS, 1e-3 * found[:, 0]),
-            curve(f"toe, {variant.name}", LEVELS, 1e-3 * found[:, 1]),
-        ),
+    trial.chart(
+        "normal force at heel and toe",
+        "height of the water, m",
+        "force, kN/m",
+        exact_curve("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0]),
+        exact_curve("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1]),
+        curve(f"heel, {trial.variant.name}", LEVELS, 1e-3 * found[:, 0]),
+        curve(f"toe, {trial.variant.name}", LEVELS, 1e-3 * found[:, 1]),
     )
-    return Outcome(tuple(rows), (chart,))
 
 
 def holds(level: float, friction_angle: float, step: float, variant: Variant) -> bool:
     """Return whether the dam stays, with steps of so many s."""
     return standing(
-        dam(level, friction_angle),
+        model_of_dam(level, friction_angle),
         variant,
         normal_stiffness=STIFFNESS,
         step=step,
@@ -135,51 +137,44 @@ def holds(level: float, friction_angle: float, step: float, variant: Variant) ->
     )
 
 
-def compare_limits(variant: Variant) -> Outcome:
+def compare_limits(trial: Trial) -> None:
     """Compare at which friction angle the dam slides, and at which height of the water it tips."""
-    rows: list[Comparison] = []
     found = []
     for level in SLIDES_AT:
         exact = exact_angle(level)
-        stays = partial(holds, level, step=FINE, variant=variant)
+        stays = partial(holds, level, step=FINE, variant=trial.variant)
         found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, water {level:g} m high"
-        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.15, RESOLUTION))
+        trial.absolute(quantity, "degrees", found[-1], exact, 0.15, RESOLUTION)
     tips = exact_height()
-    stands = partial(holds, friction_angle=ROUGH, step=STEP, variant=variant)
+    stands = partial(holds, friction_angle=ROUGH, step=STEP, variant=trial.variant)
     highest = limit(stands, (1.0 + SHARE) * tips, (1.0 - SHARE) * tips, BISECTIONS)
-    rows.append(relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS))
+    trial.relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS)
     fine = np.linspace(0.0, exact_height(), 41)
-    chart = Chart(
-        title="friction angle at the limit of sliding",
-        x_label="height of the water, m",
-        y_label="friction angle, degrees",
-        curves=(
-            exact_curve("tan φ = F/W", fine, [exact_angle(level) for level in fine]),
-            curve(variant.name, SLIDES_AT, found),
-        ),
+    trial.chart(
+        "friction angle at the limit of sliding",
+        "height of the water, m",
+        "friction angle, degrees",
+        exact_curve("tan φ = F/W", fine, [exact_angle(level) for level in fine]),
+        curve(trial.variant.name, SLIDES_AT, found),
     )
-    return Outcome(tuple(rows), (chart,))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare reactions and limits."""
-    base, limits = compare_reactions(variant), compare_limits(variant)
-    return Outcome(base.comparisons + limits.comparisons, base.charts + limits.charts)
-
-
-PROBLEM = Problem(
-    name="dam",
-    title="Dam under the pressure of water",
-    text="A block of 3 m x 10 m on a foundation, with the triangular pressure of water on its left "
-    "face as a [[pressure]]; the friction angle at which it slides and the height of the water "
-    "that tips it are bisected. p = 2 GPa, h = 10 ms, for sliding 4 ms, static.",
-    formula="N = W/2 -+ w h^3/(6 B) at heel and toe; tan phi = w h^2/(2 W); tips at "
-    "w h^3/6 = W B/2",
-    source="equilibrium of a rigid block",
-    set_up=dam,
-    examine=examine,
+@problem(
+    set_up=model_of_dam,
     variants=(LAGGED, OPEN_CLOSE, CONVEX),
     quick=(CONVEX,),
-    examine_briefly=compare_reactions,
+    briefly=compare_reactions,
 )
+def dam(trial: Trial) -> None:
+    """Dam under the pressure of water.
+
+    A block of 3 m x 10 m on a foundation, with the triangular pressure of water on its left face as
+    a [[pressure]]; the friction angle at which it slides and the height of the water that tips it
+    are bisected. p = 2 GPa, h = 10 ms, for sliding 4 ms, static.
+
+    Exact: N = W/2 -+ w h^3/(6 B) at heel and toe; tan phi = w h^2/(2 W); tips at w h^3/6 = W B/2.
+    Source: equilibrium of a rigid block.
+    """
+    compare_reactions(trial)
+    compare_limits(trial)

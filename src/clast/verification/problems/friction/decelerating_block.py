@@ -12,13 +12,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Chart,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
@@ -70,27 +73,6 @@ def way(history: PointHistory) -> np.ndarray:
     return -history.displacement @ np.array([np.cos(SLOPE), np.sin(SLOPE)])
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the stopping distance, and look for creep afterwards."""
-    model = slope_with_block()
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.01)
-    history = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).history(
-        "centroid"
-    )
-    moved = way(history)
-    watched = moved[history.time >= DURATION - WATCHED]
-    creep = float(np.ptp(watched)) / WATCHED
-    exact = SPEED**2 / (2.0 * DECELERATION)
-    tolerance, reason = TOLERANCES[variant.name]
-    rows = (
-        relative("stopping distance", "m", moved[-1], exact, tolerance, reason),
-        absolute(
-            "creep after it has stopped", "m/s", creep, 0.0, 1e-9, "vibration of the springs dies"
-        ),
-    )
-    return Outcome(rows, (_chart(variant, history.time, moved),))
-
-
 def _chart(variant: Variant, time: np.ndarray, moved: np.ndarray) -> Chart:
     """Return the way over time."""
     stop = SPEED / DECELERATION
@@ -111,15 +93,29 @@ def _chart(variant: Variant, time: np.ndarray, moved: np.ndarray) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="decelerating-block",
-    title="Decelerating block",
-    text="A block of 1 m x 0.5 m slides at 1 m/s down a slope of 20 degrees with a friction angle "
-    "of 30 degrees; g = 9.8 m/s2, h = 1 ms, p = 0.1 GPa. It stops and stays.",
-    formula="v0^2 / (2 g (cos a tan phi - sin a)); creep 0",
-    source="Newton's law of a sliding block",
-    set_up=slope_with_block,
-    examine=examine,
-    variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
+@problem(
+    set_up=slope_with_block, variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX), quick=(CONVEX,)
 )
+def decelerating_block(trial: Trial) -> None:
+    """Decelerating block.
+
+    A block of 1 m x 0.5 m slides at 1 m/s down a slope of 20 degrees with a friction angle of 30
+    degrees; g = 9.8 m/s2, h = 1 ms, p = 0.1 GPa. It stops and stays.
+
+    Exact: v0^2 / (2 g (cos a tan phi - sin a)); creep 0.
+    Source: Newton's law of a sliding block.
+    """
+    model = slope_with_block()
+    history = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.01
+    ).history("centroid")
+    moved = way(history)
+    watched = moved[history.time >= DURATION - WATCHED]
+    creep = float(np.ptp(watched)) / WATCHED
+    exact = SPEED**2 / (2.0 * DECELERATION)
+    tolerance, reason = TOLERANCES[trial.variant.name]
+    trial.relative("stopping distance", "m", moved[-1], exact, tolerance, reason)
+    trial.absolute(
+        "creep after it has stopped", "m/s", creep, 0.0, 1e-9, "vibration of the springs dies"
+    )
+    trial.charts.append(_chart(trial.variant, history.time, moved))

@@ -10,17 +10,9 @@ N tan(phi), however far it slips.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -73,50 +65,49 @@ def sheared_block(force: float = PEAK) -> Model:
 def sheared(force: float, variant: Variant) -> Run:
     """Return the run under a shear force, N/m; velocities are dropped after every step."""
     model = sheared_block(force)
-    method = variant.method(model, normal_stiffness=2e8, max_displacement=0.01, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    return variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=2e8,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
+    )
 
 
-def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
-    """Bracket the peak by shares of it, and compare the joint's shear force after it."""
-    memories = [sheared(share * PEAK, variant).state.memory for share in shares]
+@problem(
+    set_up=sheared_block,
+    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    few=(FEW,),
+)
+def direct_shear(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
+    """Direct shear of a joint with cohesion.
+
+    A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with seven forces
+    up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, nu = 0, p = 0.2 GPa, h = 0.3 ms, static
+    (dynamic_ratio = 0).
+
+    Exact: peak N tan phi + c A, residual N tan phi.
+    Source: Coulomb.
+    """
+    memories = [sheared(share * PEAK, trial.variant).state.memory for share in shares]
     carried = [abs(float(memory.shear_force.sum())) for memory in memories]
     held = [bool(memory.bonded.all()) for memory in memories]
     largest_held = max(s for s, holds in zip(shares, held, strict=True) if holds)
     smallest_slipped = min(s for s, holds in zip(shares, held, strict=True) if not holds)
     peak = 0.5 * (largest_held + smallest_slipped) * PEAK
-    rows = (
-        relative("peak", "N/m", peak, PEAK, 1e-3, "bracketed by forces of 0.999 and 1.001 of it"),
-        relative("residual", "N/m", carried[-1], RESIDUAL, 2e-5, "inertia tilts it by 2e-5 rad"),
-        relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest"),
-    )
-    chart = Chart(
-        title="shear force carried",
-        x_label="force applied / peak",
-        y_label="force carried / peak",
-        curves=(
-            exact_curve(
-                "N tan φ + c A, then N tan φ",
-                (0.0, 1.0, 1.0, SHARES[-1]),
-                (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
-            ),
-            curve(variant.name, shares, np.array(carried) / PEAK),
+    trial.relative("peak", "N/m", peak, PEAK, 1e-3, "bracketed by forces of 0.999 and 1.001 of it")
+    trial.relative("residual", "N/m", carried[-1], RESIDUAL, 2e-5, "inertia tilts it by 2e-5 rad")
+    trial.relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest")
+    trial.chart(
+        "shear force carried",
+        "force applied / peak",
+        "force carried / peak",
+        exact_curve(
+            "N tan φ + c A, then N tan φ",
+            (0.0, 1.0, 1.0, SHARES[-1]),
+            (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
         ),
+        curve(trial.variant.name, shares, np.array(carried) / PEAK),
     )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="direct-shear",
-    title="Direct shear of a joint with cohesion",
-    text="A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with "
-    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, nu = 0, p = 0.2 GPa, "
-    "h = 0.3 ms, static (dynamic_ratio = 0).",
-    formula="peak N tan phi + c A, residual N tan phi",
-    source="Coulomb",
-    set_up=sheared_block,
-    examine=partial(examine, SHARES),
-    examine_briefly=partial(examine, FEW),
-    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-)

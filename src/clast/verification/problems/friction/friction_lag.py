@@ -13,9 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.problems.friction.incline import computed_way, exact_way, incline
+from clast.verification.problems import Chart, Trial, curve, exact_curve, problem
+from clast.verification.problems.friction.incline import computed_way, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, CONVEX_LAGGED, IMPLICIT, LAGGED, Variant
 
 ANGLES = (20.0, 35.0)
@@ -41,23 +40,6 @@ def computed_excess(friction_angle: float, step: float, variant: Variant) -> flo
     return (lagged - implicit) / exact_way(friction_angle, DURATION)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the excess at two friction angles and two steps, and its order in the step."""
-    rows: list[Comparison] = []
-    found = []
-    for angle in ANGLES:
-        excess = [computed_excess(angle, step, variant) for step in STEPS]
-        found.append(excess)
-        for step, computed in zip(STEPS, excess, strict=True):
-            quantity = f"excess of the displacement at {angle:g} degrees, h = {1e3 * step:g} ms"
-            exact = exact_excess(angle, step)
-            rows.append(relative(quantity, "", computed, exact, 0.05, REASON))
-        order = np.log2(excess[0] / excess[1])
-        quantity = f"order of the excess in h at {angle:g} degrees"
-        rows.append(absolute(quantity, "", order, 1.0, 0.1, REASON))
-    return Outcome(tuple(rows), (_chart(variant, 100.0 * np.array(found)),))
-
-
 def _chart(variant: Variant, excess: np.ndarray) -> Chart:
     """Return the excess (angles, steps), %, over the friction angle."""
     fine = np.linspace(0.0, 40.0, 81)
@@ -81,17 +63,27 @@ def _chart(variant: Variant, excess: np.ndarray) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="friction-lag",
-    title="Friction one step old",
-    text="The block on the incline again: with friction taken from the last step's normal force "
-    "it slides too far, by a share that follows from the impulse missing in one step.",
-    formula="excess = (2h/t) tan(phi)/(1 - tan(phi)), order 1 in h",
-    source="impulse of the missing friction force",
-    set_up=incline,
-    examine=examine,
-    variants=(LAGGED, CONVEX_LAGGED),
-    left_out="open-close: its sliding friction is that of the solve before, not of the step "
-    "before, and has no formula of this kind",
-    quick=(),
-)
+@problem(set_up=model_of_incline, variants=(LAGGED, CONVEX_LAGGED), quick=())
+def friction_lag(trial: Trial) -> None:
+    """Friction one step old.
+
+    The block on the incline again: with friction taken from the last step's normal force it slides
+    too far, by a share that follows from the impulse missing in one step.
+
+    Exact: excess = (2h/t) tan(phi)/(1 - tan(phi)), order 1 in h.
+    Source: impulse of the missing friction force.
+    Not run with: open-close: its sliding friction is that of the solve before, not of the step
+    before, and has no formula of this kind.
+    """
+    found = []
+    for angle in ANGLES:
+        excess = [computed_excess(angle, step, trial.variant) for step in STEPS]
+        found.append(excess)
+        for step, computed in zip(STEPS, excess, strict=True):
+            quantity = f"excess of the displacement at {angle:g} degrees, h = {1e3 * step:g} ms"
+            exact = exact_excess(angle, step)
+            trial.relative(quantity, "", computed, exact, 0.05, REASON)
+        order = np.log2(excess[0] / excess[1])
+        quantity = f"order of the excess in h at {angle:g} degrees"
+        trial.absolute(quantity, "", order, 1.0, 0.1, REASON)
+    trial.charts.append(_chart(trial.variant, 100.0 * np.array(found)))

@@ -7,30 +7,20 @@ one step old is in friction_lag.py beside it.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import (
+from clast.verification.problems import (
     Comparison,
-    Outcome,
-    Problem,
+    InputBuilder,
+    Model,
+    Trial,
     absolute,
+    curve,
+    exact_curve,
+    problem,
     relative,
 )
-from clast.verification.variants import (
-    CONVEX,
-    IMPLICIT,
-    LAGGED,
-    MULTIPLIERS,
-    OPEN_CLOSE,
-    Variant,
-)
+from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
 DURATION = 1.0
@@ -44,7 +34,7 @@ FEW = (20.0, 45.0)
 PAPER = "the paper's own errors are 0.06 to 0.66 %"
 
 
-def incline(friction_angle: float = 20.0) -> Model:
+def model_of_incline(friction_angle: float = 20.0) -> Model:
     """Return the paper's Fig. 1, legs of 10 m and 3 m; ``friction_angle`` in degrees."""
     builder = InputBuilder(title="Block on an incline", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
@@ -68,10 +58,12 @@ def computed_way(
     friction_angle: float, step: float, variant: Variant, duration: float = DURATION
 ) -> tuple[float, float]:
     """Return the displacement of the slider to the right and down, m, after ``duration``, s."""
-    model = incline(friction_angle)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
-    schedule = Schedule(step=step, end=duration, every=duration)
-    moved = simulate(model, method, schedule).history("A").displacement[-1]
+    model = model_of_incline(friction_angle)
+    moved = (
+        variant.run(model, step=step, end=duration, normal_stiffness=1e9, max_displacement=0.01)
+        .history("A")
+        .displacement[-1]
+    )
     return float(moved[0]), float(-moved[1])
 
 
@@ -116,39 +108,30 @@ TOLERANCES = {
 """Tolerance by variant; friction solved within the step is held to the tighter one."""
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the displacements at the friction angles of Table 1, or at some of them."""
-    return examine_at(ANGLES if variant in (LAGGED, CONVEX) else SOME, variant)
-
-
-def examine_at(angles: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the displacements at friction angles, degrees."""
-    rows = tuple(compare(angle, variant) for angle in angles)
-    fine = np.linspace(0.0, 45.0, 91)
-    chart = Chart(
-        title="displacement after 1 s",
-        x_label="friction angle, degrees",
-        y_label="displacement u = −v, m",
-        curves=(
-            exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
-            curve(variant.name, angles, [row.computed for row in rows]),
-        ),
-    )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="incline",
-    title="Block sliding down an incline (the paper's Table 1)",
-    text="A triangular block starts from rest on a plane at 45 degrees and slides for 1 s with ten "
-    "friction angles. Both bottom corners of the incline are fixed; E = 50 GPa, nu = 0.2, "
-    "rho = 2700 kg/m3, g = 9.8 m/s2, h = 1 ms, p = 1 GPa, plane stress.",
-    formula="u = -v = (g/2) (sin 45 - cos 45 tan phi) cos 45 t^2; nothing moves at phi = 45",
-    source="Newton's law of a sliding block; the case is Table 1 of Yu & Yin (2015), whose own "
-    "errors are 0.06 to 0.66 %",
-    set_up=incline,
-    examine=examine,
+@problem(
+    set_up=model_of_incline,
     variants=(LAGGED, CONVEX, IMPLICIT, OPEN_CLOSE, MULTIPLIERS),
     quick=(LAGGED,),
-    examine_briefly=partial(examine_at, FEW),
+    few=(FEW,),
 )
+def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
+    """Block sliding down an incline (the paper's Table 1).
+
+    A triangular block starts from rest on a plane at 45 degrees and slides for 1 s with ten
+    friction angles. Both bottom corners of the incline are fixed; E = 50 GPa, nu = 0.2, rho = 2700
+    kg/m3, g = 9.8 m/s2, h = 1 ms, p = 1 GPa, plane stress.
+
+    Exact: u = -v = (g/2) (sin 45 - cos 45 tan phi) cos 45 t^2; nothing moves at phi = 45.
+    Source: Newton's law of a sliding block; the case is Table 1 of Yu & Yin (2015), whose own
+    errors are 0.06 to 0.66 %.
+    """
+    angles = angles or (ANGLES if trial.variant in (LAGGED, CONVEX) else SOME)
+    trial.rows += (compare(angle, trial.variant) for angle in angles)
+    fine = np.linspace(0.0, 45.0, 91)
+    trial.chart(
+        "displacement after 1 s",
+        "friction angle, degrees",
+        "displacement u = −v, m",
+        exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
+        curve(trial.variant.name, angles, [row.computed for row in trial.rows]),
+    )

@@ -12,11 +12,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import AT_REST, limit, unbalanced
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import (
+    AT_REST,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    unbalanced,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 LENGTH, WIDTH = 4.0, 0.2
@@ -47,7 +53,7 @@ def exact_limit(angle: float, width: float = WIDTH) -> float:
     return float(np.degrees(np.arctan(roots.max())))
 
 
-def ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
+def model_of_ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
     """Return floor, wall and ladder; angles in degrees."""
     builder = InputBuilder(title="Ladder", gravity=(0.0, -9.8))
     builder.add_rock("wood", young=10e9, poisson=0.3, density=600.0)
@@ -63,7 +69,7 @@ def ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
 def holds(angle: float, friction_angle: float, variant: Variant) -> bool:
     """Return whether the ladder stays."""
     share = unbalanced(
-        ladder(angle, friction_angle),
+        model_of_ladder(angle, friction_angle),
         variant,
         normal_stiffness=3e7,
         step=STEP,
@@ -73,43 +79,33 @@ def holds(angle: float, friction_angle: float, variant: Variant) -> bool:
     return share < AT_REST
 
 
-def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the friction angle at the limit for some angles, degrees."""
-    rows: list[Comparison] = []
+@problem(set_up=model_of_ladder, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def ladder(trial: Trial, angles: tuple[float, ...] = ANGLES) -> None:
+    """Ladder against a wall.
+
+    A ladder of 4 m x 0.2 m leans on a wall; the friction angle of floor and wall is bisected until
+    it slips. p = 30 MPa, h = 4 ms, static (dynamic_ratio = 0).
+
+    Exact: mu^2 s + mu y = x - s with foot (x, 0), head (0, y) and centroid s; thin: angle = 90
+    degrees - 2 phi.
+    Source: equilibrium with friction mobilised at both ends.
+    """
     found = []
     for angle in angles:
         exact = exact_limit(angle)
 
         def stays(friction_angle: float, angle: float = angle) -> bool:
-            return holds(angle, friction_angle, variant)
+            return holds(angle, friction_angle, trial.variant)
 
         found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, ladder at {angle:g} degrees"
-        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(40.0, 70.0, 31)
-    chart = Chart(
-        title="friction angle at the limit",
-        x_label="angle of the ladder with the floor, degrees",
-        y_label="friction angle, degrees",
-        curves=(
-            exact_curve("equilibrium", fine, [exact_limit(angle) for angle in fine]),
-            exact_curve("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine)),
-            curve(variant.name, angles, found),
-        ),
+    trial.chart(
+        "friction angle at the limit",
+        "angle of the ladder with the floor, degrees",
+        "friction angle, degrees",
+        exact_curve("equilibrium", fine, [exact_limit(angle) for angle in fine]),
+        exact_curve("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine)),
+        curve(trial.variant.name, angles, found),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="ladder",
-    title="Ladder against a wall",
-    text="A ladder of 4 m x 0.2 m leans on a wall; the friction angle of floor and wall is "
-    "bisected until it slips. p = 30 MPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="mu^2 s + mu y = x - s with foot (x, 0), head (0, y) and centroid s; thin: "
-    "angle = 90 degrees - 2 phi",
-    source="equilibrium with friction mobilised at both ends",
-    set_up=ladder,
-    examine=lambda variant: examine(ANGLES, variant),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

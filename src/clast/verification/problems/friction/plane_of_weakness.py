@@ -19,11 +19,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 FRICTION_ANGLE, COHESION = 30.0, 0.4e6
@@ -102,53 +107,40 @@ def fails(difference: float, dip: float, planes: int, variant: Variant) -> bool:
     return not holds(difference, dip, planes, variant)
 
 
-def examine(specimens: tuple[tuple[float, int], ...], variant: Variant) -> Outcome:
-    """Compare s1 - s3 at the limit for planes that dip differently."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=specimen, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SPECIMENS[2:3],)
+)
+def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = SPECIMENS) -> None:
+    """Strength of rock with a plane of weakness.
+
+    A specimen of 1 m x 5 m, its lower end fixed, with a plane that dips by 40 to 70 degrees or with
+    three, phi = 30 degrees, c = 0.4 MPa, under 1 MPa from both sides; the axial stress is bisected.
+    p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). Three planes not with modified: one pass does
+    not tolerate the springs of thin blocks in such steps. The rock does not break.
+
+    Exact: s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b)).
+    Source: Jaeger (1960), as in Brady & Brown (2004), section 4.6.
+    """
     found = []
     # one pass does not tolerate the springs of the thin blocks between several planes
-    some = [one for one in specimens if variant is not LAGGED or one[1] == 1]
+    some = [one for one in specimens if trial.variant is not LAGGED or one[1] == 1]
     for dip, planes in some:
         exact = exact_strength(dip)
-        slips = partial(fails, dip=dip, planes=planes, variant=variant)
+        slips = partial(fails, dip=dip, planes=planes, variant=trial.variant)
         ends = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
         found.append(limit(slips, *ends, BISECTIONS))
         cut = "" if planes == 1 else f", {planes} planes"
         quantity = f"s1 - s3 at b = {dip:g} degrees{cut}"
-        rows.append(relative(quantity, "Pa", found[-1], exact, 0.01, RESOLUTION))
-    much = float(holds(MUCH * CONFINING, FLAT, 1, variant))
+        trial.relative(quantity, "Pa", found[-1], exact, 0.01, RESOLUTION)
+    much = float(holds(MUCH * CONFINING, FLAT, 1, trial.variant))
     quantity = f"holds at b = {FLAT:g} degrees, s1 = {MUCH + 1:g} s3"
-    rows.append(absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips"))
+    trial.absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips")
     fine = np.linspace(36.0, 80.0, 89)
     single = [k for k, (_, planes) in enumerate(some) if planes == 1]
-    chart = Chart(
-        title="strength over the dip of the plane",
-        x_label="dip of the plane b, degrees",
-        y_label="σ₁ − σ₃, MPa",
-        curves=(
-            exact_curve("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine]),
-            curve(
-                variant.name,
-                [some[k][0] for k in single],
-                [1e-6 * found[k] for k in single],
-            ),
-        ),
+    trial.chart(
+        "strength over the dip of the plane",
+        "dip of the plane b, degrees",
+        "σ₁ − σ₃, MPa",
+        exact_curve("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine]),
+        curve(trial.variant.name, [some[k][0] for k in single], [1e-6 * found[k] for k in single]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="plane-of-weakness",
-    title="Strength of rock with a plane of weakness",
-    text="A specimen of 1 m x 5 m, its lower end fixed, with a plane that dips by 40 to 70 degrees "
-    "or with three, phi = 30 degrees, c = 0.4 MPa, under 1 MPa from both sides; the axial stress "
-    "is bisected. p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). Three planes not with modified: "
-    "one pass does not tolerate the springs of thin blocks in such steps. The rock does not break.",
-    formula="s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b))",
-    source="Jaeger (1960), as in Brady & Brown (2004), section 4.6",
-    set_up=specimen,
-    examine=partial(examine, SPECIMENS),
-    examine_briefly=partial(examine, SPECIMENS[2:3]),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)

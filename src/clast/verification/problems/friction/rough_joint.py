@@ -13,16 +13,17 @@ u_peak = (L/500) (JRC/L)^0.33, k_ni and V_m by the formulas of Bandis et al. (19
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
 JRC, JCS, RESIDUAL, LENGTH = 10.0, 100e6, 28.0, 1.0
@@ -103,8 +104,9 @@ def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
 def closed(stress: float, variant: Variant) -> float:
     """Return by how much the joint closes under a normal stress, Pa, m."""
     model = shear_box(stress)
-    method = variant.method(model, normal_stiffness=1e11, max_displacement=0.05, dynamic_ratio=0.0)
-    run = simulate(model, method, Schedule(step=0.05, end=1.0, every=1.0))
+    run = variant.run(
+        model, step=0.05, end=1.0, normal_stiffness=1e11, max_displacement=0.05, dynamic_ratio=0.0
+    )
     return -float(run.history("foot").displacement[-1, 1])
 
 
@@ -112,8 +114,14 @@ def sheared(stress: float, variant: Variant) -> tuple[Floats, Floats, Floats]:
     """Return slip, m, T/N and opening since it was pressed, m, (k,) each, while it is drawn."""
     pull = frame(stress) * FARTHEST * PEAK_SLIP + 1.3 * stress * LENGTH
     model = shear_box(stress, pull)
-    method = variant.method(model, normal_stiffness=1e11, max_displacement=0.05, dynamic_ratio=0.0)
-    run = simulate(model, method, Schedule(step=END / STEPS, end=END, every=END))
+    run = variant.run(
+        model,
+        step=END / STEPS,
+        end=END,
+        normal_stiffness=1e11,
+        max_displacement=0.05,
+        dynamic_ratio=0.0,
+    )
     history = run.history("foot")
     # time waits in convex static steps until a load is in balance, whose last step counts
     last = np.append(np.diff(history.time) > 0.0, True) & (history.time > PRESSED)
@@ -124,26 +132,38 @@ def sheared(stress: float, variant: Variant) -> tuple[Floats, Floats, Floats]:
     return slip, (load - frame(stress) * slip) / (stress * LENGTH), opening - pressed
 
 
-def examine(stresses: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare closure, peak strength, strength along the way and dilation."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=shear_box,
+    variants=(PASSES, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    few=(STRESSES[1:2],),
+)
+def rough_joint(trial: Trial, stresses: tuple[float, ...] = STRESSES) -> None:
+    """Direct shear of a rough joint.
+
+    A block of 1 m on a joint with JRC = 10, JCS = 100 MPa, phi_r = 28 degrees is pressed with 0.1
+    to 10 MPa, and drawn beside an elastic frame under 0.2, 1 and 5 MPa; static, 300 steps.
+
+    Exact: sigma = k_ni u/(1 - u/V_m); T/N = tan(phi_r + m JRC log10(JCS/sigma)).
+    Source: Bandis, Lumsden & Barton 1983; Barton & Choubey 1977; Barton, Bandis & Bakhtar 1985.
+    """
     for stress in CLOSING:
         exact = stress * CLOSURE / (STIFFNESS * CLOSURE + stress)
         which = f"closure under {1e-6 * stress:g} MPa"
-        rows.append(relative(which, "m", closed(stress, variant), exact, 5e-3, "formula"))
+        trial.relative(which, "m", closed(stress, trial.variant), exact, 5e-3, "formula")
     curves, openings = [], []
     for stress in stresses:
-        slip, ratio, opening = sheared(stress, variant)
+        slip, ratio, opening = sheared(stress, trial.variant)
         at = f"under {1e-6 * stress:g} MPa"
         peak = float(strength(np.array([PEAK_SLIP]), stress)[0])
-        rows.append(relative(f"peak T/N {at}", "-", float(ratio.max()), peak, 5e-3, "formula"))
+        trial.relative(f"peak T/N {at}", "-", float(ratio.max()), peak, 5e-3, "formula")
         for x in (0.5, 2.0):
             near = int(np.argmin(np.abs(slip - x * PEAK_SLIP)))
             exact = float(strength(slip[near : near + 1], stress)[0])
             what = f"T/N near {x:g} u_peak {at}"
-            rows.append(relative(what, "-", float(ratio[near]), exact, 0.01, LATE))
+            trial.relative(what, "-", float(ratio[near]), exact, 0.01, LATE)
         exact = float(opened(slip[-1:], stress)[0])
-        rows.append(relative(f"opening {at}", "m", float(opening[-1]), exact, 5e-3, "integral"))
+        trial.relative(f"opening {at}", "m", float(opening[-1]), exact, 5e-3, "integral")
         fine = np.linspace(0.0, float(slip[-1]), 200)
         curves.append(
             exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, strength(fine, stress))
@@ -152,29 +172,5 @@ def examine(stresses: tuple[float, ...], variant: Variant) -> Outcome:
         whole = opened(fine, stress)
         openings.append(exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, 1e3 * whole))
         openings.append(curve(f"{1e-6 * stress:g} MPa", 1e3 * slip[::8], 1e3 * opening[::8]))
-    charts = (
-        Chart(
-            title="shear strength mobilised",
-            x_label="slip, mm",
-            y_label="T/N",
-            curves=tuple(curves),
-        ),
-        Chart(title="opening", x_label="slip, mm", y_label="opening, mm", curves=tuple(openings)),
-    )
-    return Outcome(tuple(rows), charts)
-
-
-PROBLEM = Problem(
-    name="rough-joint",
-    title="Direct shear of a rough joint",
-    text="A block of 1 m on a joint with JRC = 10, JCS = 100 MPa, phi_r = 28 degrees is pressed "
-    "with 0.1 to 10 MPa, and drawn beside an elastic frame under 0.2, 1 and 5 MPa; static, 300 "
-    "steps.",
-    formula="sigma = k_ni u/(1 - u/V_m); T/N = tan(phi_r + m JRC log10(JCS/sigma))",
-    source="Bandis, Lumsden & Barton 1983; Barton & Choubey 1977; Barton, Bandis & Bakhtar 1985",
-    set_up=shear_box,
-    examine=partial(examine, STRESSES),
-    examine_briefly=partial(examine, STRESSES[1:2]),
-    variants=(PASSES, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-)
+    trial.chart("shear strength mobilised", "slip, mm", "T/N", *tuple(curves))
+    trial.chart("opening", "slip, mm", "opening, mm", *tuple(openings))

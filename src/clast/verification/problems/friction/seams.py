@@ -13,11 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Trial, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -89,9 +85,7 @@ def rest_on(
         builder.block(name="bed", vertices=box(-1.0, -1.0, TOTAL + 2.0, 0.5), fixed=True)
     along = turn @ (1.0, 0.0)
     builder.block(
-        name="block",
-        vertices=box(START, 0.0, LENGTH, HEIGHT),
-        velocity=(*(speed * along), 0.0),
+        name="block", vertices=box(START, 0.0, LENGTH, HEIGHT), velocity=(*(speed * along), 0.0)
     )
     middle = turn @ (START + 0.5 * LENGTH, 0.5 * HEIGHT)
     if push:
@@ -111,13 +105,14 @@ def way_on(
     dynamic_ratio: float = 1.0,
 ) -> float:
     """Return how far the block goes, m, from ``since`` to ``end``, s, in steps of ``step``, s."""
-    method = variant.method(
+    run = variant.run(
         model,
+        step=step,
+        end=end,
         normal_stiffness=STIFFNESS,
         max_displacement=MAX_DISPLACEMENT,
         dynamic_ratio=dynamic_ratio,
     )
-    run = simulate(model, method, Schedule(step=step, end=end, every=end))
     displacement = run.history("centroid").displacement
     return float(np.hypot(*(displacement[-1] - displacement[round(since / step)])))
 
@@ -134,44 +129,39 @@ def static_way(model: Model, variant: Variant, since: float = 0.0) -> float:
     return way_on(model, variant, step=STATIC_STEP, end=STATIC_TIME, since=since, dynamic_ratio=0.0)
 
 
-def examine(pieces: tuple[int, ...], variant: Variant) -> Outcome:
-    """Compare ways on surfaces of so many ``pieces``."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=partial(rest_on, 4, speed=SPEED),
+    variants=(LAGGED, MULTIPLIERS, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    few=((4,),),
+)
+def seams(trial: Trial, pieces: tuple[int, ...] = PIECES) -> None:
+    """Block on a surface that is cut into blocks.
+
+    A block of 0.8 m x 0.4 m slides over a surface of 4.8 m that is one block, 4 or 16: without
+    friction at 5 m/s, the blocks fixed with closed joints or loose on a bed with joints open by 10
+    mm; down a slope of 30 degrees with phi = 20; and pushed with half its weight over steps of 0,
+    0.9 and 5 of its penetration, each step of time beginning at rest. p = 0.2 GPa, h = 1 ms (5 ms).
+
+    Exact: v t;  (g/2)(sin a - cos a tan phi) t2;  F h t/(2 m).
+    Source: Newton's law with Coulomb friction: flush blocks are one surface.
+    """
     for number in pieces:
         for name, joint, loose in (("", CLOSED, False), (", open joints, loose", OPEN, True)):
             model = rest_on(number, joint=joint, loose=loose, speed=SPEED)
-            way = way_on(model, variant, step=STEP, end=TIME)
+            way = way_on(model, trial.variant, step=STEP, end=TIME)
             quantity = f"displacement without friction, {number} blocks{name}"
-            rows.append(relative(quantity, "m", way, SPEED * TIME, 1e-3, ROUND))
+            trial.relative(quantity, "m", way, SPEED * TIME, 1e-3, ROUND)
         model = rest_on(number, slope=SLOPE, friction_angle=FRICTION_ANGLE)
-        way = way_on(model, variant, step=STEP, end=SLIDING_TIME)
+        way = way_on(model, trial.variant, step=STEP, end=SLIDING_TIME)
         quantity = f"displacement down the slope, {number} blocks"
-        rows.append(relative(quantity, "m", way, sliding_way(), 5e-3, LAG))
+        trial.relative(quantity, "m", way, sliding_way(), 5e-3, LAG)
     free = 0.5 * PUSH / MASS * STATIC_STEP * (STATIC_TIME - SEARCHED)
     edge = TOTAL / PUSHED_OVER - START - LENGTH
     steps = [(0.0, free, SEARCHED), (LOW, free, SEARCHED), (5.0, edge, 0.0)]
-    if variant in (MULTIPLIERS, CONVEX_MULTIPLIERS):
+    if trial.variant in (MULTIPLIERS, CONVEX_MULTIPLIERS):
         del steps[1]  # they leave less penetration, so that this is a step already
     for share, exact, since in steps:
         model = rest_on(PUSHED_OVER, push=PUSH, rise=share * PRESSED_IN)
         quantity = f"displacement when pushed over a step of {share:g} penetrations"
-        rows.append(relative(quantity, "m", static_way(model, variant, since), exact, 1e-3, ROUND))
-    return Outcome(tuple(rows))
-
-
-PROBLEM = Problem(
-    name="seams",
-    title="Block on a surface that is cut into blocks",
-    text="A block of 0.8 m x 0.4 m slides over a surface of 4.8 m that is one block, 4 or 16: "
-    "without friction at 5 m/s, the blocks fixed with closed joints or loose on a bed with joints "
-    "open by 10 mm; down a slope of 30 degrees with phi = 20; and pushed with half its weight "
-    "over steps of 0, 0.9 and 5 of its penetration, each step of time beginning at rest. "
-    "p = 0.2 GPa, h = 1 ms (5 ms).",
-    formula="v t;  (g/2)(sin a - cos a tan phi) t2;  F h t/(2 m)",
-    source="Newton's law with Coulomb friction: flush blocks are one surface",
-    set_up=partial(rest_on, 4, speed=SPEED),
-    examine=partial(examine, PIECES),
-    examine_briefly=partial(examine, (4,)),
-    variants=(LAGGED, MULTIPLIERS, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-)
+        trial.relative(quantity, "m", static_way(model, trial.variant, since), exact, 1e-3, ROUND)

@@ -14,14 +14,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+)
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
@@ -84,74 +87,66 @@ def block_on_slope(push: float = 0.0) -> Model:
 def pushed(variant: Variant, push: float, end: float = WHOLE) -> PointHistory:
     """Return how the block moves after a push, m/s, until a time, s."""
     model = block_on_slope(push)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
-    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    run = variant.run(model, step=STEP, end=end, normal_stiffness=1e9, max_displacement=0.01)
     return run.history("centroid")
 
 
-def compare_slides(variant: Variant) -> Outcome:
+def compare_slides(trial: Trial) -> None:
     """Compare a block that is left alone and one that is pushed hard."""
-    alone, hard = pushed(variant, 0.0, 0.2), pushed(variant, 3.0 * least_speed())
+    alone, hard = pushed(trial.variant, 0.0, 0.2), pushed(trial.variant, 3.0 * least_speed())
     way = hard.displacement @ ALONG
     late = hard.time > 0.75 * WHOLE
     gained = np.polyfit(hard.time[late], hard.velocity[late] @ ALONG, 1)[0]
     slide = GRAVITY * (np.sin(SLOPE) - np.cos(SLOPE) * tangent(RESIDUAL))
-    rows: tuple[Comparison, ...] = (
-        absolute(
-            "displacement without a push",
-            "m",
-            float(np.abs(alone.displacement @ ALONG).max()),
-            0.0,
-            1e-4,
-            SPRING,
-        ),
-        relative(
-            "displacement after a hard push",
-            "m",
-            float(way[-1]),
-            float(motion(3.0 * least_speed(), hard.time[-1:])[0]),
-            5e-3,
-            SPRING,
-        ),
-        relative("acceleration in the end", "m/s2", float(gained), float(slide), 5e-3, SPRING),
+    trial.absolute(
+        "displacement without a push",
+        "m",
+        float(np.abs(alone.displacement @ ALONG).max()),
+        0.0,
+        1e-4,
+        SPRING,
     )
+    trial.relative(
+        "displacement after a hard push",
+        "m",
+        float(way[-1]),
+        float(motion(3.0 * least_speed(), hard.time[-1:])[0]),
+        5e-3,
+        SPRING,
+    )
+    trial.relative("acceleration in the end", "m/s2", float(gained), float(slide), 5e-3, SPRING)
     fine = np.linspace(0.0, WHOLE, 101)
-    chart = Chart(
-        title="displacement after a hard push",
-        x_label="time, s",
-        y_label="displacement, m",
-        curves=(
-            exact_curve("integrated", fine, motion(3.0 * least_speed(), fine)),
-            curve(variant.name, hard.time[::80], way[::80]),
-        ),
+    trial.chart(
+        "displacement after a hard push",
+        "time, s",
+        "displacement, m",
+        exact_curve("integrated", fine, motion(3.0 * least_speed(), fine)),
+        curve(trial.variant.name, hard.time[::80], way[::80]),
     )
-    return Outcome(rows, (chart,))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare slides, and the least push that makes the block slide for good."""
-    slides, exact = compare_slides(variant), least_speed()
-
-    def slides_on(push: float) -> bool:
-        return bool(pushed(variant, push, BRIEF).displacement[-1] @ ALONG > 2.0 * WEAKENING)
-
-    found = limit(slides_on, 0.92 * exact, 1.08 * exact, 4)
-    tolerance, reason = LEAST.get(variant.name, (0.01, BISECTED))
-    row = relative("least speed of a push", "m/s", found, exact, tolerance, reason)
-    return Outcome((*slides.comparisons, row), slides.charts)
-
-
-PROBLEM = Problem(
-    name="slip-weakening",
-    title="Incline between residual and peak friction",
-    text="A block of 1 m x 0.5 m on a slope of 28 degrees; its friction angle falls from 35 to 20 "
-    "degrees over 20 mm of sliding. Alone it stands; pushed downwards it comes to rest or slides "
-    "for good. h = 0.5 ms, p = 1 GPa.",
-    formula="v_c^2 = g cos a (mu_p - tan a)^2 w/(mu_p - mu_r); at last g (sin a - cos a mu_r)",
-    source="work and energy of a sliding block; the displacement by integration in 200,000 steps",
+@problem(
     set_up=block_on_slope,
-    examine=examine,
     variants=(IMPLICIT, OPEN_CLOSE, CONVEX),
     quick=(CONVEX,),
-    examine_briefly=compare_slides,
+    briefly=compare_slides,
 )
+def slip_weakening(trial: Trial) -> None:
+    """Incline between residual and peak friction.
+
+    A block of 1 m x 0.5 m on a slope of 28 degrees; its friction angle falls from 35 to 20 degrees
+    over 20 mm of sliding. Alone it stands; pushed downwards it comes to rest or slides for good. h
+    = 0.5 ms, p = 1 GPa.
+
+    Exact: v_c^2 = g cos a (mu_p - tan a)^2 w/(mu_p - mu_r); at last g (sin a - cos a mu_r).
+    Source: work and energy of a sliding block; the displacement by integration in 200,000 steps.
+    """
+    compare_slides(trial)
+    exact = least_speed()
+
+    def slides_on(push: float) -> bool:
+        return bool(pushed(trial.variant, push, BRIEF).displacement[-1] @ ALONG > 2.0 * WEAKENING)
+
+    found = limit(slides_on, 0.92 * exact, 1.08 * exact, 4)
+    tolerance, reason = LEAST.get(trial.variant.name, (0.01, BISECTED))
+    trial.relative("least speed of a push", "m/s", found, exact, tolerance, reason)

@@ -20,13 +20,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
 from clast.model.stages import TIME, Stage
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -107,37 +112,32 @@ def turns(force: Floats) -> tuple[Floats, Floats]:
     return np.array(high), np.array(low)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare where slips begin and by how much the force falls."""
-    time, force = drawn(variant)
-    high, low = turns(force)
-    fall = 2.0 * (MU_S - MU_K) * NORMAL
-    first = MU_S * NORMAL
-    rows = [relative("force at the first slip", "N/m", high[0], first, 0.01, FIRST)]
-    rows.append(relative("fall", "N/m", float(high[0] - low[0]), fall, 0.01, SWING))
-    chart = Chart(
-        title="force of the spring",
-        x_label="time, s",
-        y_label="force, N/m",
-        curves=(
-            exact_curve("μₛ N", (0.0, END), (first, first)),
-            exact_curve("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2),
-            curve(variant.name, time[::4], force[::4]),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="stick-slip",
-    title="Stick-slip of a slider on a spring",
-    text="A block of 1 m x 0.1 m is drawn by a spring of 0.2 MN/m per m at 10 mm/s; friction "
-    "angles are 35 degrees at rest and 20 degrees in motion; the weight comes on in a static "
-    "stage. p = 1 GPa, h = 0.3 ms.",
-    formula="the spring's force falls from mu_s N by 2 (mu_s - mu_k) N",
-    source="half a swing about mu_k N; Bowden & Leben 1939",
+@problem(
     set_up=slider,
-    examine=examine,
     variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS, MIDPOINT),
     quick=(CONVEX, MIDPOINT),
 )
+def stick_slip(trial: Trial) -> None:
+    """Stick-slip of a slider on a spring.
+
+    A block of 1 m x 0.1 m is drawn by a spring of 0.2 MN/m per m at 10 mm/s; friction angles are 35
+    degrees at rest and 20 degrees in motion; the weight comes on in a static stage. p = 1 GPa, h =
+    0.3 ms.
+
+    Exact: the spring's force falls from mu_s N by 2 (mu_s - mu_k) N.
+    Source: half a swing about mu_k N; Bowden & Leben 1939.
+    """
+    time, force = drawn(trial.variant)
+    high, low = turns(force)
+    fall = 2.0 * (MU_S - MU_K) * NORMAL
+    first = MU_S * NORMAL
+    trial.relative("force at the first slip", "N/m", high[0], first, 0.01, FIRST)
+    trial.relative("fall", "N/m", float(high[0] - low[0]), fall, 0.01, SWING)
+    trial.chart(
+        "force of the spring",
+        "time, s",
+        "force, N/m",
+        exact_curve("μₛ N", (0.0, END), (first, first)),
+        exact_curve("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2),
+        curve(trial.variant.name, time[::4], force[::4]),
+    )

@@ -11,13 +11,7 @@ and a lighter one rises by a t^2/2 with a = (rho_w - rho) g/rho: water has no in
 
 from __future__ import annotations
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.8, 1000.0
@@ -51,59 +45,56 @@ def under_water(density: float, above: float) -> Model:
 
 def run_of(model: Model, variant: Variant, dynamic_ratio: float) -> Run:
     """Return the run of a block."""
-    method = variant.method(
-        model, normal_stiffness=5e8, max_displacement=0.05, dynamic_ratio=dynamic_ratio
+    return variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=5e8,
+        max_displacement=0.05,
+        dynamic_ratio=dynamic_ratio,
     )
-    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the force on the bottom, and the displacement of the block that rises."""
-    rests = run_of(under_water(HEAVY, 0.0), variant, 0.0)
-    rises = run_of(under_water(LIGHT, ABOVE), variant, 1.0)
-    carries = float(rests.state.memory.normal_force.sum())
-    history = rises.history("middle")
-    rows = (
-        relative(
-            "force on the bottom",
-            "N/m",
-            carries,
-            (HEAVY - WATER) * GRAVITY * AREA,
-            1e-4,
-            "the water follows the block, which shrinks by 4e-6",
-        ),
-        relative(
-            "displacement of the block that rises",
-            "m",
-            float(history.displacement[-1, 1]),
-            0.5 * RISING * DURATION**2,
-            1e-3,
-            "water follows the block from step to step",
-        ),
-    )
-    time = history.time[::10]
-    chart = Chart(
-        title="a light block under water",
-        x_label="time, s",
-        y_label="displacement up, m",
-        curves=(
-            exact_curve("a t²/2", history.time, 0.5 * RISING * history.time**2),
-            curve(variant.name, time, history.displacement[::10, 1]),
-        ),
-    )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="submerged-block",
-    title="Blocks under water",
-    text="A block of 1.5 m x 1 m lies on a fixed bottom under 5 m of water, with water on all "
-    "faces and in the joint: with 2500 kg/m3 it rests; with 800 kg/m3, 0.5 m over the "
-    "bottom, it rises. p = 0.5 GPa, h = 2 ms.",
-    formula="N = (rho - rho_w) g A; a = (rho_w - rho) g/rho",
-    source="Archimedes",
+@problem(
     set_up=lambda: under_water(HEAVY, 0.0),
-    examine=examine,
     variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
 )
+def submerged_block(trial: Trial) -> None:
+    """Blocks under water.
+
+    A block of 1.5 m x 1 m lies on a fixed bottom under 5 m of water, with water on all faces and in
+    the joint: with 2500 kg/m3 it rests; with 800 kg/m3, 0.5 m over the bottom, it rises. p = 0.5
+    GPa, h = 2 ms.
+
+    Exact: N = (rho - rho_w) g A; a = (rho_w - rho) g/rho.
+    Source: Archimedes.
+    """
+    rests = run_of(under_water(HEAVY, 0.0), trial.variant, 0.0)
+    rises = run_of(under_water(LIGHT, ABOVE), trial.variant, 1.0)
+    carries = float(rests.state.memory.normal_force.sum())
+    history = rises.history("middle")
+    trial.relative(
+        "force on the bottom",
+        "N/m",
+        carries,
+        (HEAVY - WATER) * GRAVITY * AREA,
+        1e-4,
+        "the water follows the block, which shrinks by 4e-6",
+    )
+    trial.relative(
+        "displacement of the block that rises",
+        "m",
+        float(history.displacement[-1, 1]),
+        0.5 * RISING * DURATION**2,
+        1e-3,
+        "water follows the block from step to step",
+    )
+    time = history.time[::10]
+    trial.chart(
+        "a light block under water",
+        "time, s",
+        "displacement up, m",
+        exact_curve("a t²/2", history.time, 0.5 * RISING * history.time**2),
+        curve(trial.variant.name, time, history.displacement[::10, 1]),
+    )

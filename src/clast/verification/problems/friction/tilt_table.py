@@ -9,11 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
@@ -61,41 +66,31 @@ def holds(width: float, tilt: float, variant: Variant) -> bool:
     )
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the tilt at which blocks move."""
-    rows: list[Comparison] = []
+@problem(set_up=table, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=())
+def tilt_table(trial: Trial) -> None:
+    """Tilt table.
+
+    Blocks 1 m high and 0.2 to 1 m wide on a table whose tilt is bisected; the friction angle is 25
+    degrees. Gravity turns instead of the table; p = 2 GPa, h = 10 ms, static (dynamic_ratio = 0); p
+    h2/m is up to 740, beyond one pass.
+
+    Exact: the smaller of atan(b/h), by which it topples, and phi, by which it slides.
+    Source: equilibrium of a rigid block.
+    """
     for width in WIDTHS:
         exact = exact_angle(width)
 
         def stays(tilt: float, width: float = width) -> bool:
-            return holds(width, tilt, variant)
+            return holds(width, tilt, trial.variant)
 
         found = limit(stays, exact + SPAN, exact - SPAN, BISECTIONS)
         quantity = f"tilt at which b/h = {width / HEIGHT:g} moves"
-        rows.append(absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION))
+        trial.absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION)
     fine = np.linspace(0.1, 1.2, 111)
-    chart = Chart(
-        title="tilt at which the block moves",
-        x_label="b/h",
-        y_label="tilt, degrees",
-        curves=(
-            exact_curve("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine]),
-            curve(variant.name, WIDTHS, [row.computed for row in rows]),
-        ),
+    trial.chart(
+        "tilt at which the block moves",
+        "b/h",
+        "tilt, degrees",
+        exact_curve("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine]),
+        curve(trial.variant.name, WIDTHS, [row.computed for row in trial.rows]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="tilt-table",
-    title="Tilt table",
-    text="Blocks 1 m high and 0.2 to 1 m wide on a table whose tilt is bisected; the friction "
-    "angle is 25 degrees. Gravity turns instead of the table; p = 2 GPa, h = 10 ms, static "
-    "(dynamic_ratio = 0); p h2/m is up to 740, beyond one pass.",
-    formula="the smaller of atan(b/h), by which it topples, and phi, by which it slides",
-    source="equilibrium of a rigid block",
-    set_up=table,
-    examine=examine,
-    variants=(OPEN_CLOSE, CONVEX, PASSES),
-    quick=(),
-)

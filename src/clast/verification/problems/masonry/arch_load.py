@@ -7,21 +7,25 @@ Next to a springing no load is too large: its line stays inside.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
 from clast.verification.limit_analysis import (
     add_voussoirs,
     joint_ends,
     largest_factor,
     voussoirs_between,
 )
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0
@@ -81,51 +85,41 @@ def holds(place: int, load: float, variant: Variant) -> bool:
     )
 
 
-def examine(places: tuple[int, ...], variant: Variant) -> Outcome:
-    """Compare the largest load on some voussoirs."""
-    rows: list[Comparison] = []
+@problem(set_up=loaded_arch, variants=(OPEN_CLOSE, CONVEX), quick=())
+def arch_load(trial: Trial, places: tuple[int, ...] = PLACES) -> None:
+    """Point load on an arch.
+
+    A semicircle of twenty voussoirs, 5 m of mean radius and t/R = 0.15, carries its weight and a
+    load on one voussoir, which is bisected; phi = 45 degrees, E = 50 GPa, p = 10 GPa, h = 20 ms,
+    static (dynamic_ratio = 0).
+
+    Exact: the largest load with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in all joints.
+    Source: limit analysis by linear programming (scipy), after Heyman (1982).
+    Not run with: modified: in steps this long one pass and four throw the voussoirs, p h2/m being
+    far above 6.
+    """
     for place in places:
         exact = exact_load(place)
 
         def stands(load: float, place: int = place) -> bool:
-            return holds(place, load, variant)
+            return holds(place, load, trial.variant)
 
         found = limit(stands, HIGH * exact, LOW * exact, BISECTIONS)
         quantity = f"largest load on voussoir {place}"
-        rows.append(relative(quantity, "N/m", found, exact, 0.015, RESOLUTION))
+        trial.relative(quantity, "N/m", found, exact, 0.015, RESOLUTION)
     every = range(11, 17)
-    chart = Chart(
-        title="largest load",
-        x_label="distance from the crown over R",
-        y_label="load, kN/m",
-        curves=(
-            exact_curve(
-                "linear programming",
-                [-loaded_point(place)[0] / RADIUS for place in every],
-                [1e-3 * exact_load(place) for place in every],
-            ),
-            curve(
-                variant.name,
-                [-loaded_point(place)[0] / RADIUS for place in places],
-                [1e-3 * row.computed for row in rows],
-            ),
+    trial.chart(
+        "largest load",
+        "distance from the crown over R",
+        "load, kN/m",
+        exact_curve(
+            "linear programming",
+            [-loaded_point(place)[0] / RADIUS for place in every],
+            [1e-3 * exact_load(place) for place in every],
+        ),
+        curve(
+            trial.variant.name,
+            [-loaded_point(place)[0] / RADIUS for place in places],
+            [1e-3 * row.computed for row in trial.rows],
         ),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="arch-load",
-    title="Point load on an arch",
-    text="A semicircle of twenty voussoirs, 5 m of mean radius and t/R = 0.15, carries its weight "
-    "and a load on one voussoir, which is bisected; phi = 45 degrees, E = 50 GPa, p = 10 GPa, "
-    "h = 20 ms, static (dynamic_ratio = 0).",
-    formula="the largest load with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in all joints",
-    source="limit analysis by linear programming (scipy), after Heyman (1982)",
-    set_up=loaded_arch,
-    examine=partial(examine, PLACES),
-    variants=(OPEN_CLOSE, CONVEX),
-    left_out="modified: in steps this long one pass and four throw the voussoirs, p h2/m being "
-    "far above 6",
-    quick=(),
-)

@@ -11,16 +11,9 @@ from the edge, has a triangle of pressure:
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 WIDTH, HEIGHT = 2.0, 0.5
@@ -69,11 +62,15 @@ def pier(share: float = 0.25) -> Model:
 def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
     """Return the values of ``exact_bed``, computed for a pier at rest."""
     model = pier(share)
-    method = variant.method(
-        model, normal_stiffness=BEDDING, max_displacement=0.01, dynamic_ratio=0.0
-    )
     end = STEP * STEPS
-    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    run = variant.run(
+        model,
+        step=STEP,
+        end=end,
+        normal_stiffness=BEDDING,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
+    )
     edge, heel = (float(run.history(name).displacement[-1, 1]) for name in ("edge", "heel"))
     turn = (heel - edge) / WIDTH
     # from the edge to where the pier neither sinks nor rises
@@ -81,46 +78,33 @@ def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
     return length, -edge * BEDDING, turn
 
 
-def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the reaction of the bed to forces off the middle."""
-    rows: list[Comparison] = []
+@problem(set_up=pier, variants=(PASSES, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SHARES[2:4],))
+def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
+    """Pier loaded off its middle.
+
+    A stiff pier 2 m wide carries 100 kN/m at 0 to 0.42 of its width from its middle, on a bed of 1
+    GPa/m without tensile strength: 40 fixed blocks, whose corners carry the pier. h = 10 ms, static
+    (dynamic_ratio = 0).
+
+    Exact: e <= b/6: edge N/b (1 + 6 e/b); beyond, contact over L = 3 (b/2 - e), edge 2 N/L, turned
+    by 2 N/(k L^2).
+    Source: Navier's linear pressure without tension.
+    """
     found = []
     for share in shares:
-        found.append(computed_bed(share, variant))
+        found.append(computed_bed(share, trial.variant))
         exact, at = exact_bed(share), f"e/b = {share:.3g}"
-        rows += [
-            absolute(f"length in contact, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS),
-            relative(f"edge pressure, {at}", "Pa", found[-1][1], exact[1], 0.01, CORNERS),
-        ]
+        trial.absolute(
+            f"length in contact, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS
+        )
+        trial.relative(f"edge pressure, {at}", "Pa", found[-1][1], exact[1], 0.01, CORNERS)
         if share > 0.0:
-            rows.append(relative(f"turn, {at}", "rad", found[-1][2], exact[2], 0.02, CORNERS))
+            trial.relative(f"turn, {at}", "rad", found[-1][2], exact[2], 0.02, CORNERS)
     fine = np.linspace(0.0, 0.43, 87)
-    chart = Chart(
-        title="pressure at the edge",
-        x_label="e/b",
-        y_label="edge pressure over N/b",
-        curves=(
-            exact_curve(
-                "Navier, no tension", fine, [exact_bed(e)[1] * WIDTH / FORCE for e in fine]
-            ),
-            curve(variant.name, shares, [each[1] * WIDTH / FORCE for each in found]),
-        ),
+    trial.chart(
+        "pressure at the edge",
+        "e/b",
+        "edge pressure over N/b",
+        exact_curve("Navier, no tension", fine, [exact_bed(e)[1] * WIDTH / FORCE for e in fine]),
+        curve(trial.variant.name, shares, [each[1] * WIDTH / FORCE for each in found]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="kern",
-    title="Pier loaded off its middle",
-    text="A stiff pier 2 m wide carries 100 kN/m at 0 to 0.42 of its width from its middle, on a "
-    "bed of 1 GPa/m without tensile strength: 40 fixed blocks, whose corners carry the pier. "
-    "h = 10 ms, static (dynamic_ratio = 0).",
-    formula="e <= b/6: edge N/b (1 + 6 e/b); beyond, contact over L = 3 (b/2 - e), edge 2 N/L, "
-    "turned by 2 N/(k L^2)",
-    source="Navier's linear pressure without tension",
-    set_up=pier,
-    examine=partial(examine, SHARES),
-    variants=(PASSES, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-    examine_briefly=partial(examine, SHARES[2:4]),
-)

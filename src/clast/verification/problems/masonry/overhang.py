@@ -14,11 +14,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 LENGTH, HEIGHT = 1.0, 0.25
@@ -51,48 +55,32 @@ def pile(share: float = 0.99) -> Model:
 def holds(share: float, variant: Variant) -> bool:
     """Return whether a pile stands."""
     return standing(
-        pile(share),
-        variant,
-        normal_stiffness=2e8,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.01,
+        pile(share), variant, normal_stiffness=2e8, step=STEP, steps=STEPS, max_displacement=0.01
     )
 
 
-def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
-    """Bracket the reach, by shares of the limit."""
-    standing = [holds(share, variant) for share in shares]
+@problem(set_up=pile, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
+    """Bricks over the edge of a table.
+
+    Five bricks of 1 m x 0.25 m, each as far over the next as it will go, and a little less or more;
+    p = 0.2 GPa, h = 2 ms, static (dynamic_ratio = 0).
+
+    Exact: reach L/2 (1 + 1/2 + ... + 1/5) = 1.14167 m.
+    Source: equilibrium; the harmonic series.
+    """
+    standing = [holds(share, trial.variant) for share in shares]
     longest = max((s for s, stands in zip(shares, standing, strict=True) if stands), default=0.0)
     shortest = min((s for s, stands in zip(shares, standing, strict=True) if not stands), default=9)
     exact = 0.5 * LENGTH * HARMONIC
     reach = 0.5 * (longest + shortest) * exact
     disorder = sum(a < b for a, b in pairwise(standing))
-    rows: list[Comparison] = [
-        relative("reach at the limit", "m", reach, exact, 0.01, BRACKETED),
-        absolute("longer piles that stand where shorter fall", "", disorder, 0.0, 0.0, "a count"),
-    ]
-    chart = Chart(
-        title="pile of five bricks",
-        x_label="reach / limit",
-        y_label="stands (1) or falls (0)",
-        curves=(
-            exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
-            curve(variant.name, shares, np.array(standing, float)),
-        ),
+    trial.relative("reach at the limit", "m", reach, exact, 0.01, BRACKETED)
+    trial.absolute("longer piles that stand where shorter fall", "", disorder, 0.0, 0.0, "a count")
+    trial.chart(
+        "pile of five bricks",
+        "reach / limit",
+        "stands (1) or falls (0)",
+        exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
+        curve(trial.variant.name, shares, np.array(standing, float)),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="overhang",
-    title="Bricks over the edge of a table",
-    text="Five bricks of 1 m x 0.25 m, each as far over the next as it will go, and a little less "
-    "or more; p = 0.2 GPa, h = 2 ms, static (dynamic_ratio = 0).",
-    formula="reach L/2 (1 + 1/2 + ... + 1/5) = 1.14167 m",
-    source="equilibrium; the harmonic series",
-    set_up=pile,
-    examine=lambda variant: examine(SHARES, variant),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

@@ -19,13 +19,17 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, KnownFailure, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    KnownFailure,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -87,9 +91,9 @@ def tilted_block() -> Model:
 def rock(variant: Variant) -> PointHistory:
     """Return the motion of the block."""
     model = tilted_block()
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.02)
-    schedule = Schedule(step=STEP, end=DURATION, every=DURATION)
-    return simulate(model, method, schedule).history("centroid")
+    return variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e9, max_displacement=0.02
+    ).history("centroid")
 
 
 def exact_next_tilt() -> float:
@@ -101,44 +105,8 @@ def exact_next_tilt() -> float:
     return float(brentq(lambda tilt: height(tilt) - KEPT**2 * height(TILT), 0.0, TILT))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare time and rate of the fall, and how far the block tilts after the impact."""
-    history = rock(variant)
-    # to the right is clockwise: the block turns back counter-clockwise
-    time, tilt = history.time, TILT - history.rotation
-    strike = int(np.flatnonzero(tilt <= 0.0)[0])
-    rate = float(np.gradient(tilt, time)[:strike].min())
-    fall, fallen, exact_rate = exact_fall()
-    after = exact_next_tilt()
-    rows: list[Comparison] = [
-        relative("time of the fall", "s", time[strike], fall[-1], 0.01, EARLY),
-        relative("rate at the impact", "rad/s", rate, exact_rate, 0.01, EARLY),
-        relative("tilt after the impact", "rad", -tilt.min(), after, 0.05, SHARED),
-    ]
-    chart = Chart(
-        title="tilt of the block",
-        x_label="time, s",
-        y_label="tilt, rad",
-        curves=(
-            exact_curve("until the impact", fall, fallen),
-            exact_curve("Housner: largest tilt after it", (0.5, DURATION), 2 * [-after]),
-            curve(variant.name, time[::30], tilt[::30]),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="rocking",
-    title="Rocking block",
-    text="A block of 0.5 m x 2 m, tilted on its corner by half of the angle at which it would fall "
-    "over, is let go, falls back and rocks on to the other corner; p = 1 GPa, h = 1 ms, friction "
-    "angle 60 degrees.",
-    formula="I_O t'' = -m g R sin(a - t) until the impact, which leaves 1 - (m R2/I_O)(1 - cos 2a) "
-    "= 0.9118 of the rate",
-    source="Housner (1963); the fall integrated by scipy",
+@problem(
     set_up=tilted_block,
-    examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     known_failures=(
@@ -150,3 +118,32 @@ PROBLEM = Problem(
         ),
     ),
 )
+def rocking(trial: Trial) -> None:
+    """Rocking block.
+
+    A block of 0.5 m x 2 m, tilted on its corner by half of the angle at which it would fall over,
+    is let go, falls back and rocks on to the other corner; p = 1 GPa, h = 1 ms, friction angle 60
+    degrees.
+
+    Exact: I_O t'' = -m g R sin(a - t) until the impact, which leaves 1 - (m R2/I_O)(1 - cos 2a) =
+    0.9118 of the rate.
+    Source: Housner (1963); the fall integrated by scipy.
+    """
+    history = rock(trial.variant)
+    # to the right is clockwise: the block turns back counter-clockwise
+    time, tilt = history.time, TILT - history.rotation
+    strike = int(np.flatnonzero(tilt <= 0.0)[0])
+    rate = float(np.gradient(tilt, time)[:strike].min())
+    fall, fallen, exact_rate = exact_fall()
+    after = exact_next_tilt()
+    trial.relative("time of the fall", "s", time[strike], fall[-1], 0.01, EARLY)
+    trial.relative("rate at the impact", "rad/s", rate, exact_rate, 0.01, EARLY)
+    trial.relative("tilt after the impact", "rad", -tilt.min(), after, 0.05, SHARED)
+    trial.chart(
+        "tilt of the block",
+        "time, s",
+        "tilt, rad",
+        exact_curve("until the impact", fall, fallen),
+        exact_curve("Housner: largest tilt after it", (0.5, DURATION), 2 * [-after]),
+        curve(trial.variant.name, time[::30], tilt[::30]),
+    )

@@ -9,17 +9,17 @@ open below and above.  With the weight W of both, each nose carries W/2 and the 
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.model.state import State
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    State,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -27,7 +27,6 @@ from clast.verification.variants import (
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
-    Variant,
 )
 
 GRAVITY, DENSITY, DEPTH = 9.8, 2600.0, 0.5
@@ -68,49 +67,45 @@ def force_of_vertices(model: Model, state: State, of: str, into: str) -> float:
     return float(memory.normal_force[here].sum())
 
 
-def examine(slendernesses: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare thrust and reaction of beams by their L/d."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=beam,
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    few=(SLENDERNESSES[:1],),
+)
+def three_hinges(trial: Trial, slendernesses: tuple[float, ...] = SLENDERNESSES) -> None:
+    """Three-hinged beam.
+
+    Two blocks of 0.5 m depth, cracked in the middle, bridge 2, 3 and 4 m between fixed abutments
+    under their weight, without friction; E = 50 GPa, nu = 0, p = 2 GPa, h = 1 ms, static
+    (dynamic_ratio = 0).
+
+    Exact: thrust W (L/4 - c)/(2 d), reaction W/2.
+    Source: equilibrium of one half about its lower hinge.
+    """
     thrusts = []
     for slenderness in slendernesses:
         model = beam(slenderness)
-        method = variant.method(
-            model, normal_stiffness=2e9, max_displacement=0.01, dynamic_ratio=0.0
-        )
-        state = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state
+        state = trial.variant.run(
+            model,
+            step=STEP,
+            end=DURATION,
+            normal_stiffness=2e9,
+            max_displacement=0.01,
+            dynamic_ratio=0.0,
+        ).state
         weight = DENSITY * GRAVITY * slenderness * DEPTH**2
         thrust = force_of_vertices(model, state, "left half", "left abutment")
         reaction = force_of_vertices(model, state, "left abutment", "left half")
         thrusts.append(thrust / weight)
         exact, at = weight * exact_thrust(slenderness), f"at L/d = {slenderness:g}"
-        rows += [
-            relative(f"thrust {at}", "N/m", thrust, exact, 5e-4, SINKS),
-            relative(f"reaction {at}", "N/m", reaction, 0.5 * weight, 1e-6, "at rest"),
-        ]
+        trial.relative(f"thrust {at}", "N/m", thrust, exact, 5e-4, SINKS)
+        trial.relative(f"reaction {at}", "N/m", reaction, 0.5 * weight, 1e-6, "at rest")
     fine = np.linspace(3.0, 9.0, 30)
-    chart = Chart(
-        title="thrust of the beam",
-        x_label="L/d",
-        y_label="H/W",
-        curves=(
-            exact_curve("(L/4 - c)/(2 d)", fine, [exact_thrust(one) for one in fine]),
-            curve(variant.name, slendernesses, thrusts),
-        ),
+    trial.chart(
+        "thrust of the beam",
+        "L/d",
+        "H/W",
+        exact_curve("(L/4 - c)/(2 d)", fine, [exact_thrust(one) for one in fine]),
+        curve(trial.variant.name, slendernesses, thrusts),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="three-hinges",
-    title="Three-hinged beam",
-    text="Two blocks of 0.5 m depth, cracked in the middle, bridge 2, 3 and 4 m between fixed "
-    "abutments under their weight, without friction; E = 50 GPa, nu = 0, p = 2 GPa, h = 1 ms, "
-    "static (dynamic_ratio = 0).",
-    formula="thrust W (L/4 - c)/(2 d), reaction W/2",
-    source="equilibrium of one half about its lower hinge",
-    set_up=beam,
-    examine=partial(examine, SLENDERNESSES),
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-    examine_briefly=partial(examine, SLENDERNESSES[:1]),
-)

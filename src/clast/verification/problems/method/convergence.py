@@ -23,12 +23,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     LAGGED,
@@ -145,64 +150,63 @@ def exact_shortening(stiffness: float) -> float:
 def shortening(stiffness: float, variant: Variant) -> float:
     """Return how far the top of the column goes down in statics, m."""
     model = blocks_at_rest(YOUNG, stiffness, BLOCKS)
-    method = variant.method(
-        model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
-    )
     end = STATIC_STEPS * STATIC_STEP
-    run = simulate(model, method, Schedule(step=STATIC_STEP, end=end, every=end))
+    run = variant.run(
+        model,
+        step=STATIC_STEP,
+        end=end,
+        normal_stiffness=stiffness,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
+    )
     return -float(run.history("top").displacement[-1, 1])
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare orders in h and 1/p, and the errors by which contacts that give way differ."""
-    half_way = variant.integrator == "midpoint"
-    in_step = [abs(error_in_step(steps, variant)) for steps in STEPS]
+@problem(
+    set_up=lambda: blocks_at_rest(YOUNG, RATIOS[0] * YOUNG, BLOCKS),
+    variants=(CONVEX, LAGGED, OPEN_CLOSE, MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    quick=(MIDPOINT,),
+)
+def convergence(trial: Trial) -> None:
+    """Convergence in the step and in the stiffness of contacts.
+
+    A block of 1 m2 that rests on its contact springs (p = 10 MPa) swings about its sag, in 80 and
+    in 160 steps; one of E = 1 GPa swings by its strain, 200 steps a period, on contacts with p of
+    25 and 50 E; and a column of three such blocks stands under its own weight, p of 5 and 10 E,
+    static (dynamic_ratio = 0). No contact opens or strikes.
+
+    Exact: error proportional to h with forces at the end of the step and to h^2 half way; w of a
+    block with one strain on springs, sqrt(3 E/(rho H^2)) for p without limit; shortening rho g
+    H^2/(2 E) + sum of W/(n p): both differ from their limits by 1/p.
+    Source: oscillator; elasticity of blocks with one strain each.
+    """
+    half_way = trial.variant.integrator == "midpoint"
+    in_step = [abs(error_in_step(steps, trial.variant)) for steps in STEPS]
     order = float(np.log2(in_step[0] / in_step[1]))
-    rows: list[Comparison] = [
-        absolute("order in h", "", order, 2.0 if half_way else 1.0, 0.05, IN_STEP)
-    ]
+    trial.absolute("order in h", "", order, 2.0 if half_way else 1.0, 0.05, IN_STEP)
     parts = (
         ("frequency", "1/s", RATIOS, frequency, exact_frequency, NUMBERS),
         ("shortening", "m", STATIC_RATIOS, shortening, exact_shortening, AT_REST),
     )
     curves = []
     for name, unit, ratios, computed, exact, why in parts:
-        found = np.array([computed(ratio * YOUNG, variant) for ratio in ratios])
+        found = np.array([computed(ratio * YOUNG, trial.variant) for ratio in ratios])
         right = np.array([exact(ratio * YOUNG) for ratio in ratios])
         for k, ratio in enumerate(ratios):
             quantity = f"{name} at p = {ratio:g} E"
-            rows.append(relative(quantity, unit, found[k], right[k], 3e-4, why))
+            trial.relative(quantity, unit, found[k], right[k], 3e-4, why)
         errors, of_formula = (np.abs(values / exact(np.inf) - 1.0) for values in (found, right))
         order = float(np.log(errors[0] / errors[1]) / np.log(ratios[1] / ratios[0]))
-        rows.append(absolute(f"order in 1/p, {name}", "", order, 1.0, 0.03, IN_STIFFNESS))
+        trial.absolute(f"order in 1/p, {name}", "", order, 1.0, 0.03, IN_STIFFNESS)
         curves += [
             exact_curve(f"{name} by formula", ratios, of_formula),
-            curve(f"{name}, {variant.name}", ratios, errors),
+            curve(f"{name}, {trial.variant.name}", ratios, errors),
         ]
-    chart = Chart(
-        title="what contacts that give way change",
-        x_label="p/E",
-        y_label="relative change",
-        curves=tuple(curves),
+    trial.chart(
+        "what contacts that give way change",
+        "p/E",
+        "relative change",
+        *tuple(curves),
         x_scale="log",
         y_scale="log",
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="convergence",
-    title="Convergence in the step and in the stiffness of contacts",
-    text="A block of 1 m2 that rests on its contact springs (p = 10 MPa) swings about its sag, in "
-    "80 and in 160 steps; one of E = 1 GPa swings by its strain, 200 steps a period, on contacts "
-    "with p of 25 and 50 E; and a column of three such blocks stands under its own weight, p of 5 "
-    "and 10 E, static (dynamic_ratio = 0). No contact opens or strikes.",
-    formula="error proportional to h with forces at the end of the step and to h^2 half way; "
-    "w of a block with one strain on springs, sqrt(3 E/(rho H^2)) for p without limit; "
-    "shortening rho g H^2/(2 E) + sum of W/(n p): both differ from their limits by 1/p",
-    source="oscillator; elasticity of blocks with one strain each",
-    set_up=lambda: blocks_at_rest(YOUNG, RATIOS[0] * YOUNG, BLOCKS),
-    examine=examine,
-    variants=(CONVEX, LAGGED, OPEN_CLOSE, MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
-    quick=(MIDPOINT,),
-)

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import KnownFailure, Outcome, Problem, absolute
+from clast.verification.problems import (
+    InputBuilder,
+    KnownFailure,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -22,7 +25,6 @@ from clast.verification.variants import (
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
-    Variant,
 )
 
 GRAVITY = 9.8
@@ -52,44 +54,8 @@ def struck_pile() -> Model:
     return builder.build()
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the ledger of every step with closure and decay."""
-    model = struck_pile()
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.02)
-    ledger = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).energy
-    stored = np.sum([ledger[entry] for entry in STORED], axis=0) - ledger["loads"]
-    start = stored[0]
-    total = (stored + ledger["friction"] + ledger["impacts"] + ledger["numerical"]) / start
-    reason = "of the energy at the start"
-    rows = (
-        absolute(
-            "largest change of the ledger's sum", "", np.abs(total - 1.0).max(), 0.0, 1e-6, reason
-        ),
-        absolute("largest energy created", "", (stored / start - 1.0).max(), 0.0, 1e-6, reason),
-    )
-    chart = Chart(
-        title="energy over that of the start",
-        x_label="time, s",
-        y_label="energy / energy at the start",
-        curves=(
-            exact_curve("sum of the ledger", ledger["time"], np.ones(len(stored))),
-            curve(f"sum, {variant.name}", ledger["time"][::25], total[::25]),
-            curve(f"stored, {variant.name}", ledger["time"][::25], stored[::25] / start),
-        ),
-    )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="energy",
-    title="Energy of a struck pile",
-    text="A turned block of 0.65 m2 is thrown at 3 m/s against a pile of three blocks of 1 m2; "
-    "phi = 30 degrees, p = 0.1 GPa, h = 1 ms, 0.5 s.",
-    formula="stored + friction + impacts + numerical - loads = constant; stored - loads never "
-    "above its start",
-    source="first law of thermodynamics",
+@problem(
     set_up=struck_pile,
-    examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     known_failures=tuple(
@@ -97,3 +63,33 @@ PROBLEM = Problem(
         for variant in (LAGGED, EULER)
     ),
 )
+def energy(trial: Trial) -> None:
+    """Energy of a struck pile.
+
+    A turned block of 0.65 m2 is thrown at 3 m/s against a pile of three blocks of 1 m2; phi = 30
+    degrees, p = 0.1 GPa, h = 1 ms, 0.5 s.
+
+    Exact: stored + friction + impacts + numerical - loads = constant; stored - loads never above
+    its start.
+    Source: first law of thermodynamics.
+    """
+    model = struck_pile()
+    ledger = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.02
+    ).energy
+    stored = np.sum([ledger[entry] for entry in STORED], axis=0) - ledger["loads"]
+    start = stored[0]
+    total = (stored + ledger["friction"] + ledger["impacts"] + ledger["numerical"]) / start
+    reason = "of the energy at the start"
+    trial.absolute(
+        "largest change of the ledger's sum", "", np.abs(total - 1.0).max(), 0.0, 1e-6, reason
+    )
+    trial.absolute("largest energy created", "", (stored / start - 1.0).max(), 0.0, 1e-6, reason)
+    trial.chart(
+        "energy over that of the start",
+        "time, s",
+        "energy / energy at the start",
+        exact_curve("sum of the ledger", ledger["time"], np.ones(len(stored))),
+        curve(f"sum, {trial.variant.name}", ledger["time"][::25], total[::25]),
+        curve(f"stored, {trial.variant.name}", ledger["time"][::25], stored[::25] / start),
+    )

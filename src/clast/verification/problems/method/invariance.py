@@ -9,16 +9,19 @@ moduli and contact stiffnesses E c and p c.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, KnownFailure, Outcome, Problem, absolute
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    KnownFailure,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.problems.friction import decelerating_block
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
@@ -109,49 +112,21 @@ def written_down(view: View) -> Model:
 def motion(view: View, variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and displacement of the block in the original's axes and units, m (t, 2)."""
     model = written_down(view)
-    method = variant.method(
-        model, normal_stiffness=1e8 * view.mass, max_displacement=0.01 * view.length
-    )
-    history = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).history(
-        "centroid"
-    )
+    history = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=1e8 * view.mass,
+        max_displacement=0.01 * view.length,
+    ).history("centroid")
     return history.time, view.back(history.displacement)
 
 
-def examine(views: tuple[View, ...], variant: Variant) -> Outcome:
-    """Compare the displacement of each view with the original's."""
-    time, original = motion(ORIGINAL, variant)
-    size = float(np.hypot(*original[-1]))
-    rows: list[Comparison] = []
-    curves = []
-    for view in views:
-        _, seen = motion(view, variant)
-        tolerance, reason = TOLERANCES[view.name]
-        difference = float(np.hypot(*(seen[-1] - original[-1]))) / size
-        quantity = f"change of the displacement when {view.name}"
-        rows.append(absolute(quantity, "", difference, 0.0, tolerance, reason))
-        curves.append(curve(view.name, time[::30], np.hypot(*seen[::30].T)))
-    chart = Chart(
-        title="displacement of the block",
-        x_label="time, s",
-        y_label="displacement, m",
-        curves=(exact_curve("as it is", time, np.hypot(*original.T)), *curves),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="invariance",
-    title="The same case seen otherwise",
-    text="The decelerating block (0.3 s of it) is moved by 1,000 km, turned by 37 degrees with its "
-    "gravity, numbered otherwise, and written down in mm and t. The picture has it turned.",
-    formula="the displacement is the same",
-    source="mechanics has no preferred place, direction, numbering or unit",
+@problem(
     set_up=lambda: written_down(VIEWS[1]),
-    examine=partial(examine, VIEWS),
-    examine_briefly=partial(examine, VIEWS[1:3]),
     variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
     quick=(CONVEX,),
+    few=(VIEWS[1:3],),
     known_failures=tuple(
         KnownFailure(
             variant=variant,
@@ -162,3 +137,29 @@ PROBLEM = Problem(
         for variant in (LAGGED, OPEN_CLOSE)
     ),
 )
+def invariance(trial: Trial, views: tuple[View, ...] = VIEWS) -> None:
+    """The same case seen otherwise.
+
+    The decelerating block (0.3 s of it) is moved by 1,000 km, turned by 37 degrees with its
+    gravity, numbered otherwise, and written down in mm and t. The picture has it turned.
+
+    Exact: the displacement is the same.
+    Source: mechanics has no preferred place, direction, numbering or unit.
+    """
+    time, original = motion(ORIGINAL, trial.variant)
+    size = float(np.hypot(*original[-1]))
+    curves = []
+    for view in views:
+        _, seen = motion(view, trial.variant)
+        tolerance, reason = TOLERANCES[view.name]
+        difference = float(np.hypot(*(seen[-1] - original[-1]))) / size
+        quantity = f"change of the displacement when {view.name}"
+        trial.absolute(quantity, "", difference, 0.0, tolerance, reason)
+        curves.append(curve(view.name, time[::30], np.hypot(*seen[::30].T)))
+    trial.chart(
+        "displacement of the block",
+        "time, s",
+        "displacement, m",
+        exact_curve("as it is", time, np.hypot(*original.T)),
+        *curves,
+    )

@@ -13,10 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import Trial, curve, exact_curve, problem
 from clast.verification.problems.blocks import pendulum
 from clast.verification.problems.contact import bounce
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
@@ -48,8 +45,9 @@ def exact_angle() -> float:
 def angle(steps: int, variant: Variant) -> float:
     """Return the computed angle of the pendulum, rad."""
     model = pendulum.hung_block(AMPLITUDE)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.3)
-    run = simulate(model, method, Schedule(step=SWUNG / steps, end=SWUNG, every=SWUNG))
+    run = variant.run(
+        model, step=SWUNG / steps, end=SWUNG, normal_stiffness=1e9, max_displacement=0.3
+    )
     return float(np.radians(AMPLITUDE) + run.history("centroid").rotation[-1])
 
 
@@ -64,8 +62,13 @@ def depth(steps: int, variant: Variant) -> float:
     model = bounce.block_above_floor(0.0)
     still = np.zeros_like(model.velocity)
     model = replace(model, velocity=still, gravity=np.array([0.0, -WEIGHT]))
-    method = variant.method(model, normal_stiffness=bounce.STIFFNESS, max_displacement=0.1)
-    run = simulate(model, method, Schedule(step=PRESSED / steps, end=PRESSED, every=PRESSED))
+    run = variant.run(
+        model,
+        step=PRESSED / steps,
+        end=PRESSED,
+        normal_stiffness=bounce.STIFFNESS,
+        max_displacement=0.1,
+    )
     return -float(run.history("centroid").displacement[-1, 1])
 
 
@@ -73,36 +76,33 @@ MOTIONS = {"swing": (angle, exact_angle), "press": (depth, exact_depth)}
 """Computed and exact value of each motion."""
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the order of both motions with 1."""
-    rows: list[Comparison] = []
-    curves = []
-    for name, (computed, exact) in MOTIONS.items():
-        error = np.array([abs(computed(n, variant) / exact() - 1.0) for n in NUMBERS])
-        order = float(np.log2(error[0] / error[1]))
-        rows.append(absolute(f"order of the {name}", "", order, 1.0, 0.1, REASON))
-        curves.append(curve(f"{name}, {variant.name}", NUMBERS, error))
-    chart = Chart(
-        title="error over the number of steps",
-        x_label="steps",
-        y_label="relative error",
-        curves=(exact_curve("1/(2 n)", NUMBERS, 0.5 / np.array(NUMBERS)), *curves),
-        x_scale="log",
-        y_scale="log",
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="order",
-    title="Order of convergence in the step",
-    text="A pendulum let go at 60 degrees swings for 0.5 s, and a block let go on its contact "
-    "springs presses on them for 1/w; both with 50 and with 100 steps. The order of sliding with "
-    "friction that lags is in the problem friction-lag.",
-    formula="error proportional to h: order 1",
-    source="pendulum integrated by scipy; (g/w2) (1 - cos(w t))",
+@problem(
     set_up=lambda: pendulum.hung_block(AMPLITUDE),
-    examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
     quick=(LAGGED, CONVEX),
 )
+def order(trial: Trial) -> None:
+    """Order of convergence in the step.
+
+    A pendulum let go at 60 degrees swings for 0.5 s, and a block let go on its contact springs
+    presses on them for 1/w; both with 50 and with 100 steps. The order of sliding with friction
+    that lags is in the problem friction-lag.
+
+    Exact: error proportional to h: order 1.
+    Source: pendulum integrated by scipy; (g/w2) (1 - cos(w t)).
+    """
+    curves = []
+    for name, (computed, exact) in MOTIONS.items():
+        error = np.array([abs(computed(n, trial.variant) / exact() - 1.0) for n in NUMBERS])
+        order = float(np.log2(error[0] / error[1]))
+        trial.absolute(f"order of the {name}", "", order, 1.0, 0.1, REASON)
+        curves.append(curve(f"{name}, {trial.variant.name}", NUMBERS, error))
+    trial.chart(
+        "error over the number of steps",
+        "steps",
+        "relative error",
+        exact_curve("1/(2 n)", NUMBERS, 0.5 / np.array(NUMBERS)),
+        *curves,
+        x_scale="log",
+        y_scale="log",
+    )

@@ -14,13 +14,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from clast.case.case_file import Case
-from clast.case.resume import resume
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
+from clast.case.resume import resume as resume_case
 from clast.run.interrupts import Interrupted
 from clast.run.schedule import Progress
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import Floats, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 CASE = "resume.toml"
@@ -79,7 +76,7 @@ def both(ratio: float, variant: Variant) -> tuple[Run, Run]:
         )
         if half.checkpoint is None or half.report.steps != MIDDLE:
             raise AssertionError("a run that is interrupted leaves a checkpoint")
-        rest = resume(half.checkpoint, warn=_unsaid)
+        rest = resume_case(half.checkpoint, warn=_unsaid)
         # histories lie in the files
         for run in (whole, rest):
             run.history("top")
@@ -113,46 +110,33 @@ def apart(one: Run, other: Run) -> dict[str, float]:
     return found
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare runs in one go with resumed ones."""
-    rows: list[Comparison] = []
-    charts: list[Chart] = []
-    for name, ratio in KINDS.items():
-        whole, rest = both(ratio, variant)
-        for quantity, difference in apart(whole, rest).items():
-            what, _, unit = quantity.partition(", ")
-            text = f"{name}: difference of {what}"
-            rows.append(absolute(text, unit, difference, 0.0, 0.0, BITS))
-        first, second = whole.history("top"), rest.history("top")
-        charts.append(
-            Chart(
-                title=f"{name}: displacement of the upper block",
-                x_label="time, s",
-                y_label="displacement, mm",
-                curves=(
-                    exact_curve("in one go", first.time, 1e3 * first.displacement[:, 0]),
-                    curve("resumed", second.time[::8], 1e3 * second.displacement[::8, 0]),
-                ),
-            )
-        )
-    return Outcome(tuple(rows), tuple(charts))
-
-
 def set_up() -> Model:
     """Return the model."""
     return Case.from_text(text(1.0, CONVEX, END), CASE).model()
 
 
-PROBLEM = Problem(
-    name="resume",
-    title="A run that is resumed",
-    text="Four blocks on a base that moves by 2.3 cm in 0.25 s, one of them falling by 5 cm; "
-    "and the same static, all in touch. Run in one go, and interrupted after 53 steps and "
-    "resumed. p = 0.2 GPa, h = 1/512 s.",
-    formula="no digit differs",
-    source="a run goes on from all that it carries",
-    set_up=set_up,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, LAGGED, MIDPOINT),
-    quick=(CONVEX,),
-)
+@problem(set_up=set_up, variants=(CONVEX, OPEN_CLOSE, LAGGED, MIDPOINT), quick=(CONVEX,))
+def resume(trial: Trial) -> None:
+    """A run that is resumed.
+
+    Four blocks on a base that moves by 2.3 cm in 0.25 s, one of them falling by 5 cm; and the same
+    static, all in touch. Run in one go, and interrupted after 53 steps and resumed. p = 0.2 GPa, h
+    = 1/512 s.
+
+    Exact: no digit differs.
+    Source: a run goes on from all that it carries.
+    """
+    for name, ratio in KINDS.items():
+        whole, rest = both(ratio, trial.variant)
+        for quantity, difference in apart(whole, rest).items():
+            what, _, unit = quantity.partition(", ")
+            text = f"{name}: difference of {what}"
+            trial.absolute(text, unit, difference, 0.0, 0.0, BITS)
+        first, second = whole.history("top"), rest.history("top")
+        trial.chart(
+            f"{name}: displacement of the upper block",
+            "time, s",
+            "displacement, mm",
+            exact_curve("in one go", first.time, 1e3 * first.displacement[:, 0]),
+            curve("resumed", second.time[::8], 1e3 * second.displacement[::8, 0]),
+        )

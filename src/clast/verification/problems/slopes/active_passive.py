@@ -19,11 +19,16 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 STEEP, FLATS = 50.0, (0.0, 5.0, 10.0)
@@ -124,52 +129,42 @@ def holds(flat: float, angles: tuple[float, float, float], variant: Variant) -> 
     )
 
 
-def examine(flats: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the friction angle at the limit for some dips of the lower plane, degrees."""
-    rows: list[Comparison] = []
+@problem(set_up=slope, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
+    """Active and passive block.
+
+    A block on a plane of 50 degrees pushes one of 4 m length on a flatter plane; the friction angle
+    of all joints is bisected. Then the planes have 35 and 15 degrees, the joint 25, and all are
+    multiplied. p = 0.5 GPa, h = 4 ms, static (dynamic_ratio = 0).
+
+    Exact: W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b).
+    Source: two-wedge limit equilibrium with friction mobilised in all joints; Sarma (1979).
+    """
     found = []
     for flat in flats:
         exact = exact_limit(flat)
 
         def stays(friction_angle: float, flat: float = flat) -> bool:
-            return holds(flat, (friction_angle,) * 3, variant)
+            return holds(flat, (friction_angle,) * 3, trial.variant)
 
         found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, lower plane at {flat:g} degrees"
-        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     flat = flats[-1]
     factor = exact_factor(flat)
     share = limit(
-        lambda share: holds(flat, own_friction(share / factor), variant),
+        lambda share: holds(flat, own_friction(share / factor), trial.variant),
         1.0 - SHARE,
         1.0 + SHARE,
         BISECTIONS,
     )
     quantity = f"friction by that at the limit, own for each plane, lower plane at {flat:g} degrees"
-    rows.append(relative(quantity, "", share, 1.0, 0.02, FINER))
+    trial.relative(quantity, "", share, 1.0, 0.02, FINER)
     fine = np.linspace(-2.0, 12.0, 29)
-    chart = Chart(
-        title="friction angle at the limit",
-        x_label="dip of the lower plane, degrees",
-        y_label="friction angle, degrees",
-        curves=(
-            exact_curve("both blocks at their limit", fine, [exact_limit(flat) for flat in fine]),
-            curve(variant.name, flats, found),
-        ),
+    trial.chart(
+        "friction angle at the limit",
+        "dip of the lower plane, degrees",
+        "friction angle, degrees",
+        exact_curve("both blocks at their limit", fine, [exact_limit(flat) for flat in fine]),
+        curve(trial.variant.name, flats, found),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="active-passive",
-    title="Active and passive block",
-    text="A block on a plane of 50 degrees pushes one of 4 m length on a flatter plane; the "
-    "friction angle of all joints is bisected. Then the planes have 35 and 15 degrees, the joint "
-    "25, and all are multiplied. p = 0.5 GPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b)",
-    source="two-wedge limit equilibrium with friction mobilised in all joints; Sarma (1979)",
-    set_up=slope,
-    examine=lambda variant: examine(FLATS, variant),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

@@ -22,14 +22,17 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
@@ -117,8 +120,9 @@ def forces_between(run: Run) -> np.ndarray:
 def slide(variant: Variant) -> Run:
     """Return the run of the blocks that slide."""
     model = train()
-    method = variant.method(model, normal_stiffness=STIFFNESS, max_displacement=0.02)
-    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    return variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=STIFFNESS, max_displacement=0.02
+    )
 
 
 def holds(share: float, variant: Variant) -> bool:
@@ -133,50 +137,40 @@ def holds(share: float, variant: Variant) -> bool:
     )
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare way and forces of the slide, and the factor of safety."""
-    run = slide(variant)
-    rows: list[Comparison] = []
+@problem(set_up=train, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+def block_train(trial: Trial) -> None:
+    """Blocks that push each other down a plane.
+
+    Three blocks of 2, 1 and 3 m x 0.5 m on a plane of 35 degrees, with 15, 20 and 30 degrees of
+    friction below them from above, and smooth joints between them. p = 1 GPa, h = 1 ms; the factor
+    of safety is bisected, p = 0.3 GPa, static (dynamic_ratio = 0).
+
+    Exact: a = g (sin a - cos a sum(W tan phi)/sum W), E = sum of W (sin a - cos a tan phi - a/g), F
+    = cos a sum(W tan phi)/(sin a sum W).
+    Source: equilibrium and motion of blocks in a row.
+    """
+    run = slide(trial.variant)
     histories = [run.history(str(k)) for k in range(1, 1 + len(LENGTHS))]
     for number, history in enumerate(histories, 1):
         way = float(np.hypot(*history.displacement[-1]))
         exact = 0.5 * acceleration() * DURATION**2
-        rows.append(relative(f"displacement of block {number}", "m", way, exact, 0.01, SHEAR))
+        trial.relative(f"displacement of block {number}", "m", way, exact, 0.01, SHEAR)
     exact_pushes = pushes(FRICTION, acceleration())
     for number, (force, exact) in enumerate(zip(forces_between(run), exact_pushes, strict=True), 1):
         quantity = f"force between blocks {number} and {number + 1}"
-        rows.append(relative(quantity, "N/m", force, exact, 0.01, CLOSING))
-    found = factor() / limit(partial(holds, variant=variant), 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
-    rows.append(relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION))
-    time = histories[0].time
-    chart = Chart(
-        title="displacement of the middle block",
-        x_label="time, s",
-        y_label="displacement, m",
-        curves=(
-            exact_curve("all together", time, 0.5 * acceleration() * time**2),
-            exact_curve(
-                "each alone",
-                time,
-                0.5 * GRAVITY * (np.sin(DIP) - np.cos(DIP) * FRICTION[1]) * time**2,
-            ),
-            curve(variant.name, time[::25], np.hypot(*histories[1].displacement[::25].T)),
-        ),
+        trial.relative(quantity, "N/m", force, exact, 0.01, CLOSING)
+    found = factor() / limit(
+        partial(holds, variant=trial.variant), 1.0 - SPAN, 1.0 + SPAN, BISECTIONS
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="block-train",
-    title="Blocks that push each other down a plane",
-    text="Three blocks of 2, 1 and 3 m x 0.5 m on a plane of 35 degrees, with 15, 20 and 30 "
-    "degrees of friction below them from above, and smooth joints between them. p = 1 GPa, "
-    "h = 1 ms; the factor of safety is bisected, p = 0.3 GPa, static (dynamic_ratio = 0).",
-    formula="a = g (sin a - cos a sum(W tan phi)/sum W), E = sum of W (sin a - cos a tan phi - "
-    "a/g), F = cos a sum(W tan phi)/(sin a sum W)",
-    source="equilibrium and motion of blocks in a row",
-    set_up=train,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)
+    trial.relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION)
+    time = histories[0].time
+    trial.chart(
+        "displacement of the middle block",
+        "time, s",
+        "displacement, m",
+        exact_curve("all together", time, 0.5 * acceleration() * time**2),
+        exact_curve(
+            "each alone", time, 0.5 * GRAVITY * (np.sin(DIP) - np.cos(DIP) * FRICTION[1]) * time**2
+        ),
+        curve(trial.variant.name, time[::25], np.hypot(*histories[1].displacement[::25].T)),
+    )

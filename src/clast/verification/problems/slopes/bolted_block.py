@@ -14,11 +14,16 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.81, 2600.0
@@ -92,49 +97,38 @@ def holds(force: float, factor: float, angle: float, variant: Variant) -> bool:
     )
 
 
-def examine(factors: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the force at the limit for some factors of safety, at two angles each."""
-    rows: list[Comparison] = []
+@problem(set_up=bolted, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(FACTORS[:1],))
+def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
+    """A block held by a tensioned bolt.
+
+    A block of 600 kN/m on a plane of 35 degrees with a friction of 30 degrees; a jack holds the
+    force of its bolt, which is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).
+
+    Exact: T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F).
+    Source: limit equilibrium, as in Wyllie & Mah (2004).
+    """
     found = []
     for factor in factors:
         for angle in (steepest(factor), 0.0):
             exact = exact_force(factor, angle)
-            stays = partial(holds, factor=factor, angle=angle, variant=variant)
+            stays = partial(holds, factor=factor, angle=angle, variant=trial.variant)
             force = limit(stays, exact * (1.0 - SPAN), exact * (1.0 + SPAN), BISECTIONS)
             place = f"F = {factor:g}, {np.degrees(angle):.4g} degrees to the plane"
-            rows.append(relative(f"least force, {place}", "N/m", force, exact, 0.01, RESOLUTION))
+            trial.relative(f"least force, {place}", "N/m", force, exact, 0.01, RESOLUTION)
             if angle > 0.0:
                 found.append(force)
     for angle in (steepest(1.0), 0.0):
         exact = exact_force(1.0, angle)
         for share, wanted in ((1.0 + ASIDE, 1.0), (1.0 - ASIDE, 0.0)):
-            stays_there = float(holds(share * exact, 1.0, angle, variant))
+            stays_there = float(holds(share * exact, 1.0, angle, trial.variant))
             what = f"holds at {share:g} T, {np.degrees(angle):.4g} degrees to the plane"
-            rows.append(absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides"))
+            trial.absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides")
     fine = np.linspace(1.0, 1.5, 41)
     exact_fine = np.array([exact_force(one, steepest(one)) for one in fine])
-    chart = Chart(
-        title="least force at the best angle",
-        x_label="factor of safety",
-        y_label="force, kN/m",
-        curves=(
-            exact_curve("limit equilibrium", fine, 1e-3 * exact_fine),
-            curve(variant.name, factors, 1e-3 * np.array(found)),
-        ),
+    trial.chart(
+        "least force at the best angle",
+        "factor of safety",
+        "force, kN/m",
+        exact_curve("limit equilibrium", fine, 1e-3 * exact_fine),
+        curve(trial.variant.name, factors, 1e-3 * np.array(found)),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="bolted-block",
-    title="A block held by a tensioned bolt",
-    text="A block of 600 kN/m on a plane of 35 degrees with a friction of 30 degrees; a jack holds "
-    "the force of its bolt, which is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F)",
-    source="limit equilibrium, as in Wyllie & Mah (2004)",
-    set_up=bolted,
-    examine=partial(examine, FACTORS),
-    examine_briefly=partial(examine, FACTORS[:1]),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)

@@ -12,12 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit
-from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Trial, limit, problem
 from clast.verification.problems.slopes import toppling
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
@@ -48,31 +43,29 @@ def bolted(force: float | None = None) -> Model:
 def holds(force: float, variant: Variant) -> bool:
     """Return whether the toe stays."""
     model = bolted(force)
-    method = variant.method(
-        model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=toppling.DAMPED
-    )
     end = toppling.DURATION
-    run = simulate(model, method, Schedule(step=toppling.STEP, end=end, every=end))
+    run = variant.run(
+        model,
+        step=toppling.STEP,
+        end=end,
+        normal_stiffness=1e9,
+        max_displacement=0.05,
+        dynamic_ratio=toppling.DAMPED,
+    )
     return toppling.toe_movement(run) <= toppling.MOVING
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the least force that holds the toe."""
+@problem(set_up=bolted, variants=(OPEN_CLOSE, CONVEX, IMPLICIT), quick=())
+def bolted_toppling(trial: Trial) -> None:
+    """Goodman and Bray's toppling slope with a bolt in its toe.
+
+    The slope of the problem toppling with tan phi = 0.65 and a horizontal bolt in its toe column,
+    whose force a jack holds; it is bisected until the toe moves.
+
+    Exact: T = P (1 - tan2 phi)/(tan phi sin a + cos a) = 2012.8 kN/m.
+    Source: limit equilibrium of Goodman & Bray (1976), solved here.
+    """
     exact = exact_force()
     low, high = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
-    found = limit(lambda force: holds(force, variant), low, high, BISECTIONS)
-    return Outcome((relative("least force of the bolt", "N/m", found, exact, 0.05, AT_ONCE),))
-
-
-PROBLEM = Problem(
-    name="bolted-toppling",
-    title="Goodman and Bray's toppling slope with a bolt in its toe",
-    text="The slope of the problem toppling with tan phi = 0.65 and a horizontal bolt in its toe "
-    "column, whose force a jack holds; it is bisected until the toe moves.",
-    formula="T = P (1 - tan2 phi)/(tan phi sin a + cos a) = 2012.8 kN/m",
-    source="limit equilibrium of Goodman & Bray (1976), solved here",
-    set_up=bolted,
-    examine=examine,
-    variants=(OPEN_CLOSE, CONVEX, IMPLICIT),
-    quick=(),
-)
+    found = limit(lambda force: holds(force, trial.variant), low, high, BISECTIONS)
+    trial.relative("least force of the bolt", "N/m", found, exact, 0.05, AT_ONCE)

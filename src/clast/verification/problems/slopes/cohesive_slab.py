@@ -18,19 +18,22 @@ the normal force E of the joint; F is where both give the same (``pushes``).
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import AT_REST, limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    AT_REST,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -82,12 +85,7 @@ def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
 def stands(model: Model, variant: Variant, stiffness: float = 2e9, step: float = STEP) -> bool:
     """Return whether the blocks stay, weight coming on without inertia."""
     return standing(
-        model,
-        variant,
-        normal_stiffness=stiffness,
-        step=step,
-        steps=STEPS,
-        max_displacement=0.02,
+        model, variant, normal_stiffness=stiffness, step=step, steps=STEPS, max_displacement=0.02
     )
 
 
@@ -97,9 +95,10 @@ def stands_shaken(model: Model, variant: Variant) -> bool:
     Steps keep the velocity; a block that slides at its limit gains none, one that fails gains it
     evenly.
     """
-    method = variant.method(model, normal_stiffness=2e9, max_displacement=0.02)
     end = DYNAMIC_STEPS * DYNAMIC_STEP
-    run = simulate(model, method, Schedule(step=DYNAMIC_STEP, end=end, every=end))
+    run = variant.run(
+        model, step=DYNAMIC_STEP, end=end, normal_stiffness=2e9, max_displacement=0.02
+    )
     gained = [
         run.history(name).velocity[-1] - run.history(name).velocity[DYNAMIC_STEPS // 2]
         for name in model.measured_points.name
@@ -170,48 +169,37 @@ def factor_of_wedges(variant: Variant) -> float:
     return exact / limit(holds, 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN, BISECTIONS)
 
 
-def examine(cuts: tuple[tuple[int, int], ...], variant: Variant) -> Outcome:
-    """Compare factors of safety for planes and slabs in some numbers of pieces."""
-    rows: list[Comparison] = []
+@problem(set_up=lambda: slab(CUTS[0]), variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def cohesive_slab(trial: Trial, cuts: tuple[tuple[int, int], ...] = CUTS) -> None:
+    """Plane failure and two wedges with the cohesion of their joints.
+
+    A slab of 12 m x 0.75 m on a plane of 40 degrees, phi = 30 degrees, c for F = 1.3, with the
+    plane in 1 to 12 pieces and the slab in 1 to 6; p = 2 GPa, h = 2 ms static (dynamic_ratio = 0),
+    h = 1 ms with inertia. Two wedges on planes of 50 and 5 degrees, phi = 25 degrees, c = 5 kPa; p
+    = 0.5 GPa, h = 8 ms. The factor by which the strength is divided is bisected.
+
+    Exact: F = (c A + W cos a tan phi)/(W sin a).
+    Source: limit equilibrium of Hoek & Bray (1974); two-wedge limit equilibrium.
+    """
     found = []
     for pieces in cuts:
         plane, block = pieces
-        found.append(factor_of_slab(pieces, variant, stands))
+        found.append(factor_of_slab(pieces, trial.variant, stands))
         quantity = f"factor of safety, plane in {plane}, slab in {block}"
-        rows.append(relative(quantity, "-", found[-1], FACTOR, 0.01, RESOLUTION))
-    if variant is CONVEX:
+        trial.relative(quantity, "-", found[-1], FACTOR, 0.01, RESOLUTION)
+    if trial.variant is CONVEX:
         for plane, block in cuts[:2]:
-            factor = factor_of_slab((plane, block), variant, stands_shaken)
+            factor = factor_of_slab((plane, block), trial.variant, stands_shaken)
             quantity = f"the same, plane in {plane}, slab in {block}, weight with its inertia"
-            rows.append(relative(quantity, "-", factor, FACTOR, 0.01, RESOLUTION))
-    factor = factor_of_wedges(variant)
+            trial.relative(quantity, "-", factor, FACTOR, 0.01, RESOLUTION)
+    factor = factor_of_wedges(trial.variant)
     quantity = "factor of safety of two wedges"
-    rows.append(relative(quantity, "-", factor, exact_factor_of_wedges(), 0.02, WEDGES))
+    trial.relative(quantity, "-", factor, exact_factor_of_wedges(), 0.02, WEDGES)
     number = np.arange(len(cuts))
-    chart = Chart(
-        title="factor of safety",
-        x_label="number of the cut",
-        y_label="factor of safety",
-        curves=(
-            exact_curve("Hoek & Bray", number, np.full(len(cuts), FACTOR)),
-            curve(variant.name, number, found),
-        ),
+    trial.chart(
+        "factor of safety",
+        "number of the cut",
+        "factor of safety",
+        exact_curve("Hoek & Bray", number, np.full(len(cuts), FACTOR)),
+        curve(trial.variant.name, number, found),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="cohesive-slab",
-    title="Plane failure and two wedges with the cohesion of their joints",
-    text="A slab of 12 m x 0.75 m on a plane of 40 degrees, phi = 30 degrees, c for F = 1.3, with "
-    "the plane in 1 to 12 pieces and the slab in 1 to 6; p = 2 GPa, h = 2 ms static "
-    "(dynamic_ratio = 0), h = 1 ms with inertia. Two wedges on planes of 50 and 5 degrees, "
-    "phi = 25 degrees, c = 5 kPa; p = 0.5 GPa, h = 8 ms. The factor by which the "
-    "strength is divided is bisected.",
-    formula="F = (c A + W cos a tan phi)/(W sin a)",
-    source="limit equilibrium of Hoek & Bray (1974); two-wedge limit equilibrium",
-    set_up=lambda: slab(CUTS[0]),
-    examine=partial(examine, CUTS),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

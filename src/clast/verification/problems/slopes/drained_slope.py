@@ -17,19 +17,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Bracket,
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.problems.slopes.wet_slope import (
     GRAVITY,
     STEP,
@@ -119,11 +123,15 @@ def wet(water: WaterHead, divided_by: float = FIRM) -> Model:
 def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
     """Return N' and T that the plane carries, N/m."""
     model, slope = wet(water), steep_slope()
-    method = variant.method(
-        model, normal_stiffness=STIFFNESS, max_displacement=0.02, dynamic_ratio=0.0
-    )
     step = STEP * slope.height
-    run = simulate(model, method, Schedule(step=step, end=STEPS * step, every=STEPS * step))
+    run = variant.run(
+        model,
+        step=step,
+        end=STEPS * step,
+        normal_stiffness=STIFFNESS,
+        max_displacement=0.02,
+        dynamic_ratio=0.0,
+    )
     contacts, slab = run.contacts(), model.block_name.index("slab")
     sense = np.where(contacts.vertex_block == slab, 1.0, -1.0)
     force = (sense[:, None] * contacts.force).sum(axis=0)
@@ -151,42 +159,38 @@ def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
     return Bracket(exact / found.low, exact / found.high)
 
 
-def examine(waters: tuple[WaterHead, ...], bisections: int, variant: Variant) -> Outcome:
-    """Compare forces on the plane and factors of safety."""
-    rows: list[Comparison] = []
-    slope = steep_slope()
-    for water in waters:
-        carries, exact = borne(water, variant), water.forces(slope)
-        for name, one, other in zip(("N'", "T"), carries, exact, strict=True):
-            rows.append(relative(f"{name}, {water.name}", "N/m", one, other, 2e-3, SETTLES))
-        found = safety(water, bisections, variant)
-        quantity = f"factor of safety, {water.name}"
-        rows.append(relative(quantity, "-", found, water.factor(slope), 0.01, RESOLUTION))
-    fine = np.linspace(0.0, 1.0, 51)
-    chart = Chart(
-        title="pressure on the plane",
-        x_label="distance from the toe / A",
-        y_label="pressure, kPa",
-        curves=(
-            *(exact_curve(water.name, fine, 1e-3 * water.at(slope, fine)) for water in waters),
-            curve("foot of the crack", (1.0,), (1e-3 * WATER * GRAVITY * FULL,)),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="drained-slope",
-    title="Phreatic lines and drains on the plane of a slope",
-    text="The slope of 15 m of wet-slope with 4 m of water in its crack, entered as a phreatic "
-    "line (straight to the toe, or with a corner), or as a level with drains at the toe and in the "
-    "plane. Forces on the plane with twice the strength, and the factor of safety, bisected. "
-    "p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="N' = W cos a - U - V sin a, T = W sin a + V cos a, F = (c A + N' tan phi)/T",
-    source="limit equilibrium of Hoek & Bray (1974)",
+@problem(
     set_up=lambda: wet(WATERS[3]),
-    examine=partial(examine, WATERS, BISECTIONS),
     variants=(CONVEX, OPEN_CLOSE, LAGGED),
     quick=(CONVEX,),
-    examine_briefly=partial(examine, WATERS[1:4:2], FEW),
+    few=(WATERS[1:4:2], FEW),
 )
+def drained_slope(
+    trial: Trial, waters: tuple[WaterHead, ...] = WATERS, bisections: int = BISECTIONS
+) -> None:
+    """Phreatic lines and drains on the plane of a slope.
+
+    The slope of 15 m of wet-slope with 4 m of water in its crack, entered as a phreatic line
+    (straight to the toe, or with a corner), or as a level with drains at the toe and in the plane.
+    Forces on the plane with twice the strength, and the factor of safety, bisected. p = 2 GPa, h =
+    4 ms, static (dynamic_ratio = 0).
+
+    Exact: N' = W cos a - U - V sin a, T = W sin a + V cos a, F = (c A + N' tan phi)/T.
+    Source: limit equilibrium of Hoek & Bray (1974).
+    """
+    slope = steep_slope()
+    for water in waters:
+        carries, exact = borne(water, trial.variant), water.forces(slope)
+        for name, one, other in zip(("N'", "T"), carries, exact, strict=True):
+            trial.relative(f"{name}, {water.name}", "N/m", one, other, 2e-3, SETTLES)
+        found = safety(water, bisections, trial.variant)
+        quantity = f"factor of safety, {water.name}"
+        trial.relative(quantity, "-", found, water.factor(slope), 0.01, RESOLUTION)
+    fine = np.linspace(0.0, 1.0, 51)
+    trial.chart(
+        "pressure on the plane",
+        "distance from the toe / A",
+        "pressure, kPa",
+        *(exact_curve(water.name, fine, 1e-3 * water.at(slope, fine)) for water in waters),
+        curve("foot of the crack", (1.0,), (1e-3 * WATER * GRAVITY * FULL,)),
+    )

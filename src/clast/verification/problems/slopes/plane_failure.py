@@ -12,11 +12,16 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, WATER = 9.81, 2600.0, 1000.0
@@ -84,38 +89,28 @@ def holds(level: float, friction_angle: float, variant: Variant) -> bool:
     )
 
 
-def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the friction angle at the limit for some heights of the water."""
-    rows: list[Comparison] = []
+@problem(set_up=slab, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def plane_failure(trial: Trial, levels: tuple[float, ...] = LEVELS) -> None:
+    """Plane failure with water in a tension crack.
+
+    A slab of 10 m x 3 m on a plane of 25 degrees with water in the crack behind it and on the
+    plane; the friction angle is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).
+
+    Exact: tan phi = (W sin a + V cos a)/(W cos a - U - V sin a).
+    Source: limit equilibrium of Hoek & Bray (1974), without cohesion.
+    """
     found = []
     for level in levels:
         exact = exact_limit(level)
-        stays = partial(holds, level, variant=variant)
+        stays = partial(holds, level, variant=trial.variant)
         found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, water at {level:g} of the crack"
-        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 41)
-    chart = Chart(
-        title="friction angle at the limit",
-        x_label="height of the water / depth of the crack",
-        y_label="friction angle, degrees",
-        curves=(
-            exact_curve("Hoek & Bray", fine, [exact_limit(level) for level in fine]),
-            curve(variant.name, levels, found),
-        ),
+    trial.chart(
+        "friction angle at the limit",
+        "height of the water / depth of the crack",
+        "friction angle, degrees",
+        exact_curve("Hoek & Bray", fine, [exact_limit(level) for level in fine]),
+        curve(trial.variant.name, levels, found),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="plane-failure",
-    title="Plane failure with water in a tension crack",
-    text="A slab of 10 m x 3 m on a plane of 25 degrees with water in the crack behind it and on "
-    "the plane; the friction angle is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="tan phi = (W sin a + V cos a)/(W cos a - U - V sin a)",
-    source="limit equilibrium of Hoek & Bray (1974), without cohesion",
-    set_up=slab,
-    examine=partial(examine, LEVELS),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

@@ -15,17 +15,19 @@ A sliding block topples only where b/h < tan phi, not where b/h < tan a as the s
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY, DIP = 9.8, np.radians(25.0)
@@ -102,55 +104,48 @@ def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
 def computed_motion(ratio: float, friction_angle: float, variant: Variant) -> tuple[float, float]:
     """Return displacement of the centroid down the plane, m, and rotation, rad, at the end."""
     model = inclined_block(ratio, friction_angle)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.03)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    run = variant.run(model, step=STEP, end=DURATION, normal_stiffness=1e9, max_displacement=0.03)
     history = run.history("centroid")
     along = np.array([np.cos(DIP), np.sin(DIP)])
     return float(-history.displacement[-1] @ along), float(history.rotation[-1])
 
 
-def examine(modes: tuple[str, ...], variant: Variant) -> Outcome:
-    """Compare way and rotation in some of the modes."""
-    rows: list[Comparison] = []
-    share, reason = (TOLERANCE, SETTLING) if variant == CONVEX else (WITH_LAG, LAG)
+@problem(
+    set_up=inclined_block,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS),
+    quick=(CONVEX,),
+    few=(FEW,),
+)
+def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
+    """Slide or topple: a block on a slope.
+
+    Blocks of 1 m height and four widths on a slope of 25 degrees, let go from rest, after 0.4 s; p
+    = 1 GPa, h = 1 ms.
+
+    Exact: rest, topple, slide, slide and topple: the motion of a rigid block whose toe stays on the
+    plane.
+    Source: rigid body dynamics, integrated by scipy; the modes of Ashby (1971) with the correction
+    of Sagaseta (1986).
+    """
+    share, reason = (TOLERANCE, SETTLING) if trial.variant == CONVEX else (WITH_LAG, LAG)
     for name in modes:
         ratio, friction_angle = BLOCKS[name]
-        computed = computed_motion(ratio, friction_angle, variant)
+        computed = computed_motion(ratio, friction_angle, trial.variant)
         exact = exact_motion(ratio, friction_angle)
         for what, unit, one, other in zip(
             ("displacement", "rotation"), ("m", "rad"), computed, exact, strict=True
         ):
             tolerance = share * max(abs(other), 0.02)
-            rows.append(absolute(f"{what}: {name}", unit, one, other, tolerance, reason))
+            trial.absolute(f"{what}: {name}", unit, one, other, tolerance, reason)
     points = np.array([BLOCKS[name] for name in modes])
     dip = float(np.degrees(DIP))
     fine = np.linspace(0.0, dip, 50)
-    chart = Chart(
-        title="modes at a dip of 25 degrees",
-        x_label="friction angle, degrees",
-        y_label="b/h",
-        curves=(
-            exact_curve("b/h = tan a: topples above friction", (dip, 50.0), 2 * [np.tan(DIP)]),
-            exact_curve("φ = a: slides", (dip, dip), (0.0, 0.9)),
-            exact_curve("b/h = tan φ: topples while sliding", fine, np.tan(np.radians(fine))),
-            curve(variant.name, points[:, 1], points[:, 0]),
-        ),
+    trial.chart(
+        "modes at a dip of 25 degrees",
+        "friction angle, degrees",
+        "b/h",
+        exact_curve("b/h = tan a: topples above friction", (dip, 50.0), 2 * [np.tan(DIP)]),
+        exact_curve("φ = a: slides", (dip, dip), (0.0, 0.9)),
+        exact_curve("b/h = tan φ: topples while sliding", fine, np.tan(np.radians(fine))),
+        curve(trial.variant.name, points[:, 1], points[:, 0]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="slide-topple",
-    title="Slide or topple: a block on a slope",
-    text="Blocks of 1 m height and four widths on a slope of 25 degrees, let go from rest, after "
-    "0.4 s; p = 1 GPa, h = 1 ms.",
-    formula="rest, topple, slide, slide and topple: the motion of a rigid block whose toe stays on "
-    "the plane",
-    source="rigid body dynamics, integrated by scipy; the modes of Ashby (1971) "
-    "with the correction of Sagaseta (1986)",
-    set_up=inclined_block,
-    examine=partial(examine, tuple(BLOCKS)),
-    examine_briefly=partial(examine, FEW),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS),
-    quick=(CONVEX,),
-)

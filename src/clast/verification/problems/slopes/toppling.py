@@ -15,13 +15,16 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 DIP = np.radians(30.0)
@@ -112,10 +115,14 @@ def build(builder: InputBuilder, friction_angle: float) -> None:
 def loaded(friction_angle: float, variant: Variant) -> Run:
     """Return the run of the slope under its weight."""
     model = slope(friction_angle)
-    method = variant.method(
-        model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=DAMPED
+    return variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=1e9,
+        max_displacement=0.05,
+        dynamic_ratio=DAMPED,
     )
-    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
 
 
 def toe_movement(run: Run) -> float:
@@ -150,45 +157,35 @@ def modes(run: Run) -> Floats:
     return np.array([(~moves).sum(), (moves & turns).sum(), (moves & ~turns).sum()], float)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the friction angle at the limit, and how the columns fail."""
-    angles, moved = bracket(variant)
+def failure(trial: Trial) -> None:
+    """Compare how many columns stay, topple and slide."""
+    counts = modes(loaded(SHOWN, trial.variant))
+    for name, count, known in zip(("stay", "topple", "slide"), counts, MODES, strict=True):
+        quantity = f"columns that {name} at {SHOWN:g} degrees"
+        trial.absolute(quantity, "", count, known, 0.0, "a count")
+
+
+@problem(set_up=slope, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(LAGGED,), briefly=failure)
+def toppling(trial: Trial) -> None:
+    """Goodman and Bray's toppling slope.
+
+    Sixteen columns of 10 m width and 4 to 40 m height on a stepped base that dips 30 degrees, slope
+    92.5 m high, face at 56.6 degrees, 25 kN/m3, loaded by their weight at once; E = 20 GPa, p = 1
+    GPa, h = 5 ms, dynamic_ratio 0.98, 2.5 s. The friction angle of all joints is bisected until the
+    toe moves.
+
+    Exact: tan phi = 0.7855 (38.15 degrees); columns 16 to 14 stay, 13 to 4 topple, 3 to 1 slide.
+    Source: limit equilibrium of Goodman & Bray (1976), solved here.
+    """
+    angles, moved = bracket(trial.variant)
     exact = limit_angle()
-    limit = absolute("friction angle at the limit", "degrees", angles[-1], exact, 1.0, AT_ONCE)
-    chart = Chart(
-        title="movement of the toe in the last 0.5 s",
-        x_label="friction angle, degrees",
-        y_label="movement, m",
-        curves=(
-            exact_curve("limit equilibrium", (exact, exact), (1e-9, 1.0)),
-            curve(variant.name, angles[:-1], np.maximum(moved, 1e-9)),
-        ),
+    trial.absolute("friction angle at the limit", "degrees", angles[-1], exact, 1.0, AT_ONCE)
+    trial.chart(
+        "movement of the toe in the last 0.5 s",
+        "friction angle, degrees",
+        "movement, m",
+        exact_curve("limit equilibrium", (exact, exact), (1e-9, 1.0)),
+        curve(trial.variant.name, angles[:-1], np.maximum(moved, 1e-9)),
         y_scale="log",
     )
-    return Outcome((limit, *failure(variant)), (chart,))
-
-
-def failure(variant: Variant) -> tuple[Comparison, ...]:
-    """Compare how many columns fail in which way."""
-    counts = modes(loaded(SHOWN, variant))
-    return tuple(
-        absolute(f"columns that {name} at {SHOWN:g} degrees", "", count, known, 0.0, "a count")
-        for name, count, known in zip(("stay", "topple", "slide"), counts, MODES, strict=True)
-    )
-
-
-PROBLEM = Problem(
-    name="toppling",
-    title="Goodman and Bray's toppling slope",
-    text="Sixteen columns of 10 m width and 4 to 40 m height on a stepped base that dips 30 "
-    "degrees, slope 92.5 m high, face at 56.6 degrees, 25 kN/m3, loaded by their weight at once; "
-    "E = 20 GPa, p = 1 GPa, h = 5 ms, dynamic_ratio 0.98, 2.5 s. The friction angle of all joints "
-    "is bisected until the toe moves.",
-    formula="tan phi = 0.7855 (38.15 degrees); columns 16 to 14 stay, 13 to 4 topple, 3 to 1 slide",
-    source="limit equilibrium of Goodman & Bray (1976), solved here",
-    set_up=slope,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(LAGGED,),
-    examine_briefly=lambda variant: Outcome(failure(variant)),
-)
+    failure(trial)

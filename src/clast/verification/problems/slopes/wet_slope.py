@@ -14,15 +14,21 @@ formula.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Bracket,
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.81, 1000.0
@@ -100,12 +106,7 @@ def steep_slope() -> Slope:
     """Return a slope of 15 m with a crack 3 m behind its crest."""
     crest = 15.0 / float(np.tan(np.radians(75.0)))
     return Slope(
-        height=15.0,
-        face=75.0,
-        plane=40.0,
-        crack=crest + 3.0,
-        cohesion=35e3,
-        friction_angle=35.0,
+        height=15.0, face=75.0, plane=40.0, crack=crest + 3.0, cohesion=35e3, friction_angle=35.0
     )
 
 
@@ -168,58 +169,45 @@ def factor_of_safety(slope: Slope, water: float, variant: Variant, seismic: floa
     return Bracket(exact / found.low, exact / found.high)
 
 
-def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the factors of safety for some heights of the water in the crack."""
-    rows: list[Comparison] = []
-    critical, found = critical_slope(), []
-    for level in levels:
-        water = level * critical.depth
-        found.append(factor_of_safety(critical, water, variant))
-        quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
-        exact = critical.exact_factor(water)
-        rows.append(relative(quantity, "-", found[-1], exact, 0.01, RESOLUTION))
-    shaken = factor_of_safety(critical, 0.0, variant, SEISMIC)
-    quantity = f"factor of safety, slope of 60 m, dry, pushed by {SEISMIC:g} of its weight"
-    exact = critical.exact_factor(0.0, SEISMIC)
-    rows.append(relative(quantity, "-", shaken, exact, 0.01, RESOLUTION))
-    steep = steep_slope()
-    water = steep.depth - 2.0
-    factor = factor_of_safety(steep, water, variant)
-    quantity = "factor of safety, slope of 15 m, water 2 m below the top of the crack"
-    rows.append(relative(quantity, "-", factor, steep.exact_factor(water), 0.01, RESOLUTION))
-    fine = np.linspace(0.0, 1.0, 41)
-    chart = Chart(
-        title="factor of safety, slope of 60 m",
-        x_label="height of the water / depth of the crack",
-        y_label="factor of safety",
-        curves=(
-            exact_curve(
-                "Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine]
-            ),
-            curve(variant.name, levels, found),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
 def set_up() -> Model:
     """Return the slope of 60 m with its crack full to the middle."""
     slope = critical_slope()
     return slope_model(slope, 0.5 * slope.depth)
 
 
-PROBLEM = Problem(
-    name="wet-slope",
-    title="Plane failure with cohesion under a water level",
-    text="A slab on a plane through the toe of a slope, with a vertical crack behind its crest; "
-    "water stands in the crack and runs out at the toe (drained_at), or an earthquake pushes the "
-    "slab by a share k of its weight. The factor by which the "
-    "strength is divided is bisected. p = 2 GPa, h = 4 and 16 ms, static (dynamic_ratio = 0).",
-    formula="F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/"
-    "(W (sin a + k cos a) + V cos a)",
-    source="limit equilibrium of Hoek & Bray (1974)",
-    set_up=set_up,
-    examine=partial(examine, (0.0, 0.25, 0.5, 1.0)),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)
+@problem(set_up=set_up, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -> None:
+    """Plane failure with cohesion under a water level.
+
+    A slab on a plane through the toe of a slope, with a vertical crack behind its crest; water
+    stands in the crack and runs out at the toe (drained_at), or an earthquake pushes the slab by a
+    share k of its weight. The factor by which the strength is divided is bisected. p = 2 GPa, h = 4
+    and 16 ms, static (dynamic_ratio = 0).
+
+    Exact: F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/(W (sin a + k cos a) + V cos a).
+    Source: limit equilibrium of Hoek & Bray (1974).
+    """
+    critical, found = critical_slope(), []
+    for level in levels:
+        water = level * critical.depth
+        found.append(factor_of_safety(critical, water, trial.variant))
+        quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
+        exact = critical.exact_factor(water)
+        trial.relative(quantity, "-", found[-1], exact, 0.01, RESOLUTION)
+    shaken = factor_of_safety(critical, 0.0, trial.variant, SEISMIC)
+    quantity = f"factor of safety, slope of 60 m, dry, pushed by {SEISMIC:g} of its weight"
+    exact = critical.exact_factor(0.0, SEISMIC)
+    trial.relative(quantity, "-", shaken, exact, 0.01, RESOLUTION)
+    steep = steep_slope()
+    water = steep.depth - 2.0
+    factor = factor_of_safety(steep, water, trial.variant)
+    quantity = "factor of safety, slope of 15 m, water 2 m below the top of the crack"
+    trial.relative(quantity, "-", factor, steep.exact_factor(water), 0.01, RESOLUTION)
+    fine = np.linspace(0.0, 1.0, 41)
+    trial.chart(
+        "factor of safety, slope of 60 m",
+        "height of the water / depth of the crack",
+        "factor of safety",
+        exact_curve("Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine]),
+        curve(trial.variant.name, levels, found),
+    )

@@ -12,13 +12,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 DENSITY, GRAVITY, ANGLE = 2500.0, 9.8, 30.0
@@ -55,57 +58,12 @@ def scene(turns: int = 0, pieces: int = 1) -> Model:
 def pulled(variant: Variant, turns: int = 0, pieces: int = 1, step: float = STEP) -> Run:
     """Return the run."""
     model = scene(turns, pieces)
-    method = variant.method(model, normal_stiffness=5e9, max_displacement=0.02)
-    return simulate(model, method, Schedule(step=step, end=END, every=END))
+    return variant.run(model, step=step, end=END, normal_stiffness=5e9, max_displacement=0.02)
 
 
 def along(run: Run, name: str, turns: int = 0) -> Floats:
     """Return a reaction over time as it is before the scene is turned, N/m, (t, 2)."""
     return np.array([_turned(force, -turns) for force in run.reaction(name).force])
-
-
-def examine(variant: Variant) -> Outcome:
-    """Compare the reactions, and where the block is."""
-    run = pulled(variant)
-    time = run.reaction("winch").time
-    winch, floor = along(run, "winch"), along(run, "fixed blocks")
-    eased = (time > 0.5 * STEP) & (time < EASE - 0.5 * STEP)
-    later = time > EASE + 0.5 * STEP
-    sums = (winch + floor)[:, 0]
-    moved = run.vertices(-1)[-4:].mean(axis=0)[0] - 0.5 * WIDTH
-    rows: list[Comparison] = [
-        relative(
-            "R - mu N while eased, largest", "N/m", float(sums[eased].max()), PUSH, 1e-9, EXACT
-        ),
-        absolute("R - mu N later", "N/m", float(np.abs(sums[later]).max()), 0.0, 1e-5, EXACT),
-        relative("R at the end", "N/m", float(winch[-1, 0]), FRICTION, 1e-6, ROUGH),
-        relative("floor along", "N/m", float(floor[-1, 0]), -FRICTION, 1e-6, ROUGH),
-        relative("floor across", "N/m", float(floor[-1, 1]), NORMAL, 1e-6, ROUGH),
-        absolute(
-            "displacement beyond v (t - e/2)",
-            "m",
-            moved - SPEED * (END - 0.5 * EASE),
-            0.0,
-            2e-12,
-            EXACT,
-        ),
-    ]
-    ways = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))
-    for name, turns, pieces, step in (*ways, ("steps of 2.5 ms", 0, 1, 2.5e-3)):
-        other = along(pulled(variant, turns, pieces, step), "winch", turns)
-        rows.append(relative(f"R, {name}", "N/m", float(other[-1, 0]), FRICTION, 1e-5, PASSED))
-    corners = np.array([0.0, EASE, EASE, END])
-    exact = np.array([FRICTION + PUSH, FRICTION + PUSH, FRICTION, FRICTION])
-    chart = Chart(
-        title="reaction of the winch",
-        x_label="time, s",
-        y_label="force, kN/m",
-        curves=(
-            exact_curve("μ N + m a", corners, 1e-3 * exact),
-            curve(variant.name, time[1::4], 1e-3 * winch[1::4, 0]),
-        ),
-    )
-    return Outcome(tuple(rows), (chart,))
 
 
 def _turned(vector: tuple[float, float] | Floats, turns: int) -> tuple[float, float]:
@@ -124,15 +82,48 @@ def _box(
     return [_turned(one, turns) for one in ((x, y), (x + w, y), (x + w, y + h), (x, y + h))]
 
 
-PROBLEM = Problem(
-    name="drawn-block",
-    title="A block that is drawn over a floor",
-    text="A block of 2 x 1 m, 2500 kg/m3, phi = 30 degrees, is drawn at 0.5 m/s, eased over "
-    "0.1 s; also turned by a quarter, on a floor in pieces, and in other steps.",
-    formula="R = mu N + m v/e while eased, mu N later",
-    source="Newton's second law and Coulomb's",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, PASSES),
-    quick=(CONVEX,),
-)
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES), quick=(CONVEX,))
+def drawn_block(trial: Trial) -> None:
+    """A block that is drawn over a floor.
+
+    A block of 2 x 1 m, 2500 kg/m3, phi = 30 degrees, is drawn at 0.5 m/s, eased over 0.1 s; also
+    turned by a quarter, on a floor in pieces, and in other steps.
+
+    Exact: R = mu N + m v/e while eased, mu N later.
+    Source: Newton's second law and Coulomb's.
+    """
+    run = pulled(trial.variant)
+    time = run.reaction("winch").time
+    winch, floor = along(run, "winch"), along(run, "fixed blocks")
+    eased = (time > 0.5 * STEP) & (time < EASE - 0.5 * STEP)
+    later = time > EASE + 0.5 * STEP
+    sums = (winch + floor)[:, 0]
+    moved = run.vertices(-1)[-4:].mean(axis=0)[0] - 0.5 * WIDTH
+    trial.relative(
+        "R - mu N while eased, largest", "N/m", float(sums[eased].max()), PUSH, 1e-9, EXACT
+    )
+    trial.absolute("R - mu N later", "N/m", float(np.abs(sums[later]).max()), 0.0, 1e-5, EXACT)
+    trial.relative("R at the end", "N/m", float(winch[-1, 0]), FRICTION, 1e-6, ROUGH)
+    trial.relative("floor along", "N/m", float(floor[-1, 0]), -FRICTION, 1e-6, ROUGH)
+    trial.relative("floor across", "N/m", float(floor[-1, 1]), NORMAL, 1e-6, ROUGH)
+    trial.absolute(
+        "displacement beyond v (t - e/2)",
+        "m",
+        moved - SPEED * (END - 0.5 * EASE),
+        0.0,
+        2e-12,
+        EXACT,
+    )
+    ways = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))
+    for name, turns, pieces, step in (*ways, ("steps of 2.5 ms", 0, 1, 2.5e-3)):
+        other = along(pulled(trial.variant, turns, pieces, step), "winch", turns)
+        trial.relative(f"R, {name}", "N/m", float(other[-1, 0]), FRICTION, 1e-5, PASSED)
+    corners = np.array([0.0, EASE, EASE, END])
+    exact = np.array([FRICTION + PUSH, FRICTION + PUSH, FRICTION, FRICTION])
+    trial.chart(
+        "reaction of the winch",
+        "time, s",
+        "force, kN/m",
+        exact_curve("μ N + m a", corners, 1e-3 * exact),
+        curve(trial.variant.name, time[1::4], 1e-3 * winch[1::4, 0]),
+    )

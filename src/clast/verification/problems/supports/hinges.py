@@ -24,14 +24,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Comparison,
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    absolute,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 LENGTH, HEIGHT, GRAVITY, DENSITY = 1.0, 0.1, 9.8, 2500.0
@@ -160,36 +168,26 @@ def rows_of(case: Case, run: Run, stiffness: float) -> list[Comparison]:
     ]
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare periods and energy."""
-    rows: list[Comparison] = []
-    runs = [(case, swung(case, variant)) for case in CASES]
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, IMPLICIT), quick=(CONVEX,))
+def hinges(trial: Trial) -> None:
+    """Bars on hinges.
+
+    Bars of 1 x 0.1 m hang on a hinge, one and two in a row, and swing by 0.02, in 200 steps a
+    swing; also with everything turned, and in other steps.
+
+    Exact: T = 2 pi sqrt(((L2 + t2)/12 + L2/4)/(g L/2)); det(K - w2 M) = 0; no energy lost.
+    Source: mechanics of rigid bodies.
+    """
+    runs = [(case, swung(case, trial.variant)) for case in CASES]
     for case, run in runs:
-        rows.extend(rows_of(case, run, method_of(case, variant).fixed_point_stiffness))
+        trial.rows += rows_of(case, run, method_of(case, trial.variant).fixed_point_stiffness)
     history = runs[0][1].history("end 0")
     time, angle = history.time[::20], history.rotation[::20] + SMALL
     exact_angle = SMALL * np.cos(2.0 * np.pi / CASES[0].swing * time)
-    chart = Chart(
-        title="angle of one bar",
-        x_label="time, s",
-        y_label="angle, 1/1000",
-        curves=(
-            exact_curve("cos ω t", time, 1e3 * exact_angle),
-            curve(variant.name, time, 1e3 * angle),
-        ),
+    trial.chart(
+        "angle of one bar",
+        "time, s",
+        "angle, 1/1000",
+        exact_curve("cos ω t", time, 1e3 * exact_angle),
+        curve(trial.variant.name, time, 1e3 * angle),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="hinges",
-    title="Bars on hinges",
-    text="Bars of 1 x 0.1 m hang on a hinge, one and two in a row, and swing by 0.02, in 200 "
-    "steps a swing; also with everything turned, and in other steps.",
-    formula="T = 2 pi sqrt(((L2 + t2)/12 + L2/4)/(g L/2)); det(K - w2 M) = 0; no energy lost",
-    source="mechanics of rigid bodies",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, IMPLICIT),
-    quick=(CONVEX,),
-)

@@ -13,13 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 LENGTH, THICKNESS = 2.0, 0.1
@@ -101,62 +95,51 @@ def exact_moment(compression: float) -> float:
 
 def bent(variant: Variant, model: Model, end: float) -> Run:
     """Return the run."""
-    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.1, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    return variant.run(
+        model, step=STEP, end=end, normal_stiffness=1e10, max_displacement=0.1, dynamic_ratio=0.0
+    )
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare deflections, and the moments of sections that yield."""
-    rows: list[Comparison] = []
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES), quick=(CONVEX,))
+def lining_beam(trial: Trial) -> None:
+    """Cantilever of a lining.
+
+    A lining of 2 m and 0.1 m, clamped at one end, of 10 and 20 segments, with 1 kN/m across its
+    free end, also turned by 37 degrees; then pushed down at its end until the section at the clamp
+    yields, under three normal forces. Static (dynamic_ratio = 0), h = 10 ms.
+
+    Exact: w = P L^3/(3 E I) + P L/(k G A);  M = (f_c + f_t) c (t - c)/2.
+    Source: beam theory; a rectangular section that has yielded throughout.
+    """
     exact = exact_deflection()
     for segments, turns, tolerance in ((10, 0.0, 1e-2), (20, 0.0, 3e-3), (20, 37.0, 3e-3)):
-        run = bent(variant, scene(segments, turns), END)
+        run = bent(trial.variant, scene(segments, turns), END)
         found = float(np.hypot(*run.history("tip").displacement[-1]))
         name = f"deflection, {segments} segments" + (", turned" if turns else "")
-        rows.append(relative(name, "m", found, exact, tolerance, REASON))
-    load = bent(variant, scene(20), END).lining("beam")
-    rows.append(
-        relative(
-            "moment at the clamp", "N", float(load.moment[-1, 0]), FORCE * LENGTH, 2e-3, REASON
-        )
+        trial.relative(name, "m", found, exact, tolerance, REASON)
+    load = bent(trial.variant, scene(20), END).lining("beam")
+    trial.relative(
+        "moment at the clamp", "N", float(load.moment[-1, 0]), FORCE * LENGTH, 2e-3, REASON
     )
     curves = []
     for compression in COMPRESSIONS:
-        run = bent(variant, yielding(compression), 0.6)
+        run = bent(trial.variant, yielding(compression), 0.6)
         lining = run.lining("beam")
         found = float(lining.moment[-1, 0])
         exact = exact_moment(-float(lining.normal_force[-1, 0]))
         name = f"moment of the section under {1e-6 * compression:g} MN/m"
-        rows.append(relative(name, "N", found, exact, 1e-2, YIELDS))
+        trial.relative(name, "N", found, exact, 1e-2, YIELDS)
         label = f"under {1e-6 * compression:g} MN/m"
         curves.append(curve(label, 1e3 * SPEED * lining.time, 1e-3 * lining.moment[:, 0]))
     inside = np.linspace(-PRESSED * THICKNESS, PULLED * THICKNESS, 50)
-    chart = Chart(
-        title="moment at the clamp as the end is pushed down",
-        x_label="displacement of the end, mm",
-        y_label="moment, kN",
-        curves=(
-            exact_curve(
-                "largest that any normal force allows",
-                np.array([0.0, 60.0]),
-                np.full(2, 1e-3 * max(exact_moment(-n) for n in inside)),
-            ),
-            *curves,
+    trial.chart(
+        "moment at the clamp as the end is pushed down",
+        "displacement of the end, mm",
+        "moment, kN",
+        exact_curve(
+            "largest that any normal force allows",
+            np.array([0.0, 60.0]),
+            np.full(2, 1e-3 * max(exact_moment(-n) for n in inside)),
         ),
+        *curves,
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="lining-beam",
-    title="Cantilever of a lining",
-    text="A lining of 2 m and 0.1 m, clamped at one end, of 10 and 20 segments, with 1 kN/m across "
-    "its free end, also turned by 37 degrees; then pushed down at its end until the section at the "
-    "clamp yields, under three normal forces. Static (dynamic_ratio = 0), h = 10 ms.",
-    formula="w = P L^3/(3 E I) + P L/(k G A);  M = (f_c + f_t) c (t - c)/2",
-    source="beam theory; a rectangular section that has yielded throughout",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, PASSES),
-    quick=(CONVEX,),
-)

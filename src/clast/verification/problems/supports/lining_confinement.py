@@ -17,21 +17,20 @@ import itertools
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
 from clast.model.stages import Stage
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    OPEN_CLOSE,
-    PASSES,
-    Variant,
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
 )
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
 RADII = (2.0, 2.5, 3.2, 4.2, 5.5, 7.5, 10.0, 11.0)
 """Radii of the rings of blocks, the last of which is fixed, m."""
@@ -115,52 +114,41 @@ def closures(run: Run) -> Floats:
     return -np.asarray((ways * outwards[:, None]).sum(axis=2).mean(axis=0))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the pressure on linings that come early and late."""
-    rows: list[Comparison] = []
+@problem(set_up=scene, variants=(CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES), quick=())
+def lining_confinement(trial: Trial) -> None:
+    """Convergence and confinement.
+
+    A plate of 7 rings of 32 blocks with joints of 1 TPa/m, under 1 MPa in situ, with a hole of 2 m
+    that is lined by 0.2 m of concrete after 0.4 or 0.7 of the support has ended, by 32 segments or
+    by 48, which have their ends elsewhere than the blocks. Static (dynamic_ratio = 0), h = 2 s.
+
+    Exact: p_s = (1 - beta) p k_s/(k_s + k_g).
+    Source: Panet & Guenot (1982), linear ground.
+    """
     outer = RADII[0] * float(np.cos(0.5 * np.pi / SECTORS))
     stiffness = YOUNG * THICKNESS / ((outer - 0.5 * THICKNESS) * outer)
-    free = {relaxed: closures(dug(variant, None, relaxed)) for relaxed in (RELAXED, 0.7)}
+    free = {relaxed: closures(dug(trial.variant, None, relaxed)) for relaxed in (RELAXED, 0.7)}
     whole = float(free[RELAXED][-1])
     rock = PRESSURE / whole
     curves = []
     for segments, relaxed in ((SECTORS, RELAXED), (SECTORS, 0.7), (48, RELAXED)):
-        run = dug(variant, segments, relaxed)
+        run = dug(trial.variant, segments, relaxed)
         share = float(free[relaxed][1]) / whole
         exact = (1.0 - share) * PRESSURE * stiffness / (stiffness + rock)
         lining = run.lining("shell")
         pressure = -lining.normal_force.mean(axis=1) / outer
         name = f"pressure on {segments} segments after {share:.3f}"
-        rows.append(relative(name, "Pa", float(pressure[-1]), exact, 2e-2, REASON))
+        trial.relative(name, "Pa", float(pressure[-1]), exact, 2e-2, REASON)
         label = f"{segments} segments after {share:.2f}"
         curves.append(curve(label, 1e6 * closures(run), 1e-3 * pressure))
-    chart = Chart(
-        title="pressure on the lining as the hole closes",
-        x_label="closure, µm",
-        y_label="pressure, kPa",
-        curves=(
-            exact_curve(
-                "ground without its relaxation",
-                1e6 * whole * np.array([0.8, 1.0]),
-                1e-3 * PRESSURE * np.array([0.2, 0.0]),
-            ),
-            *curves,
+    trial.chart(
+        "pressure on the lining as the hole closes",
+        "closure, µm",
+        "pressure, kPa",
+        exact_curve(
+            "ground without its relaxation",
+            1e6 * whole * np.array([0.8, 1.0]),
+            1e-3 * PRESSURE * np.array([0.2, 0.0]),
         ),
+        *curves,
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="lining-confinement",
-    title="Convergence and confinement",
-    text="A plate of 7 rings of 32 blocks with joints of 1 TPa/m, under 1 MPa in situ, with a hole "
-    "of 2 m that is lined by 0.2 m of concrete after 0.4 or 0.7 of the support has ended, by 32 "
-    "segments or by 48, which have their ends elsewhere than the blocks. Static "
-    "(dynamic_ratio = 0), h = 2 s.",
-    formula="p_s = (1 - beta) p k_s/(k_s + k_g)",
-    source="Panet & Guenot (1982), linear ground",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES),
-    quick=(),
-)

@@ -19,13 +19,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 RADIUS, THICKNESS = 3.0, 0.15
@@ -92,8 +95,9 @@ def ring(phase: float, segments: int) -> tuple[InputBuilder, Floats]:
 
 def settled(variant: Variant, model: Model) -> Run:
     """Return the run."""
-    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.1, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
+    return variant.run(
+        model, step=STEP, end=END, normal_stiffness=1e10, max_displacement=0.1, dynamic_ratio=0.0
+    )
 
 
 def exact_motions() -> tuple[float, float]:
@@ -108,15 +112,20 @@ def exact_motions() -> tuple[float, float]:
 
 def _motions(run: Run) -> tuple[float, float]:
     way = {name: run.history(name).displacement[-1] for name in run.point_name}
-    return (
-        float((way["bottom"] - way["top"])[1]),
-        float((way["right"] - way["left"])[0]),
-    )
+    return (float((way["bottom"] - way["top"])[1]), float((way["right"] - way["left"])[0]))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare motions and moments under point loads, and forces under a pressure."""
-    rows: list[Comparison] = []
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES), quick=(CONVEX,))
+def lining_ring(trial: Trial) -> None:
+    """Ring of a lining.
+
+    A ring of 3 m radius and 0.15 m, of 48 segments, under two opposite loads of 1 kN/m in the
+    middle of segments or at joints (also with 96), and under 100 kPa on its outer face. Static
+    (dynamic_ratio = 0), h = 0.1 s.
+
+    Exact: v = P R^3/(E I) (pi/4 - 2/pi) + ...;  N = -p (R + t/2).
+    Source: Castigliano: bending, normal force and shear of a thin ring.
+    """
     exact = exact_motions()
     lining = None
     for phase, segments, tolerance, why, where in (
@@ -124,52 +133,34 @@ def examine(variant: Variant) -> Outcome:
         (0.0, SEGMENTS, 1.3e-2, JOINT, "at joints"),
         (0.0, 2 * SEGMENTS, 4e-3, JOINT, "at joints, 96 segments"),
     ):
-        run = settled(variant, scene(phase, segments))
+        run = settled(trial.variant, scene(phase, segments))
         for name, found, value in zip(("shorter", "wider"), _motions(run), exact, strict=True):
-            rows.append(relative(f"{name}, loads {where}", "m", found, value, tolerance, why))
+            trial.relative(f"{name}, loads {where}", "m", found, value, tolerance, why)
         lining = run.lining("ring") if segments == SEGMENTS else lining
     assert lining is not None
     moment, normal = lining.moment[-1], lining.normal_force[-1]
     top, side = LOAD * RADIUS / np.pi, -LOAD * RADIUS * (0.5 - 1.0 / np.pi)
-    rows.append(relative("moment under a load", "N", float(moment.max()), top, 1e-2, MIDDLE))
-    rows.append(relative("moment at a side", "N", float(moment.min()), side, 1e-2, MIDDLE))
-    rows.append(relative("N at a side", "N/m", float(normal.min()), -0.5 * LOAD, 1e-2, MIDDLE))
-    run = settled(variant, pressed())
+    trial.relative("moment under a load", "N", float(moment.max()), top, 1e-2, MIDDLE)
+    trial.relative("moment at a side", "N", float(moment.min()), side, 1e-2, MIDDLE)
+    trial.relative("N at a side", "N/m", float(normal.min()), -0.5 * LOAD, 1e-2, MIDDLE)
+    run = settled(trial.variant, pressed())
     around, angle = run.lining("ring"), 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     force = -PRESSURE * (RADIUS + 0.5 * THICKNESS)
     found = float(around.normal_force[-1].mean())
-    rows.append(relative("N under pressure", "N/m", found, force, 5e-3, ROUND))
+    trial.relative("N under pressure", "N/m", found, force, 5e-3, ROUND)
     ways = np.array([run.history(f"at {k}").displacement[-1] for k in range(SEGMENTS)])
     inwards = float((ways * np.stack([np.cos(angle), np.sin(angle)], axis=1)).sum(axis=1).mean())
     closed = force * RADIUS / (YOUNG * THICKNESS)
-    rows.append(relative("u under pressure", "m", inwards, closed, 5e-3, ROUND))
+    trial.relative("u under pressure", "m", inwards, closed, 5e-3, ROUND)
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
-    chart = Chart(
-        title="moment along the ring",
-        x_label="along the ring from the right side, m",
-        y_label="moment, N",
-        curves=(
-            exact_curve(
-                "P R (1/π − |cos|/2)",
-                RADIUS * turn,
-                LOAD * RADIUS * (1.0 / np.pi - 0.5 * np.abs(np.cos(turn))),
-            ),
-            curve(variant.name, lining.along, moment),
+    trial.chart(
+        "moment along the ring",
+        "along the ring from the right side, m",
+        "moment, N",
+        exact_curve(
+            "P R (1/π − |cos|/2)",
+            RADIUS * turn,
+            LOAD * RADIUS * (1.0 / np.pi - 0.5 * np.abs(np.cos(turn))),
         ),
+        curve(trial.variant.name, lining.along, moment),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="lining-ring",
-    title="Ring of a lining",
-    text="A ring of 3 m radius and 0.15 m, of 48 segments, under two opposite loads of 1 kN/m in "
-    "the middle of segments or at joints (also with 96), and under 100 kPa on its outer face. "
-    "Static (dynamic_ratio = 0), h = 0.1 s.",
-    formula="v = P R^3/(E I) (pi/4 - 2/pi) + ...;  N = -p (R + t/2)",
-    source="Castigliano: bending, normal force and shear of a thin ring",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, PASSES),
-    quick=(CONVEX,),
-)

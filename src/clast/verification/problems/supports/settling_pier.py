@@ -9,13 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 DENSITY, GRAVITY = 2500.0, 9.8
@@ -49,56 +43,45 @@ def scene(side: float = 1.0) -> Model:
 def settled(variant: Variant, side: float = 1.0, step: float = STEP) -> Run:
     """Return the run."""
     model = scene(side)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.02, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=step, end=END, every=END))
+    return variant.run(
+        model, step=step, end=END, normal_stiffness=1e9, max_displacement=0.02, dynamic_ratio=0.0
+    )
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare reactions and rotation, of the scene, its mirror image and in other steps."""
-    rows: list[Comparison] = []
-    run = settled(variant)
-    cases = (("", 1.0, run), (", mirrored", -1.0, settled(variant, -1.0)))
-    for name, side, one in (*cases, (", steps of 8 ms", 1.0, settled(variant, step=8e-3))):
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES), quick=(CONVEX,))
+def settling_pier(trial: Trial) -> None:
+    """A lintel on two piers, one of which settles.
+
+    A lintel of 6 x 0.5 m lies on edges 5 m apart, one of which, smooth, settles by 30 mm in 3 s;
+    static (dynamic_ratio = 0), h = 5 ms; also mirrored, and in other steps. Reactions are compared
+    after it; while it settles, static steps of open-close and modified keep their mass term 2
+    M/h^2, so that it carries 11.2 kN/m less in them, as the picture shows.
+
+    Exact: reactions W/2 each, tan r = s/L.
+    Source: statics.
+    """
+    run = settled(trial.variant)
+    cases = (("", 1.0, run), (", mirrored", -1.0, settled(trial.variant, -1.0)))
+    for name, side, one in (*cases, (", steps of 8 ms", 1.0, settled(trial.variant, step=8e-3))):
         soft, firm = one.reaction("settlement").force[-1], one.reaction("fixed blocks").force[-1]
-        rows += [
-            relative(f"reaction of the soft pier{name}", "N/m", soft[1], 0.5 * WEIGHT, 1e-3, TILT),
-            relative(f"reaction of the firm pier{name}", "N/m", firm[1], 0.5 * WEIGHT, 1e-3, TILT),
-            relative(
-                f"rotation{name}",
-                "rad",
-                -side * float(np.tan(one.history("middle").rotation[-1])),
-                SETTLEMENT / SPAN,
-                1e-3,
-                TILT,
-            ),
-        ]
+        trial.relative(f"reaction of the soft pier{name}", "N/m", soft[1], 0.5 * WEIGHT, 1e-3, TILT)
+        trial.relative(f"reaction of the firm pier{name}", "N/m", firm[1], 0.5 * WEIGHT, 1e-3, TILT)
+        trial.relative(
+            f"rotation{name}",
+            "rad",
+            -side * float(np.tan(one.history("middle").rotation[-1])),
+            SETTLEMENT / SPAN,
+            1e-3,
+            TILT,
+        )
     total = run.reaction("settlement").force[-1] + run.reaction("fixed blocks").force[-1]
     off = float(np.hypot(*(total - [0.0, WEIGHT])))
-    rows.append(absolute("sum of reactions less weight", "N/m", off, 0.0, 1e-4 * WEIGHT, TILT))
+    trial.absolute("sum of reactions less weight", "N/m", off, 0.0, 1e-4 * WEIGHT, TILT)
     history, soft = run.history("middle"), run.reaction("settlement")
-    chart = Chart(
-        title="reaction of the pier that settles",
-        x_label="rotation, 1/1000",
-        y_label="force, kN/m",
-        curves=(
-            exact_curve("W/2", np.array([0.0, 6.0]), np.full(2, 0.5e-3 * WEIGHT)),
-            curve(variant.name, -1e3 * history.rotation[1::15], 1e-3 * soft.force[1::15, 1]),
-        ),
+    trial.chart(
+        "reaction of the pier that settles",
+        "rotation, 1/1000",
+        "force, kN/m",
+        exact_curve("W/2", np.array([0.0, 6.0]), np.full(2, 0.5e-3 * WEIGHT)),
+        curve(trial.variant.name, -1e3 * history.rotation[1::15], 1e-3 * soft.force[1::15, 1]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="settling-pier",
-    title="A lintel on two piers, one of which settles",
-    text="A lintel of 6 x 0.5 m lies on edges 5 m apart, one of which, smooth, settles by 30 mm in "
-    "3 s; static (dynamic_ratio = 0), h = 5 ms; also mirrored, and in other steps. Reactions are "
-    "compared after it; while it settles, static steps of open-close and modified keep their mass "
-    "term 2 M/h^2, so that it carries 11.2 kN/m less in them, as the picture shows.",
-    formula="reactions W/2 each, tan r = s/L",
-    source="statics",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, PASSES),
-    quick=(CONVEX,),
-)

@@ -18,13 +18,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Comparison,
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    absolute,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE, Variant
 
 DENSITY, YOUNG = 1000.0, 1e12
@@ -115,8 +121,7 @@ def _box(
 def slid(case: Case, variant: Variant) -> Run:
     """Return the run."""
     model = scene(case)
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.1)
-    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
+    return variant.run(model, step=STEP, end=END, normal_stiffness=1e9, max_displacement=0.1)
 
 
 def rows_of(case: Case, run: Run) -> list[Comparison]:
@@ -152,37 +157,28 @@ def rows_of(case: Case, run: Run) -> list[Comparison]:
     ]
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare energy, angular momentum, and where the bead is."""
-    runs = [(case, slid(case, variant)) for case in CASES]
-    rows = [row for case, run in runs for row in rows_of(case, run)]
+@problem(set_up=scene, variants=(CONVEX, MIDPOINT, OPEN_CLOSE), quick=(CONVEX,))
+def slider(trial: Trial) -> None:
+    """A bead on a rod that turns.
+
+    A rod of 4 x 0.1 m turns freely at 2 rad/s about its middle; a bead of 0.2 x 0.2 m slides
+    outwards on it, held across and in rotation; also mirrored, with the link turning with the bead,
+    and on links that give in.
+
+    Exact: T and L stay; r'' - h q'' = r q'2.
+    Source: mechanics of rigid bodies.
+    Not run with: modified: without contacts it solves the equations of open-close, in one pass.
+    """
+    runs = [(case, slid(case, trial.variant)) for case in CASES]
+    trial.rows += [row for case, run in runs for row in rows_of(case, run)]
     centre = runs[0][1].history("bead")
     at = np.array([AWAY, BESIDE]) + centre.displacement
     distance = np.sqrt((at**2).sum(axis=1) - BESIDE**2)
     times = np.linspace(0.0, END, 50)
-    chart = Chart(
-        title="the bead along the rod",
-        x_label="time, s",
-        y_label="distance, m",
-        curves=(
-            exact_curve("r(t)", times, followed(times)[1]),
-            curve(variant.name, centre.time[::50], distance[::50]),
-        ),
+    trial.chart(
+        "the bead along the rod",
+        "time, s",
+        "distance, m",
+        exact_curve("r(t)", times, followed(times)[1]),
+        curve(trial.variant.name, centre.time[::50], distance[::50]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="slider",
-    title="A bead on a rod that turns",
-    text="A rod of 4 x 0.1 m turns freely at 2 rad/s about its middle; a bead of 0.2 x 0.2 m "
-    "slides outwards on it, held across and in rotation; also mirrored, with the link turning with "
-    "the bead, and on links that give in.",
-    formula="T and L stay; r'' - h q'' = r q'2",
-    source="mechanics of rigid bodies",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, MIDPOINT, OPEN_CLOSE),
-    left_out="modified: without contacts it solves the equations of open-close, in one pass",
-    quick=(CONVEX,),
-)

@@ -16,13 +16,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Comparison,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    absolute,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE, Variant
 
 DENSITY, SPEED, EASE, END, LENGTH = 2000.0, 1e-3, 0.02, 0.1, 1.0
@@ -84,8 +89,9 @@ def _box(left: float, wide: float) -> list[tuple[float, float]]:
 def pressed(case: Case, variant: Variant) -> Run:
     """Return the run."""
     model = scene(case)
-    method = variant.method(model, normal_stiffness=case.young, max_displacement=0.01)
-    return simulate(model, method, Schedule(step=case.step, end=END, every=END))
+    return variant.run(
+        model, step=case.step, end=END, normal_stiffness=case.young, max_displacement=0.01
+    )
 
 
 def rows_of(case: Case, run: Run, variant: Variant) -> list[Comparison]:
@@ -105,34 +111,25 @@ def rows_of(case: Case, run: Run, variant: Variant) -> list[Comparison]:
     ]
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare press and wall, and the work of the press."""
-    runs = [(case, pressed(case, variant)) for case in CASES]
-    rows = [row for case, run in runs for row in rows_of(case, run, variant)]
+@problem(set_up=scene, variants=(CONVEX, MIDPOINT, OPEN_CLOSE), quick=(CONVEX,))
+def slow_press(trial: Trial) -> None:
+    """A slow press on weightless blocks.
+
+    A press of 1 mm/s, eased over 20 ms, squeezes a block of 1 x 1 m without weight against a wall;
+    also three blocks, stiff and soft, with restitution, and in steps of 0.5 to 20 ms.
+
+    Exact: F = v (t - e/2)/(L/(E H) + (n + 1)/(4 p)), of press and wall.
+    Source: springs in a row, Newton's third law.
+    Not run with: modified: contacts act only where a vertex has invaded before, a step late.
+    """
+    runs = [(case, pressed(case, trial.variant)) for case in CASES]
+    trial.rows += [row for case, run in runs for row in rows_of(case, run, trial.variant)]
     press = runs[0][1].reaction("press")
     times = np.array([EASE, END])
-    chart = Chart(
-        title="force on the press",
-        x_label="time, s",
-        y_label="force, kN/m",
-        curves=(
-            exact_curve("F(t)", times, np.array([1e-3 * CASES[0].force(t) for t in times])),
-            curve(variant.name, press.time[1:], 1e-3 * press.force[1:, 0]),
-        ),
+    trial.chart(
+        "force on the press",
+        "time, s",
+        "force, kN/m",
+        exact_curve("F(t)", times, np.array([1e-3 * CASES[0].force(t) for t in times])),
+        curve(trial.variant.name, press.time[1:], 1e-3 * press.force[1:, 0]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="slow-press",
-    title="A slow press on weightless blocks",
-    text="A press of 1 mm/s, eased over 20 ms, squeezes a block of 1 x 1 m without weight against "
-    "a wall; also three blocks, stiff and soft, with restitution, and in steps of 0.5 to 20 ms.",
-    formula="F = v (t - e/2)/(L/(E H) + (n + 1)/(4 p)), of press and wall",
-    source="springs in a row, Newton's third law",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, MIDPOINT, OPEN_CLOSE),
-    left_out="modified: contacts act only where a vertex has invaded before, a step late",
-    quick=(CONVEX,),
-)

@@ -12,13 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 HALF, WIDTH, HEIGHT = 2.0, 0.2, 0.2
@@ -69,38 +63,9 @@ def scene(turns: int = 0, pieces: int = 1) -> Model:
 def pressed(variant: Variant, turns: int = 0, pieces: int = 1) -> Run:
     """Return the run."""
     model = scene(turns, pieces)
-    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.01, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=STEP, end=END, every=END))
-
-
-def examine(variant: Variant) -> Outcome:
-    """Compare the collapse load and the moments."""
-    rows: list[Comparison] = []
-    runs = {
-        "": pressed(variant),
-        ", turned": pressed(variant, 1),
-        ", in pieces": pressed(variant, 0, 2),
-    }
-    for name, run in runs.items():
-        load = float(np.hypot(*run.reaction("press").force[-1]))
-        rows.append(relative(f"collapse load{name}", "N/m", load, COLLAPSE, 1e-2, REASON))
-        moment = abs(float(np.asarray(run.link("at 0").moment)[-1]))
-        rows.append(relative(f"moment at the end{name}", "N", moment, MOMENT, 1e-6, REASON))
-    press = runs[""].reaction("press")
-    chart = Chart(
-        title="load and displacement of the middle",
-        x_label="displacement, mm",
-        y_label="load, kN/m",
-        curves=(
-            exact_curve("4 Mₚ/l", np.array([0.0, 11.5]), np.full(2, 1e-3 * COLLAPSE)),
-            curve(
-                variant.name,
-                1e3 * SPEED * np.maximum(press.time[1::4] - 0.05, 0.0),
-                -1e-3 * press.force[1::4, 1],
-            ),
-        ),
+    return variant.run(
+        model, step=STEP, end=END, normal_stiffness=1e10, max_displacement=0.01, dynamic_ratio=0.0
     )
-    return Outcome(tuple(rows), (chart,))
 
 
 def _turned(point: tuple[float, float], turns: int) -> tuple[float, float]:
@@ -118,16 +83,36 @@ def _box(low: float, high: float, tall: float, turns: int) -> list[tuple[float, 
     return [_turned((float(a), float(b)), turns) for a, b in corners]
 
 
-PROBLEM = Problem(
-    name="yielding-beam",
-    title="A clamped beam whose hinges yield",
-    text="A beam of 4.2 m has links that yield at 100 kN at its ends and both sides of its middle, "
-    "which is pushed down at 10 mm/s; static (dynamic_ratio = 0), h = 10 ms; also turned, and with "
-    "halves of two pieces.",
-    formula="P = 4 M_p/l",
-    source="plastic analysis: work of the mechanism",
-    set_up=scene,
-    examine=examine,
-    variants=(CONVEX, OPEN_CLOSE, PASSES),
-    quick=(CONVEX,),
-)
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES), quick=(CONVEX,))
+def yielding_beam(trial: Trial) -> None:
+    """A clamped beam whose hinges yield.
+
+    A beam of 4.2 m has links that yield at 100 kN at its ends and both sides of its middle, which
+    is pushed down at 10 mm/s; static (dynamic_ratio = 0), h = 10 ms; also turned, and with halves
+    of two pieces.
+
+    Exact: P = 4 M_p/l.
+    Source: plastic analysis: work of the mechanism.
+    """
+    runs = {
+        "": pressed(trial.variant),
+        ", turned": pressed(trial.variant, 1),
+        ", in pieces": pressed(trial.variant, 0, 2),
+    }
+    for name, run in runs.items():
+        load = float(np.hypot(*run.reaction("press").force[-1]))
+        trial.relative(f"collapse load{name}", "N/m", load, COLLAPSE, 1e-2, REASON)
+        moment = abs(float(np.asarray(run.link("at 0").moment)[-1]))
+        trial.relative(f"moment at the end{name}", "N", moment, MOMENT, 1e-6, REASON)
+    press = runs[""].reaction("press")
+    trial.chart(
+        "load and displacement of the middle",
+        "displacement, mm",
+        "load, kN/m",
+        exact_curve("4 Mₚ/l", np.array([0.0, 11.5]), np.full(2, 1e-3 * COLLAPSE)),
+        curve(
+            trial.variant.name,
+            1e3 * SPEED * np.maximum(press.time[1::4] - 0.05, 0.0),
+            -1e-3 * press.force[1::4, 1],
+        ),
+    )

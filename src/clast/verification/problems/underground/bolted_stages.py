@@ -22,13 +22,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
 from clast.model.stages import TIME, Stage
-from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Curve,
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0
@@ -146,44 +152,32 @@ def _exact_course(order: str) -> Curve:
     return exact_curve(order, [0.0, start, start + RELAX_TIME, end], [0.0, 0.0, force, force])
 
 
-def examine(variant: Variant, orders: Sequence[str] = tuple(ORDERS)) -> Outcome:
-    """Compare the force of the bolt at the end of each order."""
-    rows: list[Comparison] = []
+@problem(set_up=roof, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+def bolted_stages(trial: Trial, orders: Sequence[str] = tuple(ORDERS)) -> None:
+    """A bolt installed before or after an excavation.
+
+    A beam of 4 m x 1 m rests on two ledges and on a pillar of 1 m x 0.5 m; no friction, E = 10 GPa,
+    nu = 0, rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, a bolt of s = 1 GPa from its centroid to
+    fixed rock above, h = 2 ms, static (dynamic_ratio = 0). In stages of 0.4 s the bolt is installed
+    and the pillar excavated, in different orders; the forces of the pillar end within 0.2 s.
+
+    Exact: F = 0 where all has settled before; else the share of springs in parallel, (N/K)/(1/s +
+    1/K + c), N being the load of the pillar, K = 4 p, c = h/(4 b E).
+    Source: statics.
+    """
     shown: list[Curve] = []
     for order in orders:
-        time, force = forces(order, variant)
+        time, force = forces(order, trial.variant)
         exact = exact_force(order)
         if exact == 0.0:
             limit = NOTHING * WEIGHT
             why = "it is as long as when it was installed"
-            rows.append(absolute(order, "N/m", float(force[-1]), 0.0, limit, why))
+            trial.absolute(order, "N/m", float(force[-1]), 0.0, limit, why)
         else:
-            rows.append(relative(order, "N/m", float(force[-1]), exact, TOLERANCE, REASON))
+            trial.relative(order, "N/m", float(force[-1]), exact, TOLERANCE, REASON)
         if order.startswith("settle") and order != "settle, bolt":
             shown.append(_exact_course(order))
-            shown.append(curve(f"{order}: {variant.name}", time[::SHOWN], 1e-3 * force[::SHOWN]))
-    chart = Chart(
-        title="force of the bolt",
-        x_label="time, s",
-        y_label="force, kN/m",
-        curves=tuple(shown),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="bolted-stages",
-    title="A bolt installed before or after an excavation",
-    text="A beam of 4 m x 1 m rests on two ledges and on a pillar of 1 m x 0.5 m; no friction, "
-    "E = 10 GPa, nu = 0, rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, a bolt of s = 1 GPa from its "
-    "centroid to fixed rock above, h = 2 ms, static (dynamic_ratio = 0). In stages of 0.4 s the "
-    "bolt is installed and the pillar excavated, in different orders; the forces of the pillar end "
-    "within 0.2 s.",
-    formula="F = 0 where all has settled before; else the share of springs in parallel, "
-    "(N/K)/(1/s + 1/K + c), N being the load of the pillar, K = 4 p, c = h/(4 b E)",
-    source="statics",
-    set_up=roof,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)
+            shown.append(
+                curve(f"{order}: {trial.variant.name}", time[::SHOWN], 1e-3 * force[::SHOWN])
+            )
+    trial.chart("force of the bolt", "time, s", "force, kN/m", *tuple(shown))

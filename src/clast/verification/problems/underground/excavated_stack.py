@@ -15,15 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE
 
 GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0
 HEIGHT, WIDTH, BLOCKS, LEFT = 2.0, 1.0, 5, 2
@@ -68,10 +65,19 @@ def exact_moves() -> list[float]:
     return moves[1:]
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare how far the blocks that stay rise, and how much each grows."""
+@problem(set_up=stack, variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS), quick=(CONVEX,))
+def excavated_stack(trial: Trial) -> None:
+    """Excavated stack of blocks.
+
+    Five blocks of 1 m x 2 m rest on each other and on a wider floor; E = 10 GPa, nu = 0, rho = 2500
+    kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). After 1 s the upper three
+    are excavated: three tenths of their load ends at once, the rest within 0.5 s.
+
+    Exact: a block grows by W h/(b E), a joint of n contacts opens by W/(n p), W what was taken.
+    Source: statics.
+    """
     model = stack()
-    method = variant.method(
+    method = trial.variant.method(
         model, normal_stiffness=STIFFNESS, max_displacement=0.01, dynamic_ratio=0.0
     )
     kept: list[RunState] = []
@@ -84,42 +90,22 @@ def examine(variant: Variant) -> Outcome:
     history = [run.history(f"{name} {k + 1}") for k in range(LEFT) for name in ("foot", "head")]
     rise = [float(one.displacement[-1, 1] - one.displacement[0, 1]) for one in history]
     exact = exact_moves()
-    rows: list[Comparison] = []
     for k in range(LEFT):
         growth, wanted = (moves[2 * k + 1] - moves[2 * k] for moves in (rise, exact))
-        rows.append(relative(f"growth of block {k + 1}", "m", growth, wanted, TOLERANCE, REASON))
+        trial.relative(f"growth of block {k + 1}", "m", growth, wanted, TOLERANCE, REASON)
         below = (moves[2 * k] - (moves[2 * k - 1] if k else 0.0) for moves in (rise, exact))
-        if variant.contact_law["name"] == "penalty":
+        if trial.variant.contact_law["name"] == "penalty":
             opening, wanted = below
             name = f"opening of joint {k + 1}, {CONTACTS[k]} contacts"
-            rows.append(relative(name, "m", opening, wanted, TOLERANCE, REASON))
+            trial.relative(name, "m", opening, wanted, TOLERANCE, REASON)
     foot, head = (one.displacement[:, 1] for one in history[:2])
     time, growth_1 = history[0].time, head - foot
     share = np.clip(1.0 - (1.0 - RELAX) * (1.0 - (time - SETTLING) / RELAX_TIME), RELAX, 1.0)
     share[0] = 0.0
-    chart = Chart(
-        title="growth of the lowest block after the excavation",
-        x_label="time, s",
-        y_label="growth, µm",
-        curves=(
-            exact_curve("share of the weight released", time, 1e6 * (exact[1] - exact[0]) * share),
-            curve(variant.name, time[::SHOWN], 1e6 * (growth_1 - growth_1[0])[::SHOWN]),
-        ),
+    trial.chart(
+        "growth of the lowest block after the excavation",
+        "time, s",
+        "growth, µm",
+        exact_curve("share of the weight released", time, 1e6 * (exact[1] - exact[0]) * share),
+        curve(trial.variant.name, time[::SHOWN], 1e6 * (growth_1 - growth_1[0])[::SHOWN]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="excavated-stack",
-    title="Excavated stack of blocks",
-    text="Five blocks of 1 m x 2 m rest on each other and on a wider floor; E = 10 GPa, nu = 0, "
-    "rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). After 1 s "
-    "the upper three are excavated: three tenths of their load ends at once, the rest within "
-    "0.5 s.",
-    formula="a block grows by W h/(b E), a joint of n contacts opens by W/(n p), W what was taken",
-    source="statics",
-    set_up=stack,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-)

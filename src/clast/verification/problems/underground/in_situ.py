@@ -8,20 +8,23 @@ mean of the vertical stress over all blocks is that at half of the height, rho g
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
 from clast.inputs.in_situ import Overburden
-from clast.model.model import Model
 from clast.model.surroundings import InSituStress
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
 from clast.rockmass import Domain, Exponential, JointSet, cut
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Comparison,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    absolute,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 WIDTH, HEIGHT = 30.0, 20.0
@@ -61,9 +64,8 @@ def rock_mass(seed: int = 1, *, weighed: bool = False) -> Model:
 
 def stay(model: Model, variant: Variant) -> Run:
     """Return a run of a rock mass in which nothing is dug."""
-    method = variant.method(model, normal_stiffness=5e10, max_displacement=0.02)
     end = STEPS * STEP
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    return variant.run(model, step=STEP, end=end, normal_stiffness=5e10, max_displacement=0.02)
 
 
 def moved(run: Run) -> float:
@@ -95,37 +97,31 @@ def compare_weight(seed: int, variant: Variant) -> tuple[list[Comparison], Run]:
     return rows, run
 
 
-def examine(seeds: tuple[int, ...], variant: Variant) -> Outcome:
-    """Compare rock masses cut by chance."""
-    rows: list[Comparison] = []
+@problem(
+    set_up=rock_mass, variants=(IMPLICIT, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SEEDS[:1],)
+)
+def in_situ(trial: Trial, seeds: tuple[int, ...] = SEEDS) -> None:
+    """Rock under in-situ stress.
+
+    A box of 30 m x 20 m, cut into some 36 to 93 blocks by two sets of joints at angles by chance,
+    under a uniform stress (-5, -10, 2) MPa without gravity, and under its own weight with k0 = 0.5:
+    after 100 steps of 1 ms nothing has moved. E = 50 GPa, p = 50 GPa.
+
+    Exact: no displacement, the stress of the start; mean vertical stress rho g H/2.
+    Source: equilibrium of a uniform stress, and of a stress that grows with depth.
+    """
     curves = []
     for seed in seeds:
-        rows += compare_uniform(seed, variant)
-        found, run = compare_weight(seed, variant)
-        rows += found
+        trial.rows += compare_uniform(seed, trial.variant)
+        found, run = compare_weight(seed, trial.variant)
+        trial.rows += found
         middle = np.array([run.model.polygon(b).mean(axis=0) for b in range(run.model.block_count)])
-        label = f"cut {seed}, {variant.name}"
+        label = f"cut {seed}, {trial.variant.name}"
         curves.append(curve(label, 1e-6 * run.state.stress[:, 1], middle[:, 1]))
-    chart = Chart(
-        title=f"vertical stress of the blocks, {variant.name}",
-        x_label="stress, MPa",
-        y_label="height, m",
-        curves=(exact_curve("ρ g z", (-1e-6 * WEIGHED, 0.0), (0.0, HEIGHT)), *curves),
+    trial.chart(
+        f"vertical stress of the blocks, {trial.variant.name}",
+        "stress, MPa",
+        "height, m",
+        exact_curve("ρ g z", (-1e-6 * WEIGHED, 0.0), (0.0, HEIGHT)),
+        *curves,
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="in-situ",
-    title="Rock under in-situ stress",
-    text="A box of 30 m x 20 m, cut into some 36 to 93 blocks by two sets of joints at angles by "
-    "chance, under a uniform stress (-5, -10, 2) MPa without gravity, and under its own weight "
-    "with k0 = 0.5: after 100 steps of 1 ms nothing has moved. E = 50 GPa, p = 50 GPa.",
-    formula="no displacement, the stress of the start; mean vertical stress rho g H/2",
-    source="equilibrium of a uniform stress, and of a stress that grows with depth",
-    set_up=rock_mass,
-    examine=partial(examine, SEEDS),
-    variants=(IMPLICIT, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-    examine_briefly=partial(examine, SEEDS[:1]),
-)

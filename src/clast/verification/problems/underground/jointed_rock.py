@@ -11,16 +11,9 @@ its stiffness.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY = 10e9, 2500.0
@@ -61,8 +54,14 @@ def column(ratio: float = 1.0) -> Model:
 def computed_modulus(ratio: float, variant: Variant) -> float:
     """Return the modulus between the middles of the lowest and the highest block, Pa."""
     model = column(ratio)
-    method = variant.method(model, normal_stiffness=LAW, max_displacement=0.01, dynamic_ratio=0.0)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    run = variant.run(
+        model,
+        step=STEP,
+        end=DURATION,
+        normal_stiffness=LAW,
+        max_displacement=0.01,
+        dynamic_ratio=0.0,
+    )
     low, high = (run.history(name).displacement[-1, 1] for name in ("1", str(BLOCKS)))
     return float(PRESSURE * (BLOCKS - 1) * SPACING / (low - high))
 
@@ -72,39 +71,28 @@ def exact_modulus(ratio: float) -> float:
     return YOUNG / (1.0 + ratio)
 
 
-def examine(ratios: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the modulus of the rock mass for joints of different stiffness."""
-    rows: list[Comparison] = []
+@problem(set_up=column, variants=(OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+def jointed_rock(trial: Trial, ratios: tuple[float, ...] = RATIOS) -> None:
+    """Modulus of a jointed rock mass.
+
+    Six blocks of 1 m x 0.5 m on each other are compressed by 10 kPa; E = 10 GPa, nu = 0, joints
+    from ten times stiffer to ten times softer than the rock; h = 2 ms, static (dynamic_ratio = 0).
+
+    Exact: 1/E_m = 1/E + 1/(k s).
+    Source: rock and joints in series (Goodman 1989).
+    Not run with: modified: one pass and four throw the blocks: p h2/m is up to 640.
+    """
     found = []
     for ratio in ratios:
-        found.append(computed_modulus(ratio, variant))
+        found.append(computed_modulus(ratio, trial.variant))
         quantity = f"modulus at E/(k s) = {ratio:g}"
-        rows.append(relative(quantity, "Pa", found[-1], exact_modulus(ratio), 1e-5, AT_REST))
+        trial.relative(quantity, "Pa", found[-1], exact_modulus(ratio), 1e-5, AT_REST)
     fine = np.geomspace(0.05, 20.0, 60)
-    chart = Chart(
-        title="modulus of the rock mass",
-        x_label="E/(k s)",
-        y_label="Eₘ/E",
-        curves=(
-            exact_curve("1/(1 + E/(k s))", fine, 1.0 / (1.0 + fine)),
-            curve(variant.name, ratios, np.array(found) / YOUNG),
-        ),
+    trial.chart(
+        "modulus of the rock mass",
+        "E/(k s)",
+        "Eₘ/E",
+        exact_curve("1/(1 + E/(k s))", fine, 1.0 / (1.0 + fine)),
+        curve(trial.variant.name, ratios, np.array(found) / YOUNG),
         x_scale="log",
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="jointed-rock",
-    title="Modulus of a jointed rock mass",
-    text="Six blocks of 1 m x 0.5 m on each other are compressed by 10 kPa; E = 10 GPa, nu = 0, "
-    "joints from ten times stiffer to ten times softer than the rock; h = 2 ms, static "
-    "(dynamic_ratio = 0).",
-    formula="1/E_m = 1/E + 1/(k s)",
-    source="rock and joints in series (Goodman 1989)",
-    set_up=column,
-    examine=partial(examine, RATIOS),
-    variants=(OPEN_CLOSE, CONVEX),
-    left_out="modified: one pass and four throw the blocks: p h2/m is up to 640",
-    quick=(CONVEX,),
-)

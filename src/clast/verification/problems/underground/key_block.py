@@ -11,11 +11,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2600.0
@@ -72,42 +77,32 @@ def holds(force: float, friction_angle: float, variant: Variant) -> bool:
     )
 
 
-def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the force that just holds the wedge for some friction angles, degrees."""
-    rows: list[Comparison] = []
+@problem(set_up=roof, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+def key_block(trial: Trial, angles: tuple[float, ...] = FRICTION_ANGLES) -> None:
+    """Key block in a tunnel roof.
+
+    A wedge 1 m wide above, 1.6 m below and 2 m high hangs between two blocks on frictionless rails
+    that are pressed against it; the force is bisected. p = 0.4 GPa, h = 4 ms, static (dynamic_ratio
+    = 0).
+
+    Exact: W = 2 H tan(phi - a).
+    Source: equilibrium of the wedge with friction mobilised on both sides (Brady & Brown).
+    """
     found = []
     for angle in angles:
         exact = exact_force(angle)
 
         def stays(force: float, angle: float = angle) -> bool:
-            return holds(force, angle, variant)
+            return holds(force, angle, trial.variant)
 
         found.append(limit(stays, 0.84 * exact, 1.16 * exact, BISECTIONS))
         quantity = f"force at the limit, phi = {angle:g} degrees"
-        rows.append(relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED))
+        trial.relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED)
     fine = np.linspace(20.0, 50.0, 61)
-    chart = Chart(
-        title="force that holds the wedge",
-        x_label="friction angle, degrees",
-        y_label="H / W",
-        curves=(
-            exact_curve("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine]),
-            curve(variant.name, angles, np.array(found) / WEIGHT),
-        ),
+    trial.chart(
+        "force that holds the wedge",
+        "friction angle, degrees",
+        "H / W",
+        exact_curve("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine]),
+        curve(trial.variant.name, angles, np.array(found) / WEIGHT),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="key-block",
-    title="Key block in a tunnel roof",
-    text="A wedge 1 m wide above, 1.6 m below and 2 m high hangs between two blocks on "
-    "frictionless rails that are pressed against it; the force is bisected. p = 0.4 GPa, "
-    "h = 4 ms, static (dynamic_ratio = 0).",
-    formula="W = 2 H tan(phi - a)",
-    source="equilibrium of the wedge with friction mobilised on both sides (Brady & Brown)",
-    set_up=roof,
-    examine=lambda variant: examine(FRICTION_ANGLES, variant),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(),
-)

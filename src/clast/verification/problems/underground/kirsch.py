@@ -21,14 +21,18 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model, PlaneStrain
 from clast.model.surroundings import InSituStress
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    PlaneStrain,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0
@@ -81,7 +85,7 @@ class Rings:
 FINE, COARSE = Rings(), Rings(24, 10, 1.3)
 
 
-def kirsch(radius: float, angle: float, ratio: float) -> tuple[float, float]:
+def model_of_kirsch(radius: float, angle: float, ratio: float) -> tuple[float, float]:
     """Return s_r and s_t, Pa, compression, at a radius, m, and angle, rad, for k = ``ratio``."""
     mean, half = 0.5 * PRESSURE * (1.0 + ratio), 0.5 * PRESSURE * (1.0 - ratio)
     q, across = (RADIUS / radius) ** 2, float(np.cos(2.0 * angle))
@@ -132,11 +136,15 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
 def mined(rings: Rings, ratio: float, variant: Variant) -> Run:
     """Return the run in which the support fades out."""
     model = tunnel(rings, ratio)
-    method = variant.method(
-        model, normal_stiffness=20.0 * YOUNG, max_displacement=0.05, dynamic_ratio=0.0
-    )
     end = STEP * (1 + FADING + RESTING)
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    return variant.run(
+        model,
+        step=STEP,
+        end=end,
+        normal_stiffness=20.0 * YOUNG,
+        max_displacement=0.05,
+        dynamic_ratio=0.0,
+    )
 
 
 def closed(run: Run, rings: Rings, place: int) -> float:
@@ -156,63 +164,47 @@ def stress_at(run: Run, ring: int, place: int) -> tuple[float, float, float]:
     radius = float(np.hypot(x, y))
     cos, sin = x / radius, y / radius
     turned = 2.0 * xy * cos * sin
-    return (
-        radius,
-        -(xx * cos**2 + yy * sin**2 + turned),
-        -(xx * sin**2 + yy * cos**2 - turned),
-    )
+    return (radius, -(xx * cos**2 + yy * sin**2 + turned), -(xx * sin**2 + yy * cos**2 - turned))
 
 
-def examine(rings: Rings, ratios: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare closure of the wall and stresses in the rock."""
-    rows: list[Comparison] = []
+@problem(set_up=partial(tunnel, COARSE), variants=(OPEN_CLOSE, CONVEX, IMPLICIT), quick=())
+def kirsch(trial: Trial, rings: Rings = FINE, ratios: tuple[float, ...] = (0.5, 1.0)) -> None:
+    """Circular tunnel in rock under stress.
+
+    18 rings of 96 triangles around a tunnel of 3 m radius, out to 14 radii, welded by joints of 100
+    E over the length of an edge; p = 10 MPa upwards, k = 0.5 and 1; E = 20 GPa, nu = 0.25, plane
+    strain. The support of the wall fades out in 6 steps of 20 ms, static (dynamic_ratio = 0).
+
+    Exact: s_r, s_t = p (1+k)/2 (1 -+ q) -+ p (1-k)/2 (...) cos 2t; u = a/(4 G) (p (1+k) - p (1-k)
+    (3 - 4 nu) cos 2t).
+    Source: Kirsch (1898), as in Brady & Brown (2004).
+    """
     curves = []
     ring = int(np.log(AT / RADIUS) / np.log(rings.growth))
     fine = np.linspace(0.0, 0.5 * np.pi, 91)
     for ratio in ratios:
-        run = mined(rings, ratio, variant)
+        run = mined(rings, ratio, trial.variant)
         for degrees in ANGLES:
             place = round(degrees / 360.0 * rings.round)
             angle = rings.middle(place)
             where = f"k = {ratio:g}, {degrees:g} degrees"
             computed, exact = closed(run, rings, place), float(closure(angle, ratio))
-            rows.append(relative(f"closure, {where}", "m", computed, exact, 0.015, MESH))
+            trial.relative(f"closure, {where}", "m", computed, exact, 0.015, MESH)
             radius, *found = stress_at(run, ring, place)
             for name, value, true in zip(
-                ("radial", "tangential"), found, kirsch(radius, angle, ratio), strict=True
+                ("radial", "tangential"), found, model_of_kirsch(radius, angle, ratio), strict=True
             ):
                 quantity = f"{name} stress at r = {radius:.3g} m, {where}"
-                rows.append(relative(quantity, "Pa", value, true, 0.05, MESH))
+                trial.relative(quantity, "Pa", value, true, 0.05, MESH)
         places = range(rings.round // 4 + 1)
         curves += [
             exact_curve(f"Kirsch, k = {ratio:g}", np.degrees(fine), 1e3 * closure(fine, ratio)),
             curve(
-                f"k = {ratio:g}, {variant.name}",
+                f"k = {ratio:g}, {trial.variant.name}",
                 [np.degrees(rings.middle(place)) for place in places],
                 [1e3 * closed(run, rings, place) for place in places],
             ),
         ]
-    chart = Chart(
-        title="closure of the wall",
-        x_label="angle from the horizontal, degrees",
-        y_label="closure, mm",
-        curves=tuple(curves),
+    trial.chart(
+        "closure of the wall", "angle from the horizontal, degrees", "closure, mm", *tuple(curves)
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="kirsch",
-    title="Circular tunnel in rock under stress",
-    text="18 rings of 96 triangles around a tunnel of 3 m radius, out to 14 radii, welded by "
-    "joints of 100 E over the length of an edge; p = 10 MPa upwards, k = 0.5 and 1; E = 20 GPa, "
-    "nu = 0.25, plane strain. The support of the wall fades out in 6 steps of 20 ms, static "
-    "(dynamic_ratio = 0).",
-    formula="s_r, s_t = p (1+k)/2 (1 -+ q) -+ p (1-k)/2 (...) cos 2t; "
-    "u = a/(4 G) (p (1+k) - p (1-k) (3 - 4 nu) cos 2t)",
-    source="Kirsch (1898), as in Brady & Brown (2004)",
-    set_up=partial(tunnel, COARSE),
-    examine=partial(examine, FINE, (0.5, 1.0)),
-    variants=(OPEN_CLOSE, CONVEX, IMPLICIT),
-    quick=(),
-)

@@ -13,16 +13,17 @@ At rupture the frame alone is left: u jumps from (F - F_y)/K to F/K.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 BOLT, YIELD, RUPTURE = 1e8, 2e5, 8e-3
@@ -59,11 +60,7 @@ def pulled(pretension: float = 0.0) -> Model:
     builder.block(name="wall", vertices=[(-2, 0), (0, 0), (0, 1), (-2, 1)], fixed=True)
     builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
     builder.add_bolt_kind(
-        "bar",
-        stiffness=BOLT,
-        yield_force=YIELD,
-        rupture_elongation=RUPTURE,
-        pretension=pretension,
+        "bar", stiffness=BOLT, yield_force=YIELD, rupture_elongation=RUPTURE, pretension=pretension
     )
     middle = (0.75, 0.5), (-1.5, 0.5)
     builder.bolt(*middle, kind="bar", name="bar", anchorage="grouted", free_length=0.1)
@@ -83,20 +80,29 @@ def curve_of(pretension: float, variant: Variant) -> tuple[Floats, Floats]:
     Time waits in convex static steps until a load is in balance, whose last step counts.
     """
     model = pulled(pretension)
-    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.05, dynamic_ratio=0.0)
     end = STEP * STEPS
-    history = simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("head")
+    history = variant.run(
+        model, step=STEP, end=end, normal_stiffness=1e10, max_displacement=0.05, dynamic_ratio=0.0
+    ).history("head")
     last = np.append(np.diff(history.time) > 0.0, True)
     load = FURTHER * load_at_rupture(pretension) * history.time[last] / end
     return load, history.displacement[last, 0]
 
 
-def examine(pretensions: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare the displacement before and after yield and rupture, and the load at rupture."""
-    rows: list[Comparison] = []
+@problem(set_up=pulled, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=(CONVEX,))
+def pull_test(trial: Trial, pretensions: tuple[float, ...] = PRETENSIONS) -> None:
+    """Pull-out and rupture of a grouted bolt.
+
+    A grouted bolt (100 MN/m, yield at 200 kN/m, rupture at 8 mm), with and without pretension, is
+    pulled beside a test frame of 50 MN/m; no gravity, h = 20 ms, static (dynamic_ratio = 0). One
+    pass of modified would tolerate springs this stiff on a block this light in steps of 1 ms.
+
+    Exact: F = min(T_0 + s u, F_y) + K u up to u = u_r - T_0/s, then K u.
+    Source: springs in parallel.
+    """
     curves = []
     for pretension in pretensions:
-        load, moved = curve_of(pretension, variant)
+        load, moved = curve_of(pretension, trial.variant)
         which = f"T_0 = {1e-3 * pretension:g} kN/m"
         shown = which.replace("T_0", "T₀")
         breaks = load_at_rupture(pretension)
@@ -106,35 +112,13 @@ def examine(pretensions: tuple[float, ...], variant: Variant) -> Outcome:
             at = int(np.searchsorted(load, wanted))
             exact = exact_moved(load[at], pretension)
             quantity = f"displacement, bolt {what}, {which}"
-            rows.append(relative(quantity, "m", moved[at], exact, 5e-3, REASON))
+            trial.relative(quantity, "m", moved[at], exact, 5e-3, REASON)
         jump = int(np.argmax(np.diff(moved)))
         quantity = f"load at rupture, {which}"
-        rows.append(relative(quantity, "N/m", load[jump], breaks, 0.01, BETWEEN))
+        trial.relative(quantity, "N/m", load[jump], breaks, 0.01, BETWEEN)
         exact_path = np.array([exact_moved(one, pretension) for one in load])
         curves += [
             exact_curve(f"formula, {shown}", 1e3 * exact_path, 1e-3 * load),
-            curve(f"{variant.name}, {shown}", 1e3 * moved[::10], 1e-3 * load[::10]),
+            curve(f"{trial.variant.name}, {shown}", 1e3 * moved[::10], 1e-3 * load[::10]),
         ]
-    chart = Chart(
-        title="load and displacement",
-        x_label="displacement, mm",
-        y_label="load, kN/m",
-        curves=tuple(curves),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="pull-test",
-    title="Pull-out and rupture of a grouted bolt",
-    text="A grouted bolt (100 MN/m, yield at 200 kN/m, rupture at 8 mm), with and without "
-    "pretension, is pulled beside a test frame of 50 MN/m; no gravity, h = 20 ms, static "
-    "(dynamic_ratio = 0). One pass of modified would tolerate springs this stiff on a block "
-    "this light in steps of 1 ms.",
-    formula="F = min(T_0 + s u, F_y) + K u up to u = u_r - T_0/s, then K u",
-    source="springs in parallel",
-    set_up=pulled,
-    examine=partial(examine, PRETENSIONS),
-    variants=(OPEN_CLOSE, CONVEX, PASSES),
-    quick=(CONVEX,),
-)
+    trial.chart("load and displacement", "displacement, mm", "load, kN/m", *tuple(curves))

@@ -12,15 +12,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, relative
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY = 9.8
 RELAX, RELAX_TIME = 0.3, 0.5
@@ -46,15 +51,23 @@ def exact_fall(time: Floats) -> Floats:
     return np.asarray(GRAVITY * (0.5 * RELAX * time**2 + late))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare how far the block falls until the last of the support force has ended."""
+@problem(set_up=propped, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+def relaxed_support(trial: Trial) -> None:
+    """Prop that is taken out slowly.
+
+    A block of 1 m x 1 m settles on a prop, static; then the prop is excavated: three tenths of its
+    load ends at once, the rest within 0.5 s. p = 1 GPa, h = 1 ms.
+
+    Exact: s = g (r t^2/2 + (1 - r) t^3/(6 T)).
+    Source: kinematics.
+    """
     model = propped()
     numbers = {"normal_stiffness": 1e9, "max_displacement": 0.05}
-    still = variant.method(model, **numbers, dynamic_ratio=0.0)
+    still = trial.variant.method(model, **numbers, dynamic_ratio=0.0)
     kept: list[RunState] = []
     settled = Schedule(step=STEP, end=SETTLING, every=SETTLING)
     simulate(model, still, settled, keep=kept.append)
-    method = variant.method(model, **numbers)
+    method = trial.variant.method(model, **numbers)
     at_rest = replace(kept[-1].state, velocity=np.zeros_like(kept[-1].state.velocity))
     prop = model.blocks_called(["prop"])
     left, state = excavated(model, method, at_rest, prop, RELAX, RELAX_TIME)
@@ -67,32 +80,13 @@ def examine(variant: Variant) -> Outcome:
     exact = exact_fall(time)
     half = len(time) // 2
     why = "forces of a step are those at its end: first order in h"
-    rows = (
-        relative("fall at T/2", "m", float(fallen[half]), float(exact[half]), 5e-3, why),
-        relative("fall at T", "m", float(fallen[-1]), float(exact[-1]), 5e-3, why),
+    trial.relative("fall at T/2", "m", float(fallen[half]), float(exact[half]), 5e-3, why)
+    trial.relative("fall at T", "m", float(fallen[-1]), float(exact[-1]), 5e-3, why)
+    trial.chart(
+        "fall of the block",
+        "time after the excavation, s",
+        "fall, m",
+        exact_curve("formula", time, exact),
+        exact_curve("without relaxation", time, 0.5 * GRAVITY * time**2),
+        curve(trial.variant.name, time[::25], fallen[::25]),
     )
-    chart = Chart(
-        title="fall of the block",
-        x_label="time after the excavation, s",
-        y_label="fall, m",
-        curves=(
-            exact_curve("formula", time, exact),
-            exact_curve("without relaxation", time, 0.5 * GRAVITY * time**2),
-            curve(variant.name, time[::25], fallen[::25]),
-        ),
-    )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="relaxed-support",
-    title="Prop that is taken out slowly",
-    text="A block of 1 m x 1 m settles on a prop, static; then the prop is excavated: three tenths "
-    "of its load ends at once, the rest within 0.5 s. p = 1 GPa, h = 1 ms.",
-    formula="s = g (r t^2/2 + (1 - r) t^3/(6 T))",
-    source="kinematics",
-    set_up=propped,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)

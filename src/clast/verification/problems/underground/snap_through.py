@@ -22,13 +22,16 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.collapse_load import limit, standing
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    limit,
+    problem,
+    standing,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2600.0
@@ -104,11 +107,15 @@ def beam() -> Model:
 def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
     """Return sag, m, and thrust at the wall, N/m, at the end of a run."""
     model = beam()
-    method = variant.method(
-        model, normal_stiffness=stiffness, max_displacement=0.02, dynamic_ratio=0.0
-    )
     end = STEPS * STEP
-    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    run = variant.run(
+        model,
+        step=STEP,
+        end=end,
+        normal_stiffness=stiffness,
+        max_displacement=0.02,
+        dynamic_ratio=0.0,
+    )
     middle, outer = (run.history(name).displacement[-1, 1] for name in ("middle", "end"))
     memory = run.state.memory
     wall, half = (model.block_name.index(name) for name in ("abutment", "half"))
@@ -119,67 +126,51 @@ def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
 def holds(stiffness: float, variant: Variant) -> bool:
     """Return whether the beam stays up."""
     return standing(
-        beam(),
-        variant,
-        normal_stiffness=stiffness,
-        step=STEP,
-        steps=LONG,
-        max_displacement=FAR,
+        beam(), variant, normal_stiffness=stiffness, step=STEP, steps=LONG, max_displacement=FAR
     )
 
 
-def compare_rest(variant: Variant) -> Outcome:
+def compare_rest(trial: Trial) -> None:
     """Compare sag and thrust of beams at rest."""
-    rows: list[Comparison] = []
     found = []
     for stiffness in STIFFNESSES:
-        found.append(rest(stiffness, variant))
+        found.append(rest(stiffness, trial.variant))
         exact, at = exact_rest(stiffness), f"at p = {stiffness:.0e} N/m per m"
-        rows.append(relative(f"sag {at}", "m", found[-1][0], exact[0], 2e-3, STIFF))
-        rows.append(relative(f"thrust {at}", "N/m", found[-1][1], exact[1], 1e-3, STIFF))
+        trial.relative(f"sag {at}", "m", found[-1][0], exact[0], 2e-3, STIFF)
+        trial.relative(f"thrust {at}", "N/m", found[-1][1], exact[1], 1e-3, STIFF)
     lowest = snapping()[0]
     rises = np.linspace(DEPTH - 0.999 * exact_rest(2e9)[0], 0.1, 200)
-    chart = Chart(
-        title="stiffness that balances a sag",
-        x_label="sag, m",
-        y_label="p, N/m per m",
-        curves=(
-            exact_curve(
-                "rigid half on springs", DEPTH - rises, [needed(rise)[0] for rise in rises]
-            ),
-            exact_curve("snap-through", (0.0, 0.4), (lowest, lowest)),
-            curve(variant.name, [sag for sag, _ in found], STIFFNESSES),
-        ),
+    trial.chart(
+        "stiffness that balances a sag",
+        "sag, m",
+        "p, N/m per m",
+        exact_curve("rigid half on springs", DEPTH - rises, [needed(rise)[0] for rise in rises]),
+        exact_curve("snap-through", (0.0, 0.4), (lowest, lowest)),
+        curve(trial.variant.name, [sag for sag, _ in found], STIFFNESSES),
         y_scale="log",
     )
-    return Outcome(tuple(rows), (chart,))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare beams at rest, and the stiffness at which one snaps through."""
-    at_rest = compare_rest(variant)
+@problem(set_up=beam, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), briefly=compare_rest)
+def snap_through(trial: Trial) -> None:
+    """Snap-through of a cracked roof beam.
+
+    A beam 10 m long and 0.5 m deep, cracked in the middle, bridges the span between abutments under
+    its weight, without friction; a half of it leans on the plane of symmetry. The stiffness p of
+    the contacts at which the beam snaps through is bisected. E = 1e13 Pa, h = 20 ms, static
+    (dynamic_ratio = 0).
+
+    Exact: e - s = (2 H + W tan a)/p, (H + W tan a) z = W (e/2 - (c + H/p)/cos^2 a), e^2 + z^2 = s^2
+    + t^2; snaps through below the least p of them.
+    Source: equilibrium of a rigid half on springs, after the voussoir beam of Diederichs & Kaiser
+    (1999).
+    """
+    compare_rest(trial)
     exact = snapping()[0]
     found = limit(
-        partial(holds, variant=variant), (1.0 - SPAN) * exact, (1.0 + SPAN) * exact, BISECTIONS
+        partial(holds, variant=trial.variant),
+        (1.0 - SPAN) * exact,
+        (1.0 + SPAN) * exact,
+        BISECTIONS,
     )
-    row = relative("p at snap-through", "N/m per m", found, exact, 0.02, RESOLUTION)
-    return Outcome((*at_rest.comparisons, row), at_rest.charts)
-
-
-PROBLEM = Problem(
-    name="snap-through",
-    title="Snap-through of a cracked roof beam",
-    text="A beam 10 m long and 0.5 m deep, cracked in the middle, bridges the span between "
-    "abutments under its weight, without friction; a half of it leans on the plane of symmetry. "
-    "The stiffness p of the contacts at which the beam snaps through is bisected. E = 1e13 Pa, "
-    "h = 20 ms, static (dynamic_ratio = 0).",
-    formula="e - s = (2 H + W tan a)/p, (H + W tan a) z = W (e/2 - (c + H/p)/cos^2 a), "
-    "e^2 + z^2 = s^2 + t^2; snaps through below the least p of them",
-    source="equilibrium of a rigid half on springs, after the voussoir beam of Diederichs & "
-    "Kaiser (1999)",
-    set_up=beam,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-    examine_briefly=compare_rest,
-)
+    trial.relative("p at snap-through", "N/m per m", found, exact, 0.02, RESOLUTION)

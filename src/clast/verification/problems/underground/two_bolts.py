@@ -14,13 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
+from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES
 
 YIELDING, ELASTIC = 2e7, 1e7
 """Stiffness of both weak bolts together, a, and of the strong one, b, N/m per m."""
@@ -65,50 +60,41 @@ def exact_stretch(load: float, most: float) -> float:
     return (load + YIELDING * flowed) / (YIELDING + ELASTIC)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the stretch at the instants, and the force of the strong bolt in the end."""
+@problem(set_up=hung_block, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=(CONVEX,))
+def two_bolts(trial: Trial) -> None:
+    """Bolts side by side, of which some yield.
+
+    A block hangs from a fixed one by two bolts of 10 MN/m that yield at 50 kN/m each and one of 10
+    MN/m that does not; it is loaded with 90 and 220 kN/m and unloaded; no gravity, E = 50 GPa,
+    static (dynamic_ratio = 0), h = 0.1 s.
+
+    Exact: u = F/(a + b), (F - F_y)/b beyond yield, a (u_largest - F_y/a)/(a + b) unloaded.
+    Source: springs in parallel.
+    """
     model = hung_block()
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0)
     end = INSTANTS[-1]
-    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    run = trial.variant.run(
+        model, step=STEP, end=end, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0
+    )
     history = run.history("head")
     stretch = -history.displacement[:, 1]
-    rows: list[Comparison] = []
     largest = np.maximum.accumulate(STAGES).tolist()
     for number, (load, most) in enumerate(zip(STAGES, largest, strict=True)):
         at = int(np.searchsorted(history.time, 2.0 * (number + 1) - 0.5 * STEP))
         exact = exact_stretch(load, most)
         name = f"stretch under {1e-3 * load:g} kN/m"
         name += " again" if load == 0.0 else ""
-        rows.append(relative(name, "m", float(stretch[at]), exact, TOLERANCE, REASON))
+        trial.relative(name, "m", float(stretch[at]), exact, TOLERANCE, REASON)
     left = float(run.bolt_history("strong at 1").force[-1])
     exact = ELASTIC * exact_stretch(0.0, max(LOADS))
-    rows.append(relative("force that stays", "N/m", left, exact, TOLERANCE, REASON))
+    trial.relative("force that stays", "N/m", left, exact, TOLERANCE, REASON)
     loads = np.interp(history.time, INSTANTS, LOADS)
     corners = [0.0, YIELD / YIELDING * (YIELDING + ELASTIC), max(LOADS)]
     path = [exact_stretch(load, load) for load in corners] + [exact_stretch(0.0, max(LOADS))]
-    chart = Chart(
-        title="load and stretch",
-        x_label="stretch, mm",
-        y_label="load, kN/m",
-        curves=(
-            exact_curve("formula", 1e3 * np.array(path), 1e-3 * np.array([*corners, 0.0])),
-            curve(variant.name, 1e3 * stretch[::3], 1e-3 * loads[::3]),
-        ),
+    trial.chart(
+        "load and stretch",
+        "stretch, mm",
+        "load, kN/m",
+        exact_curve("formula", 1e3 * np.array(path), 1e-3 * np.array([*corners, 0.0])),
+        curve(trial.variant.name, 1e3 * stretch[::3], 1e-3 * loads[::3]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="two-bolts",
-    title="Bolts side by side, of which some yield",
-    text="A block hangs from a fixed one by two bolts of 10 MN/m that yield at 50 kN/m each and "
-    "one of 10 MN/m that does not; it is loaded with 90 and 220 kN/m and unloaded; no gravity, "
-    "E = 50 GPa, static (dynamic_ratio = 0), h = 0.1 s.",
-    formula="u = F/(a + b), (F - F_y)/b beyond yield, a (u_largest - F_y/a)/(a + b) unloaded",
-    source="springs in parallel",
-    set_up=hung_block,
-    examine=examine,
-    variants=(OPEN_CLOSE, CONVEX, PASSES),
-    quick=(CONVEX,),
-)

@@ -14,23 +14,10 @@ so that its error is one of the period alone, (w h)^2/12: of second order in h.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import (
-    MIDPOINT,
-    MIDPOINT_OPEN_CLOSE,
-    MIDPOINT_PASSES,
-    Variant,
-)
+from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
+from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 BLOCKS, DENSITY = 3, 2500.0
 """Number of blocks of 1 m x 1 m, and their density, kg/m3."""
@@ -47,7 +34,7 @@ ORDERS, LATER = (20, 40), 1.1
 """Steps a period between which the order is taken, of the displacement after so many periods."""
 
 
-def chain() -> Model:
+def model_of_chain() -> Model:
     """Return the blocks, with the velocities of the lowest mode, and the wall."""
     builder = InputBuilder(title="Chain", gravity=(0.0, 0.0))
     builder.add_rock("stone", young=RIGID, poisson=0.0, density=DENSITY)
@@ -69,10 +56,11 @@ def chain() -> Model:
 
 def swung(steps: int, periods: float, variant: Variant) -> Run:
     """Return the run over some periods with so many steps in each."""
-    model = chain()
-    method = variant.method(model, normal_stiffness=JOINT, max_displacement=0.05)
+    model = model_of_chain()
     end = periods * PERIOD
-    return simulate(model, method, Schedule(step=PERIOD / steps, end=end, every=end))
+    return variant.run(
+        model, step=PERIOD / steps, end=end, normal_stiffness=JOINT, max_displacement=0.05
+    )
 
 
 def frequency(steps: int) -> float:
@@ -96,58 +84,51 @@ def counted(run: Run) -> float:
     return float(2.0 * np.pi * (len(at) - 1) / (crossing[-1] - crossing[0]))
 
 
-def examine(periods: int, variant: Variant) -> Outcome:
-    """Compare energy, frequency and order."""
-    run = swung(STEPS, periods, variant)
+@problem(
+    set_up=model_of_chain,
+    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    quick=(MIDPOINT,),
+    few=(FEW,),
+)
+def chain(trial: Trial, periods: int = PERIODS) -> None:
+    """Chain of bonded blocks that swings for ever.
+
+    3 bonded blocks of 1 m with joints of 1 GPa/m, the first tied to a wall, with the velocities of
+    their lowest mode; 20 steps a period, 200 periods. The default scheme, with forces at the end of
+    a step, has lost all of this energy by then.
+
+    Exact: energy kept; w_h = (2/h) atan(w h/2), w = 2 sqrt(K/m) sin(pi/(2 (2 n + 1))).
+    Source: Thomson (1993), fixed-free chain; implicit midpoint rule on it.
+    """
+    run = swung(STEPS, periods, trial.variant)
     energy = run.energy
     held = energy["kinetic"] + energy["elastic"] + energy["contact"]
     lost = 1.0 - held / held[0]
-    rows: list[Comparison] = [
-        absolute(
-            f"largest change of energy in {periods} periods, of it",
-            "",
-            float(np.abs(lost).max()),
-            0.0,
-            1e-5,
-            "gaps are measured anew in each step, and blocks are not quite rigid",
-        ),
-        relative(
-            f"frequency by {STEPS} steps a period",
-            "1/s",
-            counted(run),
-            frequency(STEPS),
-            1e-4,
-            "the instants of zero crossings are interpolated; blocks are not quite rigid",
-        ),
-    ]
-    exact = np.sin(2.0 * np.pi * LATER)
-    missed = [abs(displacement(steps, variant) - exact) for steps in ORDERS]
-    order = float(np.log2(missed[0] / missed[1]))
-    rows.append(absolute("order in h", "", order, 2.0, 0.1, "the order is that of small steps"))
-    cycles = np.arange(len(lost)) / STEPS
-    chart = Chart(
-        title="energy gained",
-        x_label="periods",
-        y_label="gain / energy at the start",
-        curves=(
-            exact_curve("kept", cycles[[0, -1]], np.zeros(2)),
-            curve(variant.name, cycles[:: 10 * STEPS], -lost[:: 10 * STEPS]),
-        ),
+    trial.absolute(
+        f"largest change of energy in {periods} periods, of it",
+        "",
+        float(np.abs(lost).max()),
+        0.0,
+        1e-5,
+        "gaps are measured anew in each step, and blocks are not quite rigid",
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="chain",
-    title="Chain of bonded blocks that swings for ever",
-    text=f"{BLOCKS} bonded blocks of 1 m with joints of 1 GPa/m, the first tied to a wall, with "
-    f"the velocities of their lowest mode; {STEPS} steps a period, {PERIODS} periods. The default "
-    "scheme, with forces at the end of a step, has lost all of this energy by then.",
-    formula="energy kept; w_h = (2/h) atan(w h/2), w = 2 sqrt(K/m) sin(pi/(2 (2 n + 1)))",
-    source="Thomson (1993), fixed-free chain; implicit midpoint rule on it",
-    set_up=chain,
-    examine=partial(examine, PERIODS),
-    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
-    quick=(MIDPOINT,),
-    examine_briefly=partial(examine, FEW),
-)
+    trial.relative(
+        f"frequency by {STEPS} steps a period",
+        "1/s",
+        counted(run),
+        frequency(STEPS),
+        1e-4,
+        "the instants of zero crossings are interpolated; blocks are not quite rigid",
+    )
+    exact = np.sin(2.0 * np.pi * LATER)
+    missed = [abs(displacement(steps, trial.variant) - exact) for steps in ORDERS]
+    order = float(np.log2(missed[0] / missed[1]))
+    trial.absolute("order in h", "", order, 2.0, 0.1, "the order is that of small steps")
+    cycles = np.arange(len(lost)) / STEPS
+    trial.chart(
+        "energy gained",
+        "periods",
+        "gain / energy at the start",
+        exact_curve("kept", cycles[[0, -1]], np.zeros(2)),
+        curve(trial.variant.name, cycles[:: 10 * STEPS], -lost[:: 10 * STEPS]),
+    )

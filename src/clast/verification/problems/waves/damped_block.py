@@ -20,13 +20,18 @@ import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY, LENGTH, PRESSED = 2e9, 2000.0, 2.0, -1e5
@@ -68,9 +73,7 @@ def strained(damping: Action, variant: Variant, periods: float) -> Run:
     method = variant.method(model, normal_stiffness=YOUNG, max_displacement=0.1)
     end = periods * PERIOD
     return simulate(
-        model,
-        replace(method, damping=damping),
-        Schedule(step=PERIOD / STEPS, end=end, every=end),
+        model, replace(method, damping=damping), Schedule(step=PERIOD / STEPS, end=end, every=end)
     )
 
 
@@ -90,62 +93,53 @@ def swing(run: Run) -> Floats:
     return np.asarray(run.history("face").displacement[:, 0] - rest)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare decrements, and where kinetic damping stops."""
-    rows: list[Comparison] = []
+@problem(set_up=block, variants=(MIDPOINT, CONVEX, LAGGED, OPEN_CLOSE), quick=(MIDPOINT,))
+def damped_block(trial: Trial) -> None:
+    """A block that strains to and fro, damped in four ways.
+
+    A free block of 2 m x 1 m (E = 2 GPa, nu = 0, 2000 kg/m3) with 0.1 MPa in it at the start,
+    damped with 5 % of critical by mass, by elasticity and adaptively, over 3 periods of 200 steps;
+    and stopped by kinetic damping. Steps in which adaptive damping acts take forces at their end,
+    whatever the scheme.
+
+    Exact: ln of peaks = 2 pi z/sqrt(1 - z^2), z = c/(2 w) or s w/2; stops at T/4, with nothing
+    left.
+    Source: Clough & Penzien (1993), free damped vibration.
+    """
     curves = []
     time = np.linspace(0.0, PERIODS, 200)
-    half_way = variant.integrator == "midpoint"
+    half_way = trial.variant.integrator == "midpoint"
     for name, damping in DAMPINGS.items():
-        run = strained(damping, variant, PERIODS)
+        run = strained(damping, trial.variant, PERIODS)
         # steps that carry a share of the velocities take forces at their end by any scheme
         kept = half_way and not isinstance(damping, Adaptive)
         exact, reason = (DECREMENT, NOT_ADDED) if kept else (DECREMENT + END_FORCES, AT_END)
-        rows.append(relative(f"decrement, {name}", "", decrement(run), exact, 5e-3, reason))
+        trial.relative(f"decrement, {name}", "", decrement(run), exact, 5e-3, reason)
         every = STEPS // 8
         cycles = run.history("face").time[::every] / PERIOD
-        curves.append(curve(f"{name}, {variant.name}", cycles, 1e3 * swing(run)[::every]))
-    stopped = strained(Kinetic(), variant, 1.0)
+        curves.append(curve(f"{name}, {trial.variant.name}", cycles, 1e3 * swing(run)[::every]))
+    stopped = strained(Kinetic(), trial.variant, 1.0)
     energy = stopped.energy
     whole = energy["elastic"][0]
     moving = stopped.history("face")
     first = float(moving.time[1 + np.argmax(np.diff(energy["damping"]) > 0.5 * whole)])
     taken, what = float(energy["damping"][-1]), "energy that kinetic damping takes"
     left = whole if half_way else whole * (1.0 - 0.25 * np.pi * TURNED)
-    rows += [
-        relative(what, "J/m", taken, left, 5e-3, "the steps before and after the peak"),
-        absolute(
-            "kinetic damping stops, over the period",
-            "",
-            first / PERIOD,
-            0.25,
-            3.0 / STEPS,
-            "the step after that in which the energy has fallen",
-        ),
-    ]
+    trial.relative(what, "J/m", taken, left, 5e-3, "the steps before and after the peak")
+    trial.absolute(
+        "kinetic damping stops, over the period",
+        "",
+        first / PERIOD,
+        0.25,
+        3.0 / STEPS,
+        "the step after that in which the energy has fallen",
+    )
     height = -PRESSED / YOUNG * 0.5 * LENGTH * 1e3
     even = -height * np.exp(-RATIO * 2.0 * np.pi * time) * np.cos(2.0 * np.pi * time)
-    chart = Chart(
-        title="distance from equilibrium",
-        x_label="periods",
-        y_label="distance, mm",
-        curves=(exact_curve("formula", time, even), *curves),
+    trial.chart(
+        "distance from equilibrium",
+        "periods",
+        "distance, mm",
+        exact_curve("formula", time, even),
+        *curves,
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="damped-block",
-    title="A block that strains to and fro, damped in four ways",
-    text="A free block of 2 m x 1 m (E = 2 GPa, nu = 0, 2000 kg/m3) with 0.1 MPa in it at the "
-    "start, damped with 5 % of critical by mass, by elasticity and adaptively, over 3 periods of "
-    "200 steps; and stopped by kinetic damping. Steps in which adaptive damping acts take forces "
-    "at their end, whatever the scheme.",
-    formula="ln of peaks = 2 pi z/sqrt(1 - z^2), z = c/(2 w) or s w/2; stops at T/4, with nothing "
-    "left",
-    source="Clough & Penzien (1993), free damped vibration",
-    set_up=block,
-    examine=examine,
-    variants=(MIDPOINT, CONVEX, LAGGED, OPEN_CLOSE),
-    quick=(MIDPOINT,),
-)

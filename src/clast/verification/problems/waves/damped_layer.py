@@ -17,13 +17,18 @@ from dataclasses import replace
 import numpy as np
 
 from clast.actions.damping import Rayleigh
-from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
@@ -101,39 +106,26 @@ def amplifications(variant: Variant) -> tuple[float, ...]:
     return tuple(found)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare both amplifications."""
-    rows: list[Comparison] = []
+@problem(set_up=layer, variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE), quick=(MIDPOINT,))
+def damped_layer(trial: Trial) -> None:
+    """Damped layer on ground that moves sideways and up.
+
+    A layer of 20 m (c_s = 200 m/s, c_p = 283 m/s, 2000 kg/m3) of 20 wide blocks, bonded, with
+    damping by elasticity (5 % of critical at 7.5 Hz), on fixed points that move sideways at 7.5 Hz
+    and up and down at 10.6 Hz at once; 20 steps in a period of 10.6 Hz.
+
+    Exact: 1/|cos(k H)|, k = (w/c)/sqrt(1 + i w s).
+    Source: damped layer on rigid rock; Kramer (1996).
+    """
     curves = []
     fine = np.linspace(1.0, 14.0, 300)
     ways = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
-    for (name, frequency, speed), found in zip(ways, amplifications(variant), strict=True):
+    for (name, frequency, speed), found in zip(ways, amplifications(trial.variant), strict=True):
         exact = exact_amplification(frequency, speed)
         quantity = f"surface by base, {name} at {frequency:.3g} Hz"
-        rows.append(relative(quantity, "", found, exact, 0.02, COARSE))
+        trial.relative(quantity, "", found, exact, 0.02, COARSE)
         curves.append(
             exact_curve(f"formula, {name}", fine, [exact_amplification(f, speed) for f in fine])
         )
-        curves.append(curve(f"{name}, {variant.name}", [frequency], [found]))
-    chart = Chart(
-        title="amplification",
-        x_label="frequency, Hz",
-        y_label="surface / base",
-        curves=tuple(curves),
-    )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="damped-layer",
-    title="Damped layer on ground that moves sideways and up",
-    text="A layer of 20 m (c_s = 200 m/s, c_p = 283 m/s, 2000 kg/m3) of 20 wide blocks, bonded, "
-    "with damping by elasticity (5 % of critical at 7.5 Hz), on fixed points that move sideways at "
-    "7.5 Hz and up and down at 10.6 Hz at once; 20 steps in a period of 10.6 Hz.",
-    formula="1/|cos(k H)|, k = (w/c)/sqrt(1 + i w s)",
-    source="damped layer on rigid rock; Kramer (1996)",
-    set_up=layer,
-    examine=examine,
-    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
-    quick=(MIDPOINT,),
-)
+        curves.append(curve(f"{name}, {trial.variant.name}", [frequency], [found]))
+    trial.chart("amplification", "frequency, Hz", "surface / base", *tuple(curves))

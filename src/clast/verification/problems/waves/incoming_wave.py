@@ -15,14 +15,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.damping import Rayleigh
-from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, IncomingWave
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 SPEED, DENSITY = 1000.0, 2200.0
@@ -101,51 +106,42 @@ def amplitude(time: Floats, velocity: Floats) -> float:
     return float(abs(np.trapezoid(velocity * turning, time)))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare size, arrival and damping of both kinds of waves."""
-    rows: list[Comparison] = []
-    charts: list[Chart] = []
+@problem(
+    set_up=lambda: pile(KINDS[0]),
+    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    quick=(MIDPOINT,),
+)
+def incoming_wave(trial: Trial) -> None:
+    """Waves of 10 Hz from below.
+
+    A burst of 10 Hz, 0.4 s long, comes up through a pile of 20 blocks of 5 m, bonded, on a viscous
+    bottom: shear (c_s = 1000 m/s), and compression (1414 m/s, nu = 0). Again with stiffness damping
+    of 5 % at 10 Hz. h = 5 ms, 20 steps a period, forces half way.
+
+    Exact: v_surface = 2 v(t - H/c); exp(-b w^2 H/(2 c)) with damping b.
+    Source: d'Alembert; Kolsky (1963).
+    """
     circular = 2.0 * np.pi * FREQUENCY
     for kind in KINDS:
-        history = surface(kind, 0.0, variant)
+        history = surface(kind, 0.0, trial.variant)
         time, velocity = history.time, history.velocity[:, kind.axis]
         exact = 2.0 * burst(time - HEIGHT / kind.speed)
         by = amplitude(time, velocity) / amplitude(time, 0.5 * exact)
-        rows.append(relative(f"surface by wave at 10 Hz, {kind.name}", "", by, 2.0, 0.02, OF_STEP))
+        trial.relative(f"surface by wave at 10 Hz, {kind.name}", "", by, 2.0, 0.02, OF_STEP)
         apart = float(np.abs(velocity - exact).max()) / (2.0 * PEAK)
         quantity = f"largest difference by largest velocity, {kind.name}"
-        rows.append(absolute(quantity, "", apart, 0.0, 0.05, "the same, for the phase"))
+        trial.absolute(quantity, "", apart, 0.0, 0.05, "the same, for the phase")
         damping = 2.0 * DAMPED / circular
-        damped = surface(kind, damping, variant)
+        damped = surface(kind, damping, trial.variant)
         left = amplitude(damped.time, damped.velocity[:, kind.axis]) / amplitude(time, velocity)
         factor = float(np.exp(-0.5 * damping * circular**2 * HEIGHT / kind.speed))
         quantity = f"left by 5 % of damping, {kind.name}"
         why = "exp(-w H xi/c) is of first order in xi; a burst has neighbouring frequencies"
-        rows.append(relative(quantity, "", left, factor, 0.02, why))
-        charts.append(
-            Chart(
-                title=f"velocity of the surface, {kind.name}",
-                x_label="time, s",
-                y_label="velocity, m/s",
-                curves=(
-                    exact_curve("2 v(t - H/c)", time, exact),
-                    curve(variant.name, time, velocity),
-                ),
-            )
+        trial.relative(quantity, "", left, factor, 0.02, why)
+        trial.chart(
+            f"velocity of the surface, {kind.name}",
+            "time, s",
+            "velocity, m/s",
+            exact_curve("2 v(t - H/c)", time, exact),
+            curve(trial.variant.name, time, velocity),
         )
-    return Outcome(tuple(rows), tuple(charts))
-
-
-PROBLEM = Problem(
-    name="incoming-wave",
-    title="Waves of 10 Hz from below",
-    text="A burst of 10 Hz, 0.4 s long, comes up through a pile of 20 blocks of 5 m, bonded, on a "
-    "viscous bottom: shear (c_s = 1000 m/s), and compression (1414 m/s, nu = 0). Again with "
-    "stiffness damping of 5 % at 10 Hz. h = 5 ms, 20 steps a period, forces half way.",
-    formula="v_surface = 2 v(t - H/c); exp(-b w^2 H/(2 c)) with damping b",
-    source="d'Alembert; Kolsky (1963)",
-    set_up=lambda: pile(KINDS[0]),
-    examine=examine,
-    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
-    quick=(MIDPOINT,),
-)

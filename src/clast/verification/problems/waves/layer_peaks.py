@@ -15,12 +15,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.model import Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Model,
+    PointHistory,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+    relative,
+)
 from clast.verification.problems.waves.layer import (
     HEIGHT,
     RATIO,
@@ -31,7 +34,7 @@ from clast.verification.problems.waves.layer import (
     pile,
     pulse,
 )
-from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
+from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES
 
 BLOCKS, PULSE = 20, 0.05
 """Number of blocks, and length of the pulse, s: up to 20 Hz."""
@@ -54,39 +57,32 @@ def peak(surface: PointHistory, frequency: float) -> float:
     return max(amplification(surface, one, PULSE) for one in near)
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare three peaks."""
+@problem(
+    set_up=struck, variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE), quick=(MIDPOINT,)
+)
+def layer_peaks(trial: Trial) -> None:
+    """Resonant peaks of a soft layer.
+
+    The layer of 20 m of the problem before, of 20 blocks, with forces half way through the step
+    (integrator = midpoint): a pulse of shear of 0.05 s comes up; h = 4 ms, 20 steps a period of the
+    third peak.
+
+    Exact: 1/a = 5.5, a = rho_1 c_1/(rho_2 c_2), at (2 m - 1) c_1/(4 H) = 2.5, 7.5 and 12.5 Hz.
+    Source: vertical shear waves in a layer on an elastic half-space; Kramer (1996).
+    """
     model = struck()
-    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)
-    schedule = Schedule(step=STEP, end=DURATION, every=DURATION)
-    surface = simulate(model, method, schedule).history("surface")
-    rows: list[Comparison] = [
+    surface = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=STIFF, max_displacement=0.05
+    ).history("surface")
+    trial.rows += [
         relative(f"peak at {one:g} Hz", "", peak(surface, one), 1.0 / RATIO, 0.02, WHY)
         for one in PEAKS
     ]
     fine, some = np.linspace(0.5, 14.0, 400), np.linspace(0.5, 14.0, 109)
-    chart = Chart(
-        title="amplification",
-        x_label="frequency, Hz",
-        y_label="surface / outcrop",
-        curves=(
-            exact_curve("formula", fine, [exact_amplification(f) for f in fine]),
-            curve(variant.name, some, [amplification(surface, f, PULSE) for f in some]),
-        ),
+    trial.chart(
+        "amplification",
+        "frequency, Hz",
+        "surface / outcrop",
+        exact_curve("formula", fine, [exact_amplification(f) for f in fine]),
+        curve(trial.variant.name, some, [amplification(surface, f, PULSE) for f in some]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="layer-peaks",
-    title="Resonant peaks of a soft layer",
-    text="The layer of 20 m of the problem before, of 20 blocks, with forces half way through the "
-    "step (integrator = midpoint): a pulse of shear of 0.05 s comes up; h = 4 ms, 20 steps a "
-    "period of the third peak.",
-    formula="1/a = 5.5, a = rho_1 c_1/(rho_2 c_2), at (2 m - 1) c_1/(4 H) = 2.5, 7.5 and 12.5 Hz",
-    source="vertical shear waves in a layer on an elastic half-space; Kramer (1996)",
-    set_up=struck,
-    examine=examine,
-    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
-    quick=(MIDPOINT,),
-)

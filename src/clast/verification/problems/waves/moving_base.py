@@ -13,14 +13,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
+from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE
 
 GRAVITY, FRICTION_ANGLE = 9.8, 15.0
 GRIP = GRAVITY * float(np.tan(np.radians(FRICTION_ANGLE)))
@@ -93,47 +96,37 @@ def shaken_block() -> Model:
     return builder.build()
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare the displacements of base and block."""
+@problem(set_up=shaken_block, variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS), quick=())
+def moving_base(trial: Trial) -> None:
+    """Block on a moving base: stick and slip.
+
+    A block of 1 m x 0.5 m on a base whose fixed points move with the acceleration 4 m/s2 sin(2 pi
+    t); phi = 15 degrees, so that friction gives the block 2.63 m/s2. p = 0.1 GPa, h = 2 ms.
+
+    Exact: speed' = that of the base while it sticks, g tan(phi) of either sign while it slips.
+    Source: Newton's law with Coulomb friction, integrated in closed form between the instants at
+    which slip begins and ends.
+    """
     model = shaken_block()
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.02)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    run = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.02
+    )
     base, block = run.history("base"), run.history("block")
     moved = block.displacement[:, 0]
-    rows: list[Comparison] = []
     for instant in INSTANTS:
         at = int(np.argmin(np.abs(block.time - instant)))
         exact = float(exact_way(np.array([instant]))[0])
         quantity = f"displacement of the block at {instant:g} s"
-        rows.append(absolute(quantity, "m", moved[at], exact, 1e-3, FIRST_ORDER))
+        trial.absolute(quantity, "m", moved[at], exact, 1e-3, FIRST_ORDER)
     exact = float(base_way(DURATION))
     quantity = f"displacement of the base at {DURATION:g} s"
-    rows.append(absolute(quantity, "m", base.displacement[-1, 0], exact, 1e-4, "its springs give"))
+    trial.absolute(quantity, "m", base.displacement[-1, 0], exact, 1e-4, "its springs give")
     fine = np.linspace(0.0, DURATION, 300)
-    chart = Chart(
-        title="displacement",
-        x_label="time, s",
-        y_label="displacement, m",
-        curves=(
-            exact_curve("base", fine, base_way(fine)),
-            exact_curve("block", fine, exact_way(fine)),
-            curve(f"block, {variant.name}", block.time[::50], moved[::50]),
-        ),
+    trial.chart(
+        "displacement",
+        "time, s",
+        "displacement, m",
+        exact_curve("base", fine, base_way(fine)),
+        exact_curve("block", fine, exact_way(fine)),
+        curve(f"block, {trial.variant.name}", block.time[::50], moved[::50]),
     )
-    return Outcome(tuple(rows), (chart,))
-
-
-PROBLEM = Problem(
-    name="moving-base",
-    title="Block on a moving base: stick and slip",
-    text="A block of 1 m x 0.5 m on a base whose fixed points move with the acceleration "
-    "4 m/s2 sin(2 pi t); phi = 15 degrees, so that friction gives the block 2.63 m/s2. "
-    "p = 0.1 GPa, h = 2 ms.",
-    formula="speed' = that of the base while it sticks, g tan(phi) of either sign while it slips",
-    source="Newton's law with Coulomb friction, integrated in closed form between the instants at "
-    "which slip begins and ends",
-    set_up=shaken_block,
-    examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS),
-    quick=(),
-)

@@ -12,25 +12,21 @@ under the body force -rho a_ground.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import Run
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import (
-    Comparison,
+from clast.verification.problems import (
+    Chart,
+    Floats,
+    InputBuilder,
     KnownFailure,
-    Outcome,
-    Problem,
-    absolute,
-    relative,
+    Model,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
 )
 from clast.verification.variants import (
     CHATTERS,
@@ -124,8 +120,9 @@ def shaken_slope(acts: str = "moving base", cycles: int = 2) -> Model:
 def shaken(acts: str, cycles: int, variant: Variant) -> Run:
     """Return the run of some cycles."""
     model = shaken_slope(acts, cycles)
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.02)
-    return simulate(model, method, Schedule(step=STEP, end=float(cycles), every=float(cycles)))
+    return variant.run(
+        model, step=STEP, end=float(cycles), normal_stiffness=1e8, max_displacement=0.02
+    )
 
 
 def way(run: Run) -> tuple[Floats, Floats]:
@@ -135,48 +132,41 @@ def way(run: Run) -> tuple[Floats, Floats]:
     return block.time, -moved @ np.array([np.cos(SLOPE), np.sin(SLOPE)])
 
 
-def examine(acts: tuple[str, ...], cycles: int, variant: Variant) -> Outcome:
-    """Compare the way after whole cycles, and when the block slides."""
-    rows: list[Comparison] = []
-    fine = np.linspace(0.0, cycles, 400)
-    exact_motion = exact_curve("Newmark", fine, [exact_way(t) for t in fine])
-    charts = []
-    for one in acts:
-        time, moved = way(shaken(one, cycles, variant))
-        rate = np.gradient(moved, time)
-        stopped = float(time[np.flatnonzero((time > begin() + 0.1) & (rate < STOPPED))[0]])
-        exact = exact_way(float(cycles))
-        rows += [
-            relative(
-                f"displacement in {cycles} s, {one}", "m", moved[-1], exact, 0.002, FIRST_ORDER
-            ),
-            absolute(f"end of the slide, {one}", "s", stopped, end(), 2.5 * STEP, "steps of 2 ms"),
-        ]
-        chart = Chart(
-            title=f"displacement down the plane, {one}",
-            x_label="time, s",
-            y_label="relative displacement, m",
-            curves=(exact_motion, curve(variant.name, time[::50], moved[::50])),
-        )
-        charts.append(chart)
-    return Outcome(tuple(rows), tuple(charts))
-
-
-PROBLEM = Problem(
-    name="newmark",
-    title="Newmark's sliding block",
-    text="A block of 1 m x 0.5 m on a slope of 20 degrees with a friction angle of 30 degrees; the "
-    "ground accelerates by 0.5 g sin(2 pi t), g = 9.81 m/s2, for two cycles of 1 s, as the motion "
-    "of the slope's fixed points and as a body force. p = 0.1 GPa, h = 2 ms.",
-    formula="slip'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)) while it slides: from "
-    "0.05736 to 0.67770 s, 0.31361979 m a cycle",
-    source="Newmark (1965); integrated in closed form",
+@problem(
     set_up=shaken_slope,
-    examine=partial(examine, tuple(ACTS), 2),
     variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
-    examine_briefly=partial(examine, ("moving base",), 1),
+    few=(("moving base",), 1),
     known_failures=(
         KnownFailure(variant=MULTIPLIERS, quantity="displacement in", reason=CHATTERS),
     ),
 )
+def newmark(trial: Trial, acts: tuple[str, ...] = tuple(ACTS), cycles: int = 2) -> None:
+    """Newmark's sliding block.
+
+    A block of 1 m x 0.5 m on a slope of 20 degrees with a friction angle of 30 degrees; the ground
+    accelerates by 0.5 g sin(2 pi t), g = 9.81 m/s2, for two cycles of 1 s, as the motion of the
+    slope's fixed points and as a body force. p = 0.1 GPa, h = 2 ms.
+
+    Exact: slip'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)) while it slides: from 0.05736
+    to 0.67770 s, 0.31361979 m a cycle.
+    Source: Newmark (1965); integrated in closed form.
+    """
+    fine = np.linspace(0.0, cycles, 400)
+    exact_motion = exact_curve("Newmark", fine, [exact_way(t) for t in fine])
+    for one in acts:
+        time, moved = way(shaken(one, cycles, trial.variant))
+        rate = np.gradient(moved, time)
+        stopped = float(time[np.flatnonzero((time > begin() + 0.1) & (rate < STOPPED))[0]])
+        exact = exact_way(float(cycles))
+        trial.relative(
+            f"displacement in {cycles} s, {one}", "m", moved[-1], exact, 0.002, FIRST_ORDER
+        )
+        trial.absolute(f"end of the slide, {one}", "s", stopped, end(), 2.5 * STEP, "steps of 2 ms")
+        chart = Chart(
+            title=f"displacement down the plane, {one}",
+            x_label="time, s",
+            y_label="relative displacement, m",
+            curves=(exact_motion, curve(trial.variant.name, time[::50], moved[::50])),
+        )
+        trial.charts.append(chart)

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Floats, Model
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problem import Outcome, Problem, relative
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import (
+    Floats,
+    InputBuilder,
+    Model,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY, DENSITY, YOUNG = 9.8, 2500.0, 2.5e5
 SIZE = (1.0, 0.2)
@@ -45,11 +48,21 @@ def exact_sinking(time: Floats) -> Floats:
     return np.asarray(GRAVITY * TIME * (time - TIME * (1.0 - np.exp(-time / TIME))))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare how far the block sinks, its speed, and the energy that the dashpots take."""
+@problem(set_up=on_dashpots, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+def sinking_block(trial: Trial) -> None:
+    """Block that sinks on dashpots.
+
+    A block of 1 m x 0.2 m, 2500 kg/m3, on a viscous boundary of 0.05 rho c_p that holds nothing
+    back (static = "none"), under gravity for four times T; E = 0.25 MPa, so that c_p is 10 m/s, nu
+    = 0; 400 steps in T.
+
+    Exact: v = (m g/(rho c_p b)) (1 - exp(-t/T)), T = m/(rho c_p b).
+    Source: a mass on a dashpot.
+    """
     model = on_dashpots()
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.5)
-    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    run = trial.variant.run(
+        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.5
+    )
     history = run.history("middle")
     sunk, speed = -history.displacement[:, 1], -float(history.velocity[-1, 1])
     weight = SIZE[0] * SIZE[1] * DENSITY * GRAVITY
@@ -57,33 +70,13 @@ def examine(variant: Variant) -> Outcome:
     final = GRAVITY * TIME * (1.0 - np.exp(-DURATION / TIME))
     taken = weight * exact - 0.5 * weight / GRAVITY * final**2
     soft = "first order in h; the block gives by a hundredth of its height"
-    rows = (
-        relative("displacement", "m", float(sunk[-1]), exact, 5e-3, soft),
-        relative("speed", "m/s", speed, final, 5e-3, soft),
-        relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft),
+    trial.relative("displacement", "m", float(sunk[-1]), exact, 5e-3, soft)
+    trial.relative("speed", "m/s", speed, final, 5e-3, soft)
+    trial.relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft)
+    trial.chart(
+        "displacement of the block",
+        "time, s",
+        "displacement down, m",
+        exact_curve("formula", history.time, exact_sinking(history.time)),
+        curve(trial.variant.name, history.time[::80], sunk[::80]),
     )
-    chart = Chart(
-        title="displacement of the block",
-        x_label="time, s",
-        y_label="displacement down, m",
-        curves=(
-            exact_curve("formula", history.time, exact_sinking(history.time)),
-            curve(variant.name, history.time[::80], sunk[::80]),
-        ),
-    )
-    return Outcome(rows, (chart,))
-
-
-PROBLEM = Problem(
-    name="sinking-block",
-    title="Block that sinks on dashpots",
-    text="A block of 1 m x 0.2 m, 2500 kg/m3, on a viscous boundary of 0.05 rho c_p that holds "
-    'nothing back (static = "none"), under gravity for four times T; E = 0.25 MPa, so that c_p is '
-    "10 m/s, nu = 0; 400 steps in T.",
-    formula="v = (m g/(rho c_p b)) (1 - exp(-t/T)), T = m/(rho c_p b)",
-    source="a mass on a dashpot",
-    set_up=on_dashpots,
-    examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-)

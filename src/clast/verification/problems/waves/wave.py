@@ -23,13 +23,20 @@ from functools import partial
 import numpy as np
 
 from clast.contact.laws import Penalty
-from clast.inputs.builder import InputBuilder
-from clast.model.model import Model, Rock
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.results import PointHistory, Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems import (
+    Chart,
+    InputBuilder,
+    Model,
+    PointHistory,
+    Rock,
+    Run,
+    Trial,
+    curve,
+    exact_curve,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY = 50e9, 2700.0
@@ -124,24 +131,6 @@ def exact_transmission(frequency: float) -> float:
     return float(1.0 / np.sqrt(1.0 + (0.5 * frequency * DENSITY * SPEED / SOFT) ** 2))
 
 
-def examine(variant: Variant) -> Outcome:
-    """Compare speed, amplitude, reflection and transmission."""
-    whole, jointed = run({}, variant), run({JOINT: SOFT}, variant)
-    passage, transmission = compare_passage(variant, whole), transmitted(variant, whole, jointed)
-    slow = relative(
-        "wave speed along joints of 1e11 Pa/m",
-        "m/s",
-        speed_past_joints(variant),
-        SLOWER,
-        0.01,
-        COARSE,
-    )
-    return Outcome(
-        (*passage.comparisons, *transmission.comparisons, slow),
-        passage.charts + transmission.charts,
-    )
-
-
 def speed_past_joints(variant: Variant) -> float:
     """Return the speed of the wave, m/s, where all joints are soft."""
     slow = run(dict.fromkeys(range(1, BLOCKS), CLOSING), variant, SANDSTONE)
@@ -149,30 +138,30 @@ def speed_past_joints(variant: Variant) -> float:
     return (FAR - NEAR) / (far[0] - near[0])
 
 
-def compare_passage(variant: Variant, whole: Run) -> Outcome:
-    """Compare speed, amplitude and reflection in the bar without a soft joint."""
+def compare_passage(trial: Trial) -> Run:
+    """Compare speed, amplitude and reflection in the bar without a soft joint; return its run."""
+    whole = run({}, trial.variant)
     near, far, end = (peak(whole.history(name)) for name in ("near", "far", "end"))
     speed = (FAR - NEAR) / (far[0] - near[0])
     half = 0.5 * HEIGHT_OF_BELL
-    rows: list[Comparison] = [
-        relative("wave speed", "m/s", speed, SPEED, 0.005, COARSE),
-        relative("velocity of the wave", "m/s", near[1], half, 0.03, DAMPING),
-        relative("velocity at the free end", "m/s", end[1], 2.0 * far[1], 0.02, DAMPING),
-    ]
-    return Outcome(tuple(rows), (_passage(variant, whole),))
+    trial.relative("wave speed", "m/s", speed, SPEED, 0.005, COARSE)
+    trial.relative("velocity of the wave", "m/s", near[1], half, 0.03, DAMPING)
+    trial.relative("velocity at the free end", "m/s", end[1], 2.0 * far[1], 0.02, DAMPING)
+    trial.charts.append(_passage(trial.variant, whole))
+    return whole
 
 
-def transmitted(variant: Variant, whole: Run, jointed: Run) -> Outcome:
+def compare_transmission(trial: Trial, whole: Run, jointed: Run) -> None:
     """Compare the wave that passes the soft joint, at three frequencies."""
-    rows, passed = [], []
+    passed = []
     for share in SHARES:
         frequency = share * FREQUENCY
         found = amplitude(jointed.history("near"), frequency)
         passed.append(found / amplitude(whole.history("near"), frequency))
         quantity = f"transmission of waves of {WAVE_LENGTH / share:.3g} m"
         exact = exact_transmission(frequency)
-        rows.append(relative(quantity, "", passed[-1], exact, 0.01, "blocks instead of a strip"))
-    return Outcome(tuple(rows), (_transmission(variant, passed),))
+        trial.relative(quantity, "", passed[-1], exact, 0.01, "blocks instead of a strip")
+    trial.charts.append(_transmission(trial.variant, passed))
 
 
 def _passage(variant: Variant, whole: Run) -> Chart:
@@ -209,19 +198,31 @@ def _transmission(variant: Variant, passed: list[float]) -> Chart:
     )
 
 
-PROBLEM = Problem(
-    name="wave",
-    title="P-wave in a bar of blocks",
-    text="A bar of 64 blocks of 1 m x 1 m without gravity, bonded in tension; a bell of velocity "
-    "20 m wide sends 5 mm/s to either side. E = 50 GPa, nu = 0.2, rho = 2700 kg/m3, plane stress, "
-    "h = 10 us. In a second run one joint has the normal stiffness k = w rho c/2; in a third all "
-    "have k = 100 GPa/m, with E = 20 GPa and rho = 2500 kg/m3.",
-    formula="c = sqrt(E/rho); velocity doubles at the free end; the joint transmits "
-    "1/sqrt(1 + (w rho c/(2k))^2); with joints at every l the bar has 1/(1/E + 1/(k l)) for E",
-    source="one-dimensional elasticity; displacement discontinuity of Pyrak-Nolte et al. (1990)",
+@problem(
     set_up=partial(bar, {}),
-    examine=examine,
     variants=(LAGGED, OPEN_CLOSE, CONVEX),
     quick=(LAGGED,),
-    examine_briefly=lambda variant: compare_passage(variant, run({}, variant)),
+    briefly=compare_passage,
 )
+def wave(trial: Trial) -> None:
+    """P-wave in a bar of blocks.
+
+    A bar of 64 blocks of 1 m x 1 m without gravity, bonded in tension; a bell of velocity 20 m wide
+    sends 5 mm/s to either side. E = 50 GPa, nu = 0.2, rho = 2700 kg/m3, plane stress, h = 10 us. In
+    a second run one joint has the normal stiffness k = w rho c/2; in a third all have k = 100
+    GPa/m, with E = 20 GPa and rho = 2500 kg/m3.
+
+    Exact: c = sqrt(E/rho); velocity doubles at the free end; the joint transmits 1/sqrt(1 + (w rho
+    c/(2k))^2); with joints at every l the bar has 1/(1/E + 1/(k l)) for E.
+    Source: one-dimensional elasticity; displacement discontinuity of Pyrak-Nolte et al. (1990).
+    """
+    whole = compare_passage(trial)
+    compare_transmission(trial, whole, run({JOINT: SOFT}, trial.variant))
+    trial.relative(
+        "wave speed along joints of 1e11 Pa/m",
+        "m/s",
+        speed_past_joints(trial.variant),
+        SLOWER,
+        0.01,
+        COARSE,
+    )
