@@ -69,16 +69,6 @@ def test_an_unknown_bolt_is_refused(run: clast.Run):
             source.bolt_history("stong")
 
 
-def test_without_bolts_there_are_none(tmp_path: Path):
-    builder = clast.ModelBuilder()
-    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
-    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
-    run = clast.simulate(builder, end=1e-3, step=1e-3, output=tmp_path / "none.vtkhdf")
-    for source in (run, clast.read(run.output)):
-        assert source.bolt_name == ()
-        assert len(source.bolts()) == 0
-
-
 def test_csv_has_a_row_for_each_bolt_and_instant(run: clast.Run, tmp_path: Path):
     from clast.exports import write_csv
 

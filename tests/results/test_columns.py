@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import clast
-from scenes.command_line import clast_command, good
 
 
 @pytest.fixture(scope="module")
@@ -70,22 +68,3 @@ def test_water_says_what_it_is(run: clast.Run):
     assert repr(clast.read(run.output).water) == f"({said},)"
     assert repr(water.faces) == f"WetFaces({len(water.faces.edge)} parts of edges)"
     assert repr(water.joints) == f"WetJoints({len(water.joints.edge)} parts of joints)"
-
-
-def test_a_curve_of_a_point(run: clast.Run, tmp_path: Path):
-    picture = tmp_path / "a.svg"
-    good("plot", run.output, "--point", "A", "-o", picture)
-    text = picture.read_text("utf-8")
-    for words in ("Measured point A", "Displacement", "Velocity", "Time (s)"):
-        assert words in text
-    frame = tmp_path / "frame.svg"
-    good("plot", run.output, "-o", frame)
-    assert "Velocity" not in frame.read_text("utf-8")
-    for options, words in {
-        ("--point", "B"): "there is no measured point 'B'",
-        ("--point", "A", "--bolt", "one"): "give one at a time",
-    }.items():
-        result = clast_command("plot", run.output, *options, "-o", tmp_path / "none.png")
-        assert result.exit_code == 2
-        assert words in " ".join(result.stderr.split())
-    assert not (tmp_path / "none.png").exists()

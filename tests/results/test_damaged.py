@@ -251,17 +251,6 @@ def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[An
     assert len(refused(path)) < 500
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("change", MADE_UP.values(), ids=MADE_UP.keys())
-def test_a_command_says_what_is_wrong(good: Path, tmp_path: Path, change: Callable[[Any], None]):
-    path = tmp_path / "out.vtkhdf"
-    crafted(good, path, change)
-    result = CliRunner().invoke(app, ["info", str(path)])
-    assert result.exit_code == 2
-    assert result.stderr.startswith(f"error: {path}: ")
-    assert len(result.stderr) < 500
-
-
 def test_a_report_with_a_stage_is_read(good: Path, tmp_path: Path):
     path = tmp_path / "out.vtkhdf"
     crafted(good, path, report_with(stages=[STAGE]))

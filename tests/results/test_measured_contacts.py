@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.errors import CaseError, ModelError
+from clast.errors import CaseError
 from clast.exports.csv_tables import TABLES
 
 WEIGHT = 2500.0 * 9.8 * 2.0 * 1.0
@@ -96,25 +96,3 @@ def test_files_tables_and_csv_have_them(tmp_path):
     with pytest.raises(CaseError, match="there is no measured contact 'toe'"):
         results.measured_contact("toe")
     assert "normal" in results.measured_contact("joint")._repr_html_()
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"name": "A"}, "neither of at and joint"),
-        ({"name": "A", "at": (0.0, 0.0), "joint": "bed"}, "both of at and joint"),
-        ({"name": "A", "joint": "bedd"}, "no joint 'bedd'.*bed"),
-        ({"name": "", "joint": "bed"}, "'' is not a valid name"),
-        ({"name": " ", "joint": "bed"}, "is not a valid name"),
-        ({"name": "B", "joint": "bed"}, "'B' is used twice"),
-        ({"name": "A", "at": (0.0,)}, "at"),
-        ({"name": "A", "at": (np.nan, 0.0)}, "at"),
-        ({"name": "A", "place": (0.0, 0.0)}, "place"),
-    ],
-)
-def test_what_is_refused(keys, message):
-    builder = brick()
-    builder.measured_contact("B", joint="bed")
-    with pytest.raises((ModelError, CaseError, TypeError), match=f"(?s){message}"):
-        builder.measured_contact(**keys)
-        builder.build()

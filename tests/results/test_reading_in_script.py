@@ -93,33 +93,6 @@ def test_contacts_name_the_blocks_of_both_ends(both):
     assert len(kept.contacts(0)) == 0
 
 
-def test_tables_are_columns_of_equal_length(both):
-    for source in (*both, clast.read(both[1].output)):
-        for table in (
-            source.history("tip"),
-            source.energy,
-            source.steps,
-            source.contacts(),
-            source.block("corner"),
-        ):
-            assert isinstance(table, dict)
-            assert {values.shape for values in table.values()} == {(len(table),)}
-        history = source.history("tip")
-        np.testing.assert_array_equal(history["displacement_y"], history.displacement[:, 1])
-        np.testing.assert_array_equal(source.steps["step"], both[0].step_sizes)
-
-
-def test_tables_are_taken_by_pandas(both):
-    pandas = pytest.importorskip("pandas")
-    for source in both:
-        frame = pandas.DataFrame(source.history("tip"))
-        assert list(frame)[:3] == ["time", "displacement_x", "displacement_y"]
-        assert len(frame) == len(source.history("tip"))
-        assert len(pandas.DataFrame(source.contacts(0))) == 0
-        assert pandas.DataFrame(source.energy).set_index("time").kinetic.iloc[-1] >= 0.0
-        assert len(pandas.DataFrame(source.block("wedge"))) == len(source.times)
-
-
 def test_tables_and_runs_survive_being_sent_to_another_process(both):
     for run in both:
         again = pickle.loads(pickle.dumps(run))

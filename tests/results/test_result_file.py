@@ -145,27 +145,6 @@ def test_contacts_read_back(recorded: Recorded):
     np.testing.assert_allclose(contacts.force, [[-1e2, 1e3], [-2e2, 2e3]])
 
 
-def test_joints_read_back(recorded: Recorded):
-    edges = [*(-1, -1, 1, -1), *(-1, -1, -1), *(2, -1, -1, -1, -1, -1)]
-    for source in (recorded.run, read_results(recorded.run.output)):
-        assert source.joint_name == ("default", "bed", "foot")
-        np.testing.assert_array_equal(source.edge_joint, edges)
-        np.testing.assert_array_equal(source.contacts(2).joint, [2, 1])
-        np.testing.assert_array_equal(source.contacts(2)["joint"], [2, 1])
-        assert len(source.contacts(0).joint) == 0
-
-
-def test_joints_of_contacts_are_those_of_the_run(tmp_path: Path):
-    """The edge that blocks stand on goes before their own, and both before the default."""
-    recorder = RunRecorder(three_blocks(), output=tmp_path / "a.vtkhdf")
-    schedule = Schedule(step=1e-3, end=2e-3, every=1e-3)
-    simulate(three_blocks(), method(), schedule, recorder=recorder)
-    contacts = read_results(tmp_path / "a.vtkhdf").contacts()
-    assert set(contacts.vertex_block) == {1, 2}
-    assert set(contacts.edge) == {2}
-    np.testing.assert_array_equal(contacts.joint, 1)
-
-
 def test_contacts_can_be_left_out(tmp_path: Path):
     model = three_blocks()
     recorder = RunRecorder(model, output=tmp_path / "out.vtkhdf", contacts=False)
@@ -248,18 +227,6 @@ def test_summary_says_how_the_run_was_made(tmp_path: Path):
     assert said["h"] == "0.001 s, to 0.002 s"
     assert said["rocks"].startswith("rock: E = 5e+10 Pa")
     assert texts({}) == {}
-
-
-def test_summary_is_json(recorded: Recorded):
-    rows = summary(read_results(recorded.run.output))
-    assert json.loads(json.dumps(rows)) == rows
-    assert rows["frames"] == 5
-    assert rows["finished"] is True
-    assert rows["blocks"] == 3
-    assert rows["fixed_blocks"] == 1
-    assert rows["joints"] == ["default", "bed", "foot"]
-    tip = recorded.run.history("tip")
-    assert rows["measured_points"]["tip"]["displacement"] == tip.displacement[-1].tolist()
 
 
 # --- what can go wrong ---------------------------------------------------------------------------
@@ -401,15 +368,6 @@ def test_file_of_another_layout(recorded: Recorded, layout: int, words: str):
         read_results(recorded.run.output)
 
 
-@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9])
-def test_truncated_file(recorded: Recorded, share: float):
-    path = recorded.run.output
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(CaseError, match="damaged"):
-        read_results(path).vertices(-1)
-
-
 def test_frame_that_does_not_exist(recorded: Recorded):
     results = read_results(recorded.run.output)
     for frame in (5, -6):
@@ -420,8 +378,3 @@ def test_frame_that_does_not_exist(recorded: Recorded):
 def test_unknown_field_is_answered_with_the_nearest(recorded: Recorded):
     with pytest.raises(CaseError, match="did you mean 'stress'"):
         read_results(recorded.run.output).field("stres")
-
-
-def test_unknown_point_is_answered_with_the_nearest(recorded: Recorded):
-    with pytest.raises(CaseError, match="did you mean 'tip'"):
-        read_results(recorded.run.output).history("tpi")

@@ -9,7 +9,6 @@ import clast
 from clast import studies
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
-from clast.contact.contacts import Contacts
 from scenes.systems import contacts_of, wall
 
 
@@ -45,24 +44,3 @@ def test_all_are_short_and_say_what_they_are(things):
         assert len(text.splitlines()) <= 4, text
         assert max(map(len, text.splitlines())) <= 400 if name != "ComparedMethods" else True, text
         assert "array(" not in text, text
-
-
-def test_they_say_what_matters(things):
-    for name, words in {
-        "Run": ("2 blocks", "finished at t = 0.01 s", "measured points: A"),
-        "Results": ("2 blocks", "frames from 0 to 0.01 s", "a.vtkhdf"),
-        "Case": ("modified with penalty", "step 0.001 s to 0.01 s"),
-        "Model": ("2 blocks (0 fixed)", "6 vertices", "granite", "default"),
-        "Report": ("reached its end", "10 steps"),
-        "State": ("t = 0.01 s", "2 blocks"),
-        "Contacts": ("pairs of blocks", "smallest gap"),
-        "PointHistory": ("11 rows", "displacement_x"),
-    }.items():
-        for word in words:
-            assert word in repr(things[name]), (word, repr(things[name]))
-
-
-def test_no_contacts_print_too():
-    empty = contacts_of(wall(1, 1, gravity=0.0))
-    none = {f: getattr(empty, f)[:0] for f in vars(empty)}
-    assert repr(Contacts(**none)) == "Contacts(0 between 0 pairs of blocks)"

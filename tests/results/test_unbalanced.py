@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.histories import histories_of, plot_histories
+from clast.pictures.histories import histories_of
 
 STAGES = [
     clast.Stage(name="rest", dynamic_ratio=0.0),
@@ -40,13 +40,6 @@ def test_each_step_of_a_stage_has_the_force_that_it_was_judged_by(staged: clast.
     assert staged.output is not None
     again = clast.read(staged.output)
     np.testing.assert_array_equal(again.steps["unbalanced"], force)
-
-
-def test_charts_have_it(staged: clast.Run, tmp_path: Path):
-    curve = next(one for one in histories_of(staged) if one.title == "Unbalanced force")
-    assert np.array_equal(curve.lines["of all forces"], staged.steps["unbalanced"], equal_nan=True)
-    text = plot_histories(staged, tmp_path / "steps.svg", ["steps"]).read_text("utf-8")
-    assert "Unbalanced force" in text
 
 
 def test_runs_without_stages_have_none(tmp_path: Path):

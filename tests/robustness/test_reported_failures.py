@@ -7,9 +7,7 @@ import pytest
 import shapely
 
 from clast.model.model import Floats, Model
-from clast.step.convex import Convex
 from scenes.systems import (
-    at_start,
     box,
     by_convex,
     centroids,
@@ -110,17 +108,6 @@ def test_a_block_that_touches_nothing_changes_nothing(extra: Floats, held: bool)
         assert np.abs(other.vertices[: len(one.vertices)] - one.vertices).max() <= 1e-12
 
 
-def test_a_falling_block_beside_changes_nothing_beyond_the_tolerance() -> None:
-    """The step's tolerance is shared by all blocks; a finer one hides the falling block."""
-    alone = system(LEANING, fixed=[0], friction_angle=30.0)
-    both = system([*LEANING, box(10.0, 5.0)], fixed=[0], friction_angle=30.0)
-    for tolerance, allowed in ((1e-7, 1e-9), (1e-10, 1e-12)):
-        how = by_convex(5e10, process=Convex(tolerance=tolerance))
-        one = march(alone, how, 1e-3, 0.2)[-1].state
-        other = march(both, how, 1e-3, 0.2)[-1].state
-        assert np.abs(other.vertices[: len(one.vertices)] - one.vertices).max() <= allowed
-
-
 @pytest.mark.parametrize("step", [1e-3, 5e-3])
 @pytest.mark.parametrize("stiffness", [5e8, 5e10, 5e12])
 def test_stacked_boxes_are_not_ejected(stiffness: float, step: float) -> None:
@@ -129,16 +116,6 @@ def test_stacked_boxes_are_not_ejected(stiffness: float, step: float) -> None:
     assert done.failed_steps == 0
     assert done.moved[:, 1].max() < 1e-9
     assert done.drift < 5e-3
-
-
-@pytest.mark.parametrize("step", [1e-3, 5e-3])
-def test_boxes_pressed_into_each_other_are_not_ejected(step: float) -> None:
-    """Released from an overlap of 1 mm they part slowly: impacts give nothing back."""
-    model = system([GROUND, *[box(0.0, k) for k in range(3)]], fixed=[0], friction_angle=30.0)
-    pressed = model.vertices - np.array([0.0, 1e-3]) * (model.vertex_block * 1.0)[:, None]
-    results = march(model, by_convex(5e9), step, 0.2, at_start(model, pressed))
-    height = max(float((one.state.vertices - model.vertices)[:, 1].max()) for one in results)
-    assert height < 0.2
 
 
 @pytest.mark.parametrize("stiffness", [5e8, 5e9, 5e10, 5e11])

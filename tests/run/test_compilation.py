@@ -6,7 +6,6 @@ import time
 from io import StringIO
 from types import FunctionType
 
-import pytest
 from numba import njit
 from numba.extending import overload
 from rich.console import Console
@@ -14,7 +13,7 @@ from rich.progress import Progress
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.stopwatch import Stages
-from clast.run.progress import WAITING, ProgressLine, compilation_text, compilation_told
+from clast.run.progress import WAITING, ProgressLine, compilation_told
 
 
 def kernel_of(module: str):
@@ -75,41 +74,3 @@ def test_nothing_is_said_where_nothing_is_compiled():
     with compilation_told(said.append):
         kernel(2)
     assert said == []
-
-
-def test_work_goes_on_is_told_when_the_outermost_kernel_is_ready():
-    told: list[str | None] = []
-    inner = kernel_of("clast.block.inner")
-
-    def outer(x):
-        return inner(x)
-
-    outer.__module__ = "clast.step.outer"
-    with COMPILATION.telling(told.append):
-        njit(outer)(1)
-    assert told == ["clast.step.outer", "clast.block.inner", None]
-
-
-def test_every_compilation_is_reported_once():
-    COMPILATION.unreported()
-    kernel_of("clast.contact.reported")(1)
-    assert COMPILATION.unreported() >= 0.05
-    assert COMPILATION.unreported() == 0.0
-
-
-def test_the_text_says_how_far_it_is():
-    text = compilation_text("clast.minimise.newton")
-    assert text.startswith("compiling, once after installation: energy minimisation (")
-    assert text.endswith(" kernels)")
-
-
-def test_a_fault_while_compiling_stops_the_clock():
-    def bad(x):
-        return x.nothing
-
-    bad.__module__ = "clast.contact.bad"
-    with pytest.raises(Exception, match="nothing"):
-        njit(bad)(1)
-    before = COMPILATION.seconds
-    time.sleep(0.02)
-    assert COMPILATION.seconds == before

@@ -53,14 +53,6 @@ def test_a_tenth_of_a_degree_too_steep_is_no_equilibrium(ratio: float):
     assert "'block'" in text and "+x" in text
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.0])
-def test_a_tenth_of_a_degree_less_is_at_rest(ratio: float):
-    run = run_of(on_plane(-0.1), Stage(name="rest", time=0.5, dynamic_ratio=ratio), step=1e-3)
-    assert run.stages[0].outcome == "equilibrium"
-    assert run.stages[0].end < 0.3
-    assert not [one for one in run.report.warnings if "stage" in one]
-
-
 def test_slow_sliding_under_a_large_load_fails():
     """Its force does not tell: what is left over is a small share of all that presses."""
     seen = []
@@ -226,16 +218,6 @@ def test_a_column_that_creeps_on_dashpots_is_moving(ratio: float):
     # nothing but its force tells: by then it is as slow as the stage allows
     assert record.mover.speed < np.sqrt(G)
     assert abs(record.mover.direction + 90.0) < 5.0
-
-
-def test_a_column_on_springs_in_the_place_of_dashpots_is_at_rest():
-    stages = [
-        Stage(name="rest", time=0.5, dynamic_ratio=0.0),
-        Stage(name="on dashpots", time=0.5),
-    ]
-    builder = sinking(stage="on dashpots")
-    run = clast.simulate(builder.build(), stages=stages, step=2e-3)
-    assert [one.outcome for one in run.stages] == ["equilibrium", "equilibrium"]
 
 
 def test_kinetic_stops_are_no_equilibrium():

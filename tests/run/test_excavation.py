@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.relaxation import SupportForces, absent_in
+from clast.actions.relaxation import SupportForces
 from clast.errors import ModelError
 from clast.model.model import Model
 from clast.model.state import Ledger, State
-from clast.run.excavation import as_in, excavated
+from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -294,24 +294,6 @@ def test_forces_of_excavations_one_after_another_add_up():
     roofless, now = digging(both, method, now, ["roof"])
     assert len(gone_state(now).block) == 0
     assert roofless.absent.sum() == 3
-
-
-def test_a_model_without_openings_can_be_dug_too():
-    builder = rock()
-    box(builder, "floor", -1, -1, 4, 1, fixed=True)
-    box(builder, "1", 0, 0, 1, 1)
-    box(builder, "2", 0, 1, 1, 1)
-    model = builder.build()
-    method = method_of(model)
-    _, kept = run(model, method, 20)
-    assert absent_in(kept[-1].state) is None and as_in(model, kept[-1].state) is model
-    left, now = digging(model, method, kept[-1], ["1"], 0.0, 0.02)
-    end = run(left, method, 60, now)[1][-1].state
-    assert end.vertices[-1, 1] < 1.995
-    assert np.array_equal(as_in(model, end).absent, [False, True, False])
-    # blocks that are gone cannot be dug again
-    same, again = excavated(left, method, end, np.array([1]))
-    assert same is left and again is end
 
 
 def test_other_blocks_pass_through_the_place_of_a_gone_one():

@@ -5,16 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-import pytest
-
 from benchmarks.scenes import SCENES
 from clast.actions.active import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
-from clast.compute.reductions import is_any, largest_size, least
 from clast.compute.stopwatch import Stages
 from clast.read_only import changed
-from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, GrowingTable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,28 +55,3 @@ def test_a_stage_ends_where_the_next_begins():
         pass  # 15
     stages("law")  # 21
     assert stages.seconds == {"contacts": 4.0, "law": 2.0, "ledger": 5.0}
-
-
-@pytest.mark.parametrize("count", [0, 1, FIRST_ROWS, FIRST_ROWS + 1, FIRST_ROWS + 2 * MORE_ROWS])
-def test_rows_of_a_table_stay_in_their_order(count):
-    table = GrowingTable(np.dtype([("a", "f8"), ("b", "i8")]))
-    for k in range(count):
-        table.append((0.5 * k, k))
-    assert len(table) == count
-    assert table.rows["b"].tolist() == list(range(count))
-    for first in (0, count // 2, count):
-        assert table.since(first)["b"].tolist() == list(range(first, count))
-    table.extend(np.array([(0.0, -1), (0.0, -2)], table.rows.dtype))
-    table.append((0.0, -3))
-    assert table.rows["b"].tolist() == [*range(count), -1, -2, -3]
-    assert table.since(count)["b"].tolist() == [-1, -2, -3]
-
-
-def test_reductions_of_a_few_numbers():
-    assert not is_any(np.zeros(3, np.bool_)) and not is_any(np.zeros(0, np.bool_))
-    assert is_any(np.array([False, True]))
-    assert least(np.array([3.0, -2.0, 1.0]), 0.0) == -2.0
-    assert least(np.array([3.0]), 0.0) == 0.0 and least(np.zeros(0), 0.0) == 0.0
-    assert np.isnan(least(np.array([3.0, np.nan, -4.0]), 0.0))
-    assert largest_size(np.array([3.0, -4.0, 1.0])) == 4.0 and largest_size(np.zeros(0)) == 0.0
-    assert np.isnan(largest_size(np.array([3.0, np.nan, -4.0])))

@@ -9,7 +9,6 @@ import pytest
 
 import clast
 from scenes.command_line import clast_command
-from scenes.restarts import pressed_at
 
 FALLS = """
 schema = 1
@@ -42,42 +41,6 @@ def test_a_case_warns_a_script(tmp_path: Path):
     assert len(set(run.report.warnings)) == len(run.report.warnings) >= 2
     assert {one.filename for one in caught} == {__file__}
     assert len(case().foreseen(run.model, case().method())) < len(run.report.warnings)
-
-
-def test_a_model_warns_a_script():
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        run = clast.simulate(case().model(), end=6e-3, step=1e-3)
-    assert run_warnings(caught) == list(run.report.warnings) != []
-    assert {one.filename for one in caught} == {__file__}
-
-
-def test_a_run_that_goes_on_warns_a_script(tmp_path: Path):
-    told: list[str] = []
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", clast.RunWarning)  # none: a function is told
-        part = case().run(output=tmp_path / "a.vtkhdf", progress=pressed_at(3), warn=told.append)
-    assert told == list(part.report.warnings)
-    with pytest.warns(clast.RunWarning) as caught:
-        rest = clast.resume(part.checkpoint)
-    assert run_warnings(list(caught)) == list(rest.report.warnings) != []
-
-
-def test_a_run_that_stops_warns_too():
-    stops = clast.Case.from_text(
-        FALLS.replace("{name}", "{}"), "falls", ["time.max_displacement=1e-9", "time.step=1e-3"]
-    )
-    told: list[str] = []
-    with pytest.raises(clast.RunStopped) as stopped:
-        stops.run(warn=told.append)
-    assert told == list(stopped.value.run.report.warnings) != []
-
-
-def test_python_can_turn_them_into_errors():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", clast.RunWarning)
-        with pytest.raises(clast.RunWarning, match="nothing is fixed"):
-            case().run()
 
 
 @pytest.mark.parametrize("command", ["run", "compare"])

@@ -5,7 +5,7 @@ import pytest
 
 from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
-from clast.run.slide_warnings import slide_warnings
+from clast.run.model_warnings import slide_warnings
 from scenes.systems import system, turned
 
 UPPER, LOWER = np.radians(45.0), np.radians(20.0)

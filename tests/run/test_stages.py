@@ -253,35 +253,6 @@ def test_a_stage_that_is_broken_off_says_so():
     assert run.frame(stage="loads").time == run.state.time
 
 
-def test_energy_that_a_static_stage_takes_is_not_warned_of():
-    run = clast.simulate(wall_at_rest().build(), step=STEP, stages=STATIC_AND_DYNAMIC)
-    assert run.report.ledger.numerical > 0.0
-    assert not [one for one in run.report.warnings if "time integration" in one]
-
-
-STATIC_AND_DYNAMIC = (
-    Stage(name="static", time=0.2, dynamic_ratio=0.0),
-    Stage(name="dynamic", time=0.2, hold=5),
-)
-
-
-def wall_at_rest() -> clast.ModelBuilder:
-    """Return the wall on a ground that is still."""
-    builder = wall()
-    builder.ground_motion = clast.ModelBuilder().ground_motion
-    return builder
-
-
-def test_a_run_without_stages_has_none(tmp_path: Path):
-    run = clast.simulate(
-        wall_at_rest().build(), step=STEP, end=0.01, output=tmp_path / "plain.vtkhdf"
-    )
-    assert run.stages == () and run.events == () and run.frame_stages == ()
-    read = clast.read(tmp_path / "plain.vtkhdf")
-    assert read.stages == () and read.frame().stage == ""
-    assert "stages" not in read.about
-
-
 def slab(process: str, time: float, **keys: Any) -> clast.Run:
     """Return a slab of 1 m by 0.5 m that a static stage sets on a joint of 0.1 GPa/m."""
     builder = clast.ModelBuilder(gravity=(0.0, -G))
@@ -319,15 +290,3 @@ def test_a_static_stage_that_its_time_ends_out_of_balance_is_warned_of(steps: in
     paper = slab("modified", steps * 2e-3)
     assert paper.stages[0].force_ratio == pytest.approx(share, rel=0.05)
     assert any("stage 'set'" in one for one in paper.report.warnings)
-
-
-def test_a_static_stage_whose_time_is_long_enough_is_not_warned_of():
-    # a step more than the share of 1 % takes
-    steps = next(k for k in range(100) if unbalanced_by_hand(k) < 0.01)
-    assert slab("open-close", steps * 2e-3).report.warnings == ()
-    assert slab("open-close", (steps - 1) * 2e-3).report.warnings != ()
-    assert slab("convex", 2e-3).report.warnings == ()
-    # who asks for less is not warned
-    assert slab("open-close", 10 * 2e-3, force_ratio=0.2).report.warnings == ()
-    # dynamic stages may end in any state
-    assert slab("open-close", 10 * 2e-3, dynamic_ratio=1.0).report.warnings == ()

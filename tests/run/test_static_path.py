@@ -180,20 +180,6 @@ def test_how_far_a_wedge_moves_does_not_depend_on_the_first_step(
     assert moved[-1] < 1e-4
 
 
-def test_gravity_follows_a_table():
-    builder = on_plane(0.0)
-    builder.add_amplitude("weight", time=[0.0, 0.5], value=[0.0, 0.5])
-    builder.gravity_amplitude = "weight"
-    stages = [Stage(name="rest")]
-    run = clast.simulate(builder.build(), stages=stages, end=1.0, step=5e-2, dynamic_ratio=0.0)
-    assert run.stages[0].outcome == "equilibrium"
-    assert run.contacts().normal_force.sum() == pytest.approx(0.5 * 2500.0 * G, rel=1e-4)
-    assert run.state.time >= 0.5
-    with pytest.raises(clast.errors.ModelError, match="weigth"):
-        builder.gravity_amplitude = "weigth"
-        builder.build()
-
-
 def column(young: float, blocks: int, above: float = 0.0) -> clast.ModelBuilder:
     """Return a pile of soft blocks of 1 m x 1 m, ``above`` m over its floor."""
     builder = clast.ModelBuilder(gravity=(0.0, -G))

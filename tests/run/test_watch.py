@@ -9,7 +9,6 @@ import pytest
 from clast.actions.action import ActionResult, Contribution
 from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
-from clast.errors import RunStopped, StepOutcome
 from clast.model.state import LEDGER_ENTRIES, Ledger
 from clast.results.run_report import report_from_dict
 from clast.run.overlap import unseen_overlaps
@@ -275,24 +274,6 @@ def test_remedies_name_keys_that_the_process_has(process, outcome):
     assert "passes" not in text or "passes" in known
 
 
-def test_remedy_for_a_start_that_is_too_fast():
-    """Nothing flies apart: two blocks meet at a speed that no step allows."""
-    model = system([box(0, 0), box(1.01, 0)], velocity={1: (-5e3, 0.0, 0.0)}, gravity=(0, 0))
-    with pytest.raises(RunStopped) as caught:
-        finish(model, by_convex(1e8, max_displacement=1e-3), 1e-2, 0.1)
-    text = str(caught.value)
-    assert "'2' moves at 5e+03 m/s" in text
-    assert "max_displacement" in text and "apart" not in text
-
-
-def test_remedy_for_springs_that_are_too_soft():
-    model = system([box(0, -1), box(0, 0)], fixed=[0])
-    state = at_start(model)
-    deep = replace(state.memory, gap=np.array([-0.2]))
-    text = remedy(StepOutcome.TUNNELLED, model, by_convex(1e5), replace(state, memory=deep), 1e-6)
-    assert "0.2 m deep" in text and "raise method.contact_law.normal_stiffness" in text
-
-
 # --- the limit on movement -------------------------------------------------------------------
 
 
@@ -304,11 +285,3 @@ def test_free_flight_is_not_cut():
     done = finish(model, by_convex(5e9, max_displacement=0.05), 1e-2, 0.3)
     assert done.run.report.steps == 30
     assert done.run.report.cut_steps == 0
-
-
-def test_flight_is_cut_where_it_ends():
-    model = system([box(-5, -1, 10), box(0, 3)], fixed=[0], velocity={1: (0.0, -20.0, 0.0)})
-    done = finish(model, by_convex(5e9, max_displacement=0.05), 1e-2, 0.2)
-    assert 20 < done.run.report.steps < 60
-    assert done.run.report.largest_penetration < 0.05
-    assert not done.run.report.overlaps

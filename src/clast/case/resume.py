@@ -216,12 +216,13 @@ def _warnings(
 
 def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
     """Say where another clast has written the checkpoint."""
-    from clast.run.launch import own_version
+    from clast.results.provenance import version_of
 
-    if checkpoint.version != own_version():
+    here = version_of("clast")
+    if checkpoint.version != here:
         yield (
-            f"the checkpoint is of clast {checkpoint.version}, this is {own_version()}: results "
-            "may differ in their last digits from those of an uninterrupted run"
+            f"the checkpoint is of clast {checkpoint.version}, this is {here}: results may differ "
+            "in their last digits from those of an uninterrupted run"
         )
 
 

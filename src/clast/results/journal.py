@@ -147,7 +147,6 @@ class JournalledFile(FileObject):
         return os.getpid() == self._process
 
     def _renew_sums(self) -> None:
-        """Make the checksums of all pages that were touched."""
         count = page_count(self._end)
         sums = np.zeros(count, np.uint32)
         kept = min(count, len(self._sums))

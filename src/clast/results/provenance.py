@@ -115,7 +115,6 @@ def texts(about: dict[str, Any]) -> dict[str, str]:
 
 
 def _number(value: Any) -> str:
-    """Return a number as text, "?" for anything else."""
     return f"{value:.4g}" if isinstance(value, int | float) else "?"
 
 

@@ -97,7 +97,6 @@ class RunRecorder:
             self._file = ResultFile(path, model, case_text, storage)
 
     def _follow(self, reference: ReferenceState | None = None) -> None:
-        """Let later displacements count from a reference."""
         from clast.results.frame_samples import ROWS, STEP_ROWS
 
         names = [one.name for one in self._kinds]
@@ -133,7 +132,6 @@ class RunRecorder:
         self.frame(state)
 
     def _go_on(self, recorded: Recorded) -> None:
-        """Take over the records until a checkpoint."""
         if self._file is None:
             raise RuntimeError("what goes on is a file")
         times, before = self._file.go_on(recorded)
@@ -195,7 +193,6 @@ class RunRecorder:
             self._keep(self.state, before.contacts)
 
     def _keep(self, state: State, rows: NDArray[Any]) -> None:
-        """Keep a frame with a row for every contact."""
         if self._kept is not None:
             self._kept.add(state, rows, self._stages[self._stage] if self._stages else "")
         if self._file is not None:
@@ -290,7 +287,6 @@ class RunRecorder:
             self._tables[name].append(row(state))
 
     def _bolt_notes(self) -> tuple[str, ...]:
-        """Return which bolts yielded or broke, and when."""
         if not len(self._model.bolts) or self._state is None:
             return ()
         from clast.actions.bolts import story_of
@@ -299,7 +295,6 @@ class RunRecorder:
         return story_of(bolt_states(self._model, self._state), self._model)
 
     def _counts(self) -> dict[str, int]:
-        """Return how many rows each table has."""
         return {name: len(table) for name, table in self._tables.items()}
 
 

@@ -193,7 +193,6 @@ class Recording:
 
     @property
     def _frames(self) -> FrameStore:
-        """Where the frames are."""
         raise NotImplementedError
 
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:

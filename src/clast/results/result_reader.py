@@ -271,7 +271,6 @@ def _extremes(results: Results, name: str) -> dict[str, float | None]:
 
 
 def _states(state: Any, words: Sequence[str]) -> dict[str, int]:
-    """Return how many bolts or links are in which state."""
     counts = np.bincount(np.asarray(state, np.int64), minlength=len(words))
     return {name: int(n) for name, n in zip(words, counts, strict=True) if n}
 

@@ -333,7 +333,6 @@ def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:
 
 
 def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
-    """Write a result file without frames."""
     _write_grid(file.create_group("VTKHDF"), model)
     _write_model(file.create_group("model"), model, case_text, about)
     _growing(file, "frames", dtype=FRAME_ROW)
@@ -347,7 +346,6 @@ def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, An
 
 
 def _write_table(file: Any, one: TableSchema, model: Model) -> None:
-    """Make room for a table."""
     if one.of is None:
         batch = min(CHUNK_ROWS, max(LARGE, 8 * model.block_count)) if one.per is Per.FRAME else 1
         _growing(file, one.name, dtype=one.row, batch=batch)
@@ -457,5 +455,4 @@ def _growing(
 
 
 def _fixed(group: Any, name: str, values: NDArray[Any]) -> None:
-    """Create a dataset that stays as it is."""
     group.create_dataset(name, data=values, chunks=values.shape, **CHECKED, **PACKED)

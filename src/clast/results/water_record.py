@@ -77,7 +77,6 @@ def waters_in(group: Any, edges: int) -> tuple[Water, ...] | None:
 
 
 def _water(attributes: Any, arrays: dict[str, Any]) -> Water:
-    """Return the water of a group."""
     factor = None
     if len(arrays["factor_time"]):
         factor = Factor(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,9 +16,6 @@ from clast.model.stage_records import Event
 from clast.model.state import State
 from clast.step.method import Method, StepResult
 
-Reporter = Callable[[Model, Any, Any], Iterable[tuple[str, str, str]]]
-"""The method ``events`` of an action."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Listener:
@@ -30,30 +27,29 @@ class Listener:
     """Name of the stage."""
 
     @cached_property
-    def _reporters(self) -> tuple[tuple[int, Reporter], ...]:
-        """The methods of the actions that report events, with the numbers of the actions."""
-        actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
-        found = ((number, _reporter(action)) for number, action in enumerate(actions))
-        return tuple((number, reporter) for number, reporter in found if reporter is not None)
+    def _actions(self) -> Sequence[Any]:
+        return actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
+
+    @cached_property
+    def _reporting(self) -> tuple[int, ...]:
+        """Numbers of the actions that report events."""
+        return tuple(k for k, one in enumerate(self._actions) if isinstance(one, ReportsEvents))
 
     def heard(self, before: State, after: State) -> Iterator[Event]:
         """Yield the events of a step from one state to another."""
-        if not self._reporters:
+        if not self._reporting:
             return
-        actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
-        own = states_of(actions, self.model, before)
-        for number, events in self._reporters:
-            for kind, what, text in events(self.model, own[number], after.actions[number]):
+        states = states_of(self._actions, self.model, before)
+        for number in self._reporting:
+            action = self._actions[number]
+            for kind, what, text in action.events(
+                self.model, states[number], after.actions[number]
+            ):
                 yield Event(time=after.time, stage=self.stage, kind=kind, what=what, text=text)
 
 
-def _reporter(action: Any) -> Reporter | None:
-    """Return the method by which an action reports events; None where it has none."""
-    return action.events if isinstance(action, ReportsEvents) else None
-
-
 def joints_wear(model: Model, stage: str, result: StepResult) -> Iterator[Event]:
-    """Give which joints have come down to residual strength in a step, and where first."""
+    """Yield the joints that have come down to residual strength in a step, and where first."""
     contacts, names = result.contacts, model.block_name
     _, first = np.unique(contacts.joint[result.worn], return_index=True)
     for row in result.worn[np.sort(first)].tolist():

@@ -42,7 +42,18 @@ def excavated(
     Raises ModelError for shares and times out of range, for values that are not block numbers,
     and where no block would be left.
     """
-    _check(relax, relax_time)
+    if not 0.0 <= relax <= 1.0:
+        raise ModelError(
+            f"{relax:g} is not a valid share",
+            where="relax",
+            remedy="give the share of the forces released at once, 0 to 1",
+        )
+    if not 0.0 <= relax_time < np.inf:
+        raise ModelError(
+            f"{relax_time:g} s is not a valid duration",
+            where="relax_time",
+            remedy="give the time over which the rest is released, s, or 0",
+        )
     blocks = _numbers(blocks, model.block_count)
     leaving = np.zeros(model.block_count, np.bool_)
     leaving[blocks] = True
@@ -54,19 +65,21 @@ def excavated(
         raise ModelError(
             "no block would be left", where="excavate", remedy="excavate some of the blocks"
         )
-    contacts = _contacts(model, method, state)
+    centroid = polygon.moments(state.vertices, model.block_start)[1]
+    contacts = remembered(model, state, centroid, method.critdis)
     left = without(model, absent)
     forces = no_forces(absent)
     if relax < 1.0 and relax_time > 0.0:
         forces = _on_neighbours(model, state, contacts, leaving, 1.0 - relax, relax_time)
-    own = _own_states(model, left, method, state, forces)
+    states = _states_after(model, left, method, state, forces)
     velocity, stress = state.velocity.copy(), state.stress.copy()
     velocity[leaving], stress[leaving] = 0.0, 0.0
     taken = _energy(model, method, state, contacts, leaving)
-    ledger = state.ledger.plus(_negative(taken), Ledger(removed=taken.stored))
+    given = Ledger(**{one.name: -getattr(taken, one.name) for one in fields(taken)})
+    ledger = state.ledger.plus(given, Ledger(removed=taken.stored))
     memory = _of_others(model, state.memory, leaving)
     return left, replace(
-        state, velocity=velocity, stress=stress, memory=memory, ledger=ledger, actions=own
+        state, velocity=velocity, stress=stress, memory=memory, ledger=ledger, actions=states
     )
 
 
@@ -94,58 +107,31 @@ def as_in(model: Model, state: State) -> Model:
 
 def _numbers(blocks: Any, count: int) -> Ints:
     """Return numbers of blocks, of which there are ``count``, (k,)."""
-    found = np.asarray(blocks)
-    whole = found.ndim == 1 and (found.dtype.kind in "iu" or found.size == 0)
-    if not whole:
+    numbers = np.asarray(blocks)
+    if numbers.ndim != 1 or (numbers.dtype.kind not in "iu" and numbers.size):
         raise ModelError(
             f"{shortened(repr(blocks))} are not block numbers",
             where="blocks",
             remedy='give their numbers from 0; for names use model.blocks_called(["name"])',
         )
-    for number in found[(found < 0) | (found >= count)][:1]:
+    for number in numbers[(numbers < 0) | (numbers >= count)][:1]:
         raise ModelError(
             f"there is no block {number}",
             where="blocks",
             remedy=f"give numbers from 0 to {count - 1}",
         )
-    return found.astype(np.int64)
-
-
-def _check(relax: float, relax_time: float) -> None:
-    if not 0.0 <= relax <= 1.0:
-        raise ModelError(
-            f"{relax:g} is not a valid share",
-            where="relax",
-            remedy="give the share of the forces released at once, 0 to 1",
-        )
-    if not 0.0 <= relax_time < np.inf:
-        raise ModelError(
-            f"{relax_time:g} s is not a valid duration",
-            where="relax_time",
-            remedy="give the time over which the rest is released, s, or 0",
-        )
+    return numbers.astype(np.int64)
 
 
 def _alone(model: Model, edges: Ints, absent: Bools) -> Bools:
     """Return which edges (k,) lay on an edge of a block that is ``absent`` at the start, (k,)."""
-    onwards = np.arange(1, len(model.vertices) + 1)
-    onwards[model.block_start[1:] - 1] = model.block_start[:-1]
-    here = model.vertices + 0.0  # so that there is one zero only
+    onwards, here = model.vertex_after, model.vertices + 0.0  # so that there is one zero only
     # segments that wait have never been rock
     out = np.flatnonzero((absent & ~model.lined)[model.vertex_block])
     opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
     known = {ends.tobytes() for ends in opposite}
     own = np.concatenate([here[edges], here[onwards[edges]]], axis=1)
     return np.array([ends.tobytes() in known for ends in own], np.bool_)
-
-
-# contacts and forces -----------------------------------------------------------------------------
-
-
-def _contacts(model: Model, method: Method, state: State) -> Contacts:
-    """Return the contacts that the last step left."""
-    centroid = polygon.moments(state.vertices, model.block_start)[1]
-    return remembered(model, state, centroid, method.critdis)
 
 
 def _on_neighbours(
@@ -170,9 +156,9 @@ def _on_neighbours(
     own, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
     owner = contacts.edge_block[of_edge]
     own_end, end = model.vertex_after[own], model.vertex_after[edge]
-    way = state.vertices[end] - state.vertices[edge]
+    side = state.vertices[end] - state.vertices[edge]
     foot = contacts.foot[of_edge] - state.vertices[edge]
-    place = np.einsum("kx,kx->k", foot, way) / np.einsum("kx,kx->k", way, way)
+    place = np.einsum("kx,kx->k", foot, side) / np.einsum("kx,kx->k", side, side)
     count = len(own) + len(edge)
     return SupportForces(
         absent=model.absent | leaving,
@@ -185,19 +171,19 @@ def _on_neighbours(
     )
 
 
-def _own_states(
+def _states_after(
     model: Model, left: Model, method: Method, state: State, forces: SupportForces
 ) -> tuple[Any, ...]:
-    """Return the own states of all actions of the model that is ``left``, with new ``forces``."""
+    """Return the states of all actions of the model that is ``left``, with new ``forces``."""
     before = actions_of(model, method.fixed_point_stiffness, method.damping)
     after = actions_of(left, method.fixed_point_stiffness, method.damping)
-    own = list(states_of(before, model, state))
+    states = list(states_of(before, model, state))
     at = next(k for k, action in enumerate(after) if isinstance(action, Relaxation))
     if len(before) < len(after):
-        own.insert(at, no_forces(model.absent))
-    known = own[at]
-    own[at] = forces.plus(known.rows(~forces.absent[known.block]))
-    return tuple(own)
+        states.insert(at, no_forces(model.absent))
+    known = states[at]
+    states[at] = forces.plus(known.rows(~forces.absent[known.block]))
+    return tuple(states)
 
 
 def _of_others(model: Model, memory: ContactMemory, leaving: Bools) -> ContactMemory:
@@ -205,9 +191,6 @@ def _of_others(model: Model, memory: ContactMemory, leaving: Bools) -> ContactMe
     stays = ~(leaving[memory.block] | leaving[model.vertex_block[memory.vertex]])
     names = (one.name for one in fields(memory))
     return replace(memory, **{name: getattr(memory, name)[stays] for name in names})
-
-
-# energy ------------------------------------------------------------------------------------------
 
 
 def _energy(
@@ -243,7 +226,3 @@ def _in_supports(model: Model, method: Method, state: State, leaving: Bools) -> 
             moved = (state.vertices - model.vertices)[own.vertex[some]]
             held += 0.5 * float(np.einsum("kx,kxy,ky", moved, own.hold[some], moved))
     return held
-
-
-def _negative(ledger: Ledger) -> Ledger:
-    return Ledger(**{one.name: -getattr(ledger, one.name) for one in fields(ledger)})

@@ -12,7 +12,6 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import monotonic
 
@@ -26,6 +25,7 @@ from clast.results.checkpoints.checkpoint_files import (
     checkpoint_path,
     write_checkpoint,
 )
+from clast.results.provenance import version_of
 from clast.results.recorder import RecordMark
 from clast.run.progress import Warner, Watch, shown
 from clast.run.run_state import RunState
@@ -95,35 +95,24 @@ def launch(
                 contacts=what.contacts,
                 recorded=target.recorded,
             )
+            keep, every = None, what.checkpoint_every
+            if target.output is not None:
+                path = target.output.resolve()
+                if every is not None:
+                    check_place(checkpoint_path(path))
+                keep = Checkpointing(recorder, path, what.source, every, say)
             return simulate(
                 what.model,
                 what.method,
                 what.schedule,
                 recorder=recorder,
                 watch=watch,
-                keep=_checkpoints(what, target.output, recorder, say),
+                keep=keep,
                 begin=what.begin,
                 warnings=warnings,
             )
 
     return say.with_report(made)
-
-
-def _checkpoints(
-    what: Launch, output: Path | None, recorder: RunRecorder, say: Callable[[str], None]
-) -> Checkpointing | None:
-    """Return the writer of checkpoints of a run to a file, None for a run without one.
-
-    Raises CaseError where checkpoints are wanted and something else is in their place.
-    """
-    if output is None:
-        return None
-    path, every = output.resolve(), what.checkpoint_every
-    if every is not None:
-        check_place(checkpoint_path(path))
-    return Checkpointing(
-        recorder=recorder, output=path, describe=what.source, every=every, tell=say
-    )
 
 
 @dataclass
@@ -170,8 +159,7 @@ class Checkpointing:
 
     def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
         """Write the last checkpoint, where one is wanted; return the failures of checkpoints."""
-        wanted = not finished or self.every is not None or self._stages > 0
-        if wanted:
+        if not finished or self.every is not None or self._stages > 0:
             self._write(checkpoint_path(self.output), outcome=outcome, finished=finished)
         return (self._trouble,) if self._trouble else ()
 
@@ -188,7 +176,7 @@ class Checkpointing:
         run, mark = self._now
         try:
             checkpoint = Checkpoint(
-                version=own_version(),
+                version=version_of("clast"),
                 time=run.state.time,
                 outcome=outcome,
                 finished=finished,
@@ -213,11 +201,3 @@ class Checkpointing:
         self._trouble = f"no checkpoint could be written to {path}: {why}{kept}"
         if first and self.tell:
             self.tell(self._trouble)
-
-
-def own_version() -> str:
-    """Return the version of clast."""
-    try:
-        return version("clast")
-    except PackageNotFoundError:
-        return "unknown"

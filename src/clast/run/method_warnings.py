@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,37 +25,35 @@ if TYPE_CHECKING:
     from clast.run.schedule import Schedule
     from clast.step.method import Method
 
-LARGE_SHARE = 0.1
-"""max_displacement and critdis above this share of the smallest block's size are coarse."""
-SMALL_SHARE = 1e-6
-"""max_displacement and critdis below this share of the smallest block's size find nothing."""
-THROUGH = 0.5
-"""critdis above this share of a block's thickness finds contacts behind the block."""
-SINKING = 0.01
-"""Blocks that sink into others by more than this share of the smallest block sink too far."""
-JOINT_RATIO = 1e4
+LENGTHS = 1e-6, 0.1
+"""Usual max_displacement and critdis, in sizes of the smallest block."""
+REACH_MAX = 0.5
+"""critdis above, in units of a block's thickness, finds contacts behind the block."""
+SINKING_MAX = 0.01
+"""Sinking of blocks into others, in sizes of the smallest block, that is too much."""
+JOINT_STIFFNESS_RATIO = 1e4
 """Stiffnesses of joints, and of blocks by their size, are within this factor as a rule."""
 STIFFNESS_RATIO = 1e3
 """Normal stiffness by E, and shear by normal stiffness, are within this factor as a rule."""
-HOLDING = 10.0
+HOLDING_RATIO = 10.0
 """Fixed points hold where they are stiffer than contacts and rock by this factor."""
-LOOSE = 1e-3
+TOLERANCE_MAX = 1e-3
 """Tolerances of a process above this are felt in the results."""
-FELT = 0.05
-"""Mass damping is not warned of where it takes less than this share of a velocity."""
-SMALL_GAP = 1e-3
+VELOCITY_LOSS_MAX = 0.05
+"""Mass damping is not warned of where it takes a smaller fraction of a velocity."""
+CLOSED_GAP = 1e-3
 """Joints that are open by less, in units of the smaller block's size, may be meant to be closed."""
-WEAKENED = 0.05
-"""Waves may lose this share of their height to the time steps."""
-SLOW = 0.1
-"""Share of the model's own frequency up to which it follows a motion within 1 %, unswung."""
-FINE = 20.0
+WAVE_LOSS_MAX = 0.05
+"""Fraction of their height that waves may lose to the time steps."""
+SLOW_FREQUENCY = 0.1
+"""Frequency, in units of the model's, up to which it follows a motion within 1 %, unswung."""
+STEPS_OF_PERIOD = 20.0
 """Steps a period with which a wave is followed."""
-TURNING = 2.0
+REVERSING = 2.0
 """Mass damping c with c h above this leaves a velocity of the other sign."""
-LARGE_FILE = 2e9
+FILE_BYTES_MAX = 2e9
 """Result files above this are said to be large, bytes."""
-BYTES = 72, 560
+FRAME_BYTES = 72, 560
 """Bytes of a vertex and a block in a frame, with some contacts."""
 
 
@@ -77,16 +75,15 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
 
 
 def _length_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of max_displacement and critdis that are large or small against the smallest block."""
     size = size_of_smallest(model)
     lengths = {"time.max_displacement": method.max_displacement, "critdis": method.critdis}
     for key, length in lengths.items():
-        if length > LARGE_SHARE * size:
+        if length > LENGTHS[1] * size:
             yield (
                 f"{key} is {length:g} m, but the smallest block is only {size:.3g} m wide: lower "
                 f"it to {0.01 * size:.2g} m"
             )
-        if length < SMALL_SHARE * size:
+        if length < LENGTHS[0] * size:
             yield (
                 f"{key} is {length:g} m, very small beside the smallest block of "
                 f"{size:.3g} m: raise it to {0.005 * size:.2g} m, or leave it out"
@@ -95,7 +92,7 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
     _, sides = edges(model.vertices, model.block_start)
     thickness = 2.0 * model.area / np.add.reduceat(sides, model.block_start[:-1])
     thinnest = int(np.argmin(thickness))
-    if THROUGH * thickness[thinnest] < method.critdis <= LARGE_SHARE * size:
+    if REACH_MAX * thickness[thinnest] < method.critdis <= LENGTHS[1] * size:
         yield (
             f"critdis is {method.critdis:g} m, but block {named(model, np.array([thinnest]))} is "
             f"only {thickness[thinnest]:.3g} m thick: contacts would reach through it; lower "
@@ -113,7 +110,8 @@ def check_overlaps(model: Model, method: Method) -> None:
         return
     stiffness = range_of_springs(model, method.contact_law.normal_stiffness)[0]
     weight = weight_of(model)
-    load = load_on(model) + _stress_force(model)
+    stress_force = np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)
+    load = load_on(model) + float(stress_force.max())
     mass = np.where(model.fixed, np.inf, model.mass)[model.overlaps.pair].min(axis=1)
     mass = np.where(np.isfinite(mass), mass, 0.0)
     fall = float(np.ptp(model.vertices @ model.gravity))
@@ -122,20 +120,17 @@ def check_overlaps(model: Model, method: Method) -> None:
     known = held + mass * (fall + 0.5 * speed**2)
     stored = 0.5 * stiffness * model.overlaps.depth**2
     unknown = np.flatnonzero(stored > known)
-    if len(unknown):
-        _refuse_overlap(model, stiffness, int(unknown[np.argmax(stored[unknown])]), len(unknown))
-
-
-def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> NoReturn:
-    """Raise ModelError for a pair that no contact can have pressed into each other."""
-    one, other = model.overlaps.pair[worst].tolist()
+    if not len(unknown):
+        return
+    worst = int(unknown[np.argmax(stored[unknown])])
+    one, other = (named(model, model.overlaps.pair[worst, [k]]) for k in (0, 1))
     depth = float(model.overlaps.depth[worst])
-    more = f"; so do {count - 1} more pairs" if count > 1 else ""
+    more = f"; so do {len(unknown) - 1} more pairs" if len(unknown) > 1 else ""
     raise ModelError(
-        f"overlaps block {named(model, np.array([other]))} to a depth of {depth:.3g} m{more}: "
-        f"with normal_stiffness = {stiffness:.3g} a contact would push them apart with "
-        f"{stiffness * depth:.3g} N/m, and all blocks weigh {weight_of(model):.3g} N/m",
-        where=f"block {named(model, np.array([one]))}",
+        f"overlaps block {other} to a depth of {depth:.3g} m{more}: with normal_stiffness = "
+        f"{stiffness:.3g} a contact would push them apart with {stiffness * depth:.3g} N/m, and "
+        f"all blocks weigh {weight:.3g} N/m",
+        where=f"block {one}",
         remedy="move or cut the blocks so that they do not overlap; where coordinates are rounded, "
         f"{_repair_of(depth)} joins neighbours",
     )
@@ -146,7 +141,7 @@ def open_joint_warnings(model: Model, contacts: Contacts) -> Iterator[str]:
     strong = np.max(model.joint_table.strengths[1:], axis=0) > 0.0
     ends = contacts.vertex_block, contacts.edge_block
     size = np.sqrt(np.minimum(*(model.area[blocks] for blocks in ends)))
-    little = (contacts.gap > ROUNDED * size) & (contacts.gap <= SMALL_GAP * size)
+    little = (contacts.gap > ROUNDED * size) & (contacts.gap <= CLOSED_GAP * size)
     rows = np.flatnonzero(little & strong[contacts.joint] & (contacts.length > 0.0))
     if not len(rows):
         return
@@ -166,13 +161,7 @@ def _repair_of(depth: float) -> str:
     return f"[repair] tolerance = {math.ceil(1.5 * depth / digit - 1e-6) * digit:.2g}"
 
 
-def _stress_force(model: Model) -> float:
-    """Return the largest force that initial stress gives a block's edge, N/m."""
-    return float((np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)).max())
-
-
 def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of blocks that overlap at the start by no more than contacts of a run."""
     depth = model.overlaps.depth
     if len(depth) == 0:
         return
@@ -183,13 +172,11 @@ def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
     yield (
         f"blocks {one} and {other} overlap by {depth[worst]:.3g} m at the start{more}: contacts "
         f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; other blocks "
-        "should not overlap"
-        f": {_repair_of(float(depth[worst]))} puts them together"
+        f"should not overlap: {_repair_of(float(depth[worst]))} puts them together"
     )
 
 
 def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of stiffnesses and tolerances that are out of proportion."""
     law = method.contact_law
     normal, shear = law.normal_stiffness, getattr(law, "shear_stiffness", None)
     ratio = normal / model.stiffest
@@ -205,7 +192,7 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     sinking = weight_of(model) / normal / max(1, int(model.block_count**0.5))
     share = sinking / size_of_smallest(model)
-    if share > SINKING:
+    if share > SINKING_MAX:
         yield (
             f"normal_stiffness = {normal:.3g} lets blocks sink into each other by some "
             f"{sinking:.2g} m under their weight, {100.0 * share:.2g} % of the smallest block: "
@@ -213,7 +200,7 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     for kind, part in (("process", method.process), ("solver", method.solver)):
         tolerance = getattr(part, "tolerance", 0.0)
-        if tolerance > LOOSE:
+        if tolerance > TOLERANCE_MAX:
             yield (
                 f"tolerance of the {kind} is {tolerance:g}, too loose to solve the steps: leave "
                 "it out"
@@ -221,14 +208,13 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
 
 
 def _joint_stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of joints whose stiffness is out of proportion, or of one direction only."""
     size = float(np.sqrt(np.median(model.area)))
     usual = model.stiffest / size
     for joint in model.joint_table.joints:
         normal, shear = joint.normal_stiffness, joint.shear_stiffness
         for key, value in (("normal_stiffness", normal), ("shear_stiffness", shear)):
             ratio = 1.0 if value is None else value / usual
-            if not 1.0 / JOINT_RATIO <= ratio <= JOINT_RATIO:
+            if not 1.0 / JOINT_STIFFNESS_RATIO <= ratio <= JOINT_STIFFNESS_RATIO:
                 yield (
                     f"{key} of joint '{joint.name}' is {value:.3g} Pa/m, {ratio:.2g} times that of "
                     f"a block of {size:.3g} m, young by its size: check that it is in Pa/m (1 "
@@ -243,7 +229,6 @@ def _joint_stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
 
 
 def _static_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of velocities in a static run, and of fixed points that give way."""
     if method.dynamic_ratio == 0.0 and model.velocity.any():
         yield (
             "blocks have a velocity at the start, but dynamic_ratio = 0 forgets velocities at "
@@ -251,7 +236,7 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     hardest = range_of_springs(model, method.contact_law.normal_stiffness)[1]
     stiffest = max(hardest, model.stiffest)
-    if len(model.fixed_points.block) and method.fixed_point_stiffness < HOLDING * stiffest:
+    if len(model.fixed_points.block) and method.fixed_point_stiffness < HOLDING_RATIO * stiffest:
         yield (
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
             f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
@@ -260,10 +245,8 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
 
 
 def _support_warnings(model: Model, method: Method) -> Iterator[str]:
-    """Warn of supports that other processes than the convex one do not carry."""
-    if is_stable_for_any_step(method.process):
-        return
-    if method.dynamic_ratio == 0.0 and model.is_driven:
+    static = method.dynamic_ratio == 0.0 and not is_stable_for_any_step(method.process)
+    if static and model.is_driven:
         yield (
             "motions are prescribed in a static run, and the process is not convex: its steps keep "
             "their inertia, so moved blocks lag behind and forces depend on the step. Use "
@@ -279,13 +262,8 @@ def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iter
     motion, gravity = model.ground_motion, float(np.hypot(*model.gravity))
     if is_stable_for_any_step(method.process) or not isinstance(motion, MovingBase):
         return
-    usual = method.dynamic_ratio
-    carried = [
-        usual if stage.dynamic_ratio is None else stage.dynamic_ratio
-        for stage in schedule.stages
-        if stage.ground_motion
-    ] or [usual]
-    if min(carried) > 0.0:
+    shaken = [stage.dynamic_ratio for stage in schedule.stages if stage.ground_motion] or [None]
+    if min(method.dynamic_ratio if ratio is None else ratio for ratio in shaken) > 0.0:
         return
     fastest = motion.accelerogram.fastest
     table = model.joint_table
@@ -301,7 +279,6 @@ def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iter
 
 
 def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
-    """Warn of damping that is not damping of rock, that slows falls, or turns velocities round."""
     damping = method.damping
     if isinstance(damping, Adaptive | Kinetic) and isinstance(model.ground_motion, Recorded):
         yield (
@@ -311,18 +288,17 @@ def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Itera
     if not isinstance(damping, Rayleigh):
         return
     gravity = float(np.hypot(*model.gravity))
-    if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > FELT:
+    if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > VELOCITY_LOSS_MAX:
         yield (
             f"damping.mass = {damping.mass:g} 1/s also slows blocks that fall or slide: none "
-            "exceeds"
-            f" {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks "
-            "are to fall"
+            f"exceeds {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks are to "
+            "fall"
         )
-    if damping.mass * schedule.step > TURNING:
+    if damping.mass * schedule.step > REVERSING:
         yield (
             f"damping.mass = {damping.mass:g} 1/s reverses velocities in steps of "
-            f"{schedule.step:g} s: lower time.step to {TURNING / damping.mass:.2g}, or mass to "
-            f"{TURNING / schedule.step:.2g}"
+            f"{schedule.step:g} s: lower time.step to {REVERSING / damping.mass:.2g}, or mass to "
+            f"{REVERSING / schedule.step:.2g}"
         )
 
 
@@ -342,16 +318,16 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
         last = float(time[-1]) if schedule.stages else min(schedule.end, float(time[-1]))
         length = max(0.0, last - float(time[0]))
         taken = -math.expm1(-loss * circular**2 * step * length)
-        if frequency < SLOW * own_frequency(model):
+        if frequency < SLOW_FREQUENCY * own_frequency(model):
             continue
-        if frequency * step * FINE > 1.0 + WEAKENED:
+        if frequency * step * STEPS_OF_PERIOD > 1.0 + WAVE_LOSS_MAX:
             yield (
                 f"{what} has frequencies up to {frequency:.3g} Hz, which a step of {step:g} s "
                 f"makes {1.0 / (frequency * step):.2g} a period: lower time.step to "
-                f"{1.0 / (FINE * frequency):.2g}, {FINE:g} a period"
+                f"{1.0 / (STEPS_OF_PERIOD * frequency):.2g}, {STEPS_OF_PERIOD:g} a period"
             )
-        elif taken > WEAKENED:
-            shorter = -math.log1p(-WEAKENED) / (loss * circular**2 * length)
+        elif taken > WAVE_LOSS_MAX:
+            shorter = -math.log1p(-WAVE_LOSS_MAX) / (loss * circular**2 * length)
             yield (
                 f"{what} has frequencies up to {frequency:.3g} Hz, and the time steps damp "
                 f"vibrations of that frequency by {100.0 * taken:.2g} % in its {length:.3g} s "
@@ -366,12 +342,12 @@ def _swings(method: Method, schedule: Schedule) -> bool:
 
     Adaptive and kinetic damping bring them to rest, whatever the time steps take.
     """
-    ways = [(stage.dynamic_ratio, stage.damping) for stage in schedule.stages] or [(None, None)]
-    for ratio, damping in ways:
-        carried = method.dynamic_ratio if ratio is None else ratio
-        if carried >= 1.0 and not isinstance(damping or method.damping, Adaptive | Kinetic):
-            return True
-    return False
+    parts = [(stage.dynamic_ratio, stage.damping) for stage in schedule.stages] or [(None, None)]
+    return any(
+        (method.dynamic_ratio if ratio is None else ratio) >= 1.0
+        and not isinstance(damping or method.damping, Adaptive | Kinetic)
+        for ratio, damping in parts
+    )
 
 
 def own_frequency(model: Model) -> float:
@@ -399,7 +375,6 @@ def _records(model: Model) -> Iterator[tuple[str, Floats, Floats]]:
 
 
 def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
-    """Warn of long steps, and of frames that are more frequent than steps or fill the disk."""
     fall = 0.5 * float(np.hypot(*model.gravity)) * schedule.step**2
     if fall > size_of_smallest(model):
         yield (
@@ -408,7 +383,7 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
             "time.step"
         )
     frames = schedule.end / schedule.every
-    vertex, block = BYTES
+    vertex, block = FRAME_BYTES
     size = min(frames, schedule.end / schedule.step) * (
         vertex * len(model.vertices) + block * model.block_count
     )
@@ -418,7 +393,7 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
             f"frame is written after every step, {schedule.end / schedule.step:.3g} in all. Raise "
             "it"
         )
-    if size > LARGE_FILE:
+    if size > FILE_BYTES_MAX:
         yield (
             f"output.every of {schedule.every:g} s makes a result file of some {size / 1e9:.2g} "
             f"GB: raise it to {schedule.end / 100.0:.2g} s"
@@ -426,15 +401,13 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
 
 
 def _stage_warnings(schedule: Schedule) -> Iterator[str]:
-    """Warn of stages that are too short for their frames, or to be found in equilibrium."""
     for stage in schedule.stages:
         called = f"stage '{shortened(stage.name)}'"
         length, step = stage.time or schedule.end, stage.step or schedule.step
         if stage.every is not None and stage.every < step * (1.0 - 1e-9):
             yield (
                 f"{called}: every is {stage.every:g} s, less than a step of {step:g} s: a frame "
-                "is written after every step"
-                f", {length / step:.3g} in all. Raise it"
+                f"is written after every step, {length / step:.3g} in all. Raise it"
             )
         if stage.until == EQUILIBRIUM and stage.hold > length / step * (1.0 + 1e-9):
             yield (

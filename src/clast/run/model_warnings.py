@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -10,42 +12,50 @@ from clast.actions.linings import linings_of
 from clast.actions.motions import Motions
 from clast.block.polygon import edges
 from clast.errors import shortened
+from clast.model.edges import edges_of, facing_edges
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
 from clast.model.joints import WELD_STRENGTH
-from clast.model.model import Floats, Ints, Model
-from clast.model.water import Water
-from clast.run.slide_warnings import slide_warnings
+from clast.model.model import Bools, Floats, Ints, Model
 
-SOFTEST, HARDEST = 1e8, 2e12
-"""Young's moduli outside look like kPa, MPa or GPa, Pa."""
-LIGHTEST, HEAVIEST = 200.0, 25e3
-"""Densities outside look like t/m3 or g/cm3, kg/m3."""
-WEAKEST, STRONGEST = 1e3, 1e9
-"""Strengths and stresses outside look like kPa or MPa, Pa."""
-WEAKEST_GRAVITY, STRONGEST_GRAVITY = 0.1, 5e3
-"""Gravity outside is that of no planet and no centrifuge, m/s2."""
-LIGHTEST_LOAD, HEAVIEST_LOAD = 1e-4, 1e4
-"""Loads outside these shares of the weight of the blocks look like kN or MN."""
-STEEPEST = 75.0
+USUAL = {
+    "young": (1e8, 2e12),
+    "density": (200.0, 25e3),
+    "stress": (1e3, 1e9),
+    "gravity": (0.1, 5e3),
+    "loads": (1e-4, 1e4),
+    "shaking": (1e-4 * 9.80665, 5.0 * 9.80665),
+    "density of water": (950.0, 1300.0),
+}
+"""Quantity -> least and largest usual value, SI (loads: in weights of the blocks), outside of which
+it looks like another unit."""
+FRICTION_ANGLE_MAX = 75.0
 """Friction angles above are steeper than any joint's, degrees."""
-COARSEST_ROUNDING = 1e-7
-"""Coordinates rounded by more than this share of the smallest block have too few digits."""
-SPREAD = 1e4
+ROUNDING_MAX = 1e-7
+"""Rounding of coordinates that leaves too few digits, in sizes of the smallest block."""
+SIZE_RATIO_MAX = 1e4
 """Ratio of block sizes above which a system is not simulated well."""
-THIN = 1e-5
-"""Thickness at a vertex, as a share of the block's extent, below which it is a spike or crack."""
-DRIFTING = 0.1
-"""Drift of the ground after its record, as a share of the smallest block, that is warned of."""
-SOFTEST_SHAKING, HARDEST_SHAKING = 1e-4 * 9.80665, 5.0 * 9.80665
-"""Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
-LIGHTEST_WATER, HEAVIEST_WATER = 950.0, 1300.0
-"""Densities outside are not those of water, nor of a slurry, kg/m3."""
+THICKNESS_MIN = 1e-5
+"""Thickness at a vertex, in extents of the block, below which it is a spike or crack."""
+DRIFT_MAX = 0.1
+"""Drift of the ground after its record that is warned of, in sizes of the smallest block."""
 STEPS_OF_INTERVAL = 2
 """Fewer steps in an interval of a ground motion miss part of it."""
-WEAKEST_BOLT = 1e3
+BOLT_YIELD_MIN = 1e3
 """Yield forces of bolts below look like kN, N/m."""
+BENDS = np.radians(3.0), np.radians(60.0)
+"""Bends of the ground below are none, and above are two faces, rad."""
+DIP_MIN = np.radians(5.0)
+"""Bases that dip less do not slide, rad."""
+BLOCKS_OF_SLIDE_MAX = 20_000
+"""Blocks up to which slides are looked for: more are not a row of slices."""
 NAMED = 5
 """Blocks or rocks that a warning names, at most."""
+
+
+def is_usual(quantity: str, value: float) -> bool:
+    """Return whether a value is within the usual range of its quantity."""
+    least, most = USUAL[quantity]
+    return bool(least <= value <= most)
 
 
 def model_warnings(model: Model, step: float, end: float) -> list[str]:
@@ -68,10 +78,10 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
     ]
 
 
-def named(model: Model, blocks: Ints) -> str:
+def named(model: Model, blocks: Ints, most: int = NAMED) -> str:
     """Return the names of blocks as a warning lists them, the first few."""
-    names = [f"'{shortened(model.block_name[block])}'" for block in blocks[:NAMED].tolist()]
-    return ", ".join(names) + (", ..." if len(blocks) > NAMED else "")
+    names = [f"'{shortened(model.block_name[block])}'" for block in blocks[:most].tolist()]
+    return ", ".join(names) + (", ..." if len(blocks) > most else "")
 
 
 def size_of_smallest(model: Model) -> float:
@@ -99,13 +109,14 @@ def _pressed(model: Model) -> Floats:
     return np.asarray(np.abs(loads.pressure).mean(axis=1) * share * length[loads.edge])
 
 
+def _is_supported(model: Model) -> bool:
+    return bool(model.fixed.any() or len(model.fixed_points.block) or model.moved.any())
+
+
 def _support_warnings(model: Model) -> Iterator[str]:
-    """Warn where no block or every block is held, and where a moving base leaves some behind."""
-    held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
     # the outline of a rock mass under in-situ stress is held by springs beside its load
-    held = held or (model.in_situ is not None and any(model.in_situ.held))
-    held = held or len(model.viscous_edges) > 0 or bool(model.moved.any())
-    if not held and model.gravity.any():
+    held = model.in_situ is not None and any(model.in_situ.held)
+    if not (held or _is_supported(model) or len(model.viscous_edges)) and model.gravity.any():
         yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
     if model.fixed.all() and not model.moved.any():
         yield (
@@ -120,47 +131,40 @@ def _support_warnings(model: Model) -> Iterator[str]:
 
 
 def _idle_warnings(model: Model) -> Iterator[str]:
-    """Warn of input without effect: loads and supports of fixed blocks, rocks of no block."""
-    points, lines = model.point_loads, model.line_loads
-    fixed, measured = model.fixed_points, model.measured_points
-    kinds = {
-        "point load": points.block,
-        "line load": lines.block,
-        "pressure": model.pressures.block,
-        "fixed point": fixed.block,
-        "measured point": measured.block,
+    loads: dict[str, tuple[Any, Floats]] = {
+        "point load": (model.point_loads, model.point_loads.force),
+        "line load": (model.line_loads, model.line_loads.traction),
+        "pressure": (model.pressures, model.pressures.pressure),
     }
-    for kind, block in kinds.items():
+    blocks = {kind: one.block for kind, (one, _) in loads.items()}
+    blocks |= {
+        "fixed point": model.fixed_points.block,
+        "measured point": model.measured_points.block,
+    }
+    for kind, block in blocks.items():
         idle = block[model.fixed[block]]
         if len(idle) and not model.fixed.all():
             yield (
                 f"{len(idle)} {kind}(s) on fixed blocks have no effect: "
                 f"{named(model, np.unique(idle))}. Remove them, or fixed = true of the block"
             )
-    sizes = {
-        "point load": points.force,
-        "line load": lines.traction,
-        "pressure": model.pressures.pressure,
-    }
-    for kind, load in sizes.items():
-        zero = int((~load.any(axis=1)).sum())
+    for kind, (_, size) in loads.items():
+        zero = int((~size.any(axis=1)).sum())
         if zero:
             yield f"{zero} {kind}(s) are zero: give a force, or remove them"
     total, weight = load_on(model), weight_of(model)
-    if total and weight and not LIGHTEST_LOAD <= total / weight <= HEAVIEST_LOAD:
-        size = "next to nothing beside" if total < weight else "out of proportion to"
+    if total and weight and not is_usual("loads", total / weight):
+        compared = "next to nothing beside" if total < weight else "out of proportion to"
         yield (
-            f"all loads together are {total:.3g} N/m, {size} the weight of the blocks, "
+            f"all loads together are {total:.3g} N/m, {compared} the weight of the blocks, "
             f"{weight:.3g} N/m; the unit is N/m: 5 kN/m are 5000"
         )
-    numbers = [points.factor, lines.factor, model.pressures.factor]
-    idle = np.setdiff1d(np.arange(len(model.factors)), np.concatenate(numbers))
+    numbers = {int(k) for one, _ in loads.values() for k in one.factor}
     used = {water.factor.name for water in model.water if water.factor}
     used |= {name for action in model.actions for name in getattr(action, "tables", ())}
-    idle = np.array([k for k in idle if model.factors[k].name not in used], np.int64)
-    for number in idle[:NAMED].tolist():
-        name = shortened(model.factors[number].name)
-        yield f"no load has the amplitude '{name}': name it in a load, or remove it"
+    used |= {factor.name for k, factor in enumerate(model.factors) if k in numbers}
+    for name in [one.name for one in model.factors if one.name not in used][:NAMED]:
+        yield f"no load has the amplitude '{shortened(name)}': name it in a load, or remove it"
     unused = np.setdiff1d(np.arange(len(model.rocks)), model.block_rock)
     for rock in unused[:NAMED].tolist():
         name = shortened(model.rocks[rock].name)
@@ -168,7 +172,6 @@ def _idle_warnings(model: Model) -> Iterator[str]:
 
 
 def _gravity_warnings(model: Model) -> Iterator[str]:
-    """Warn where gravity points upwards, or nothing moves the blocks."""
     across, up = model.gravity.tolist()
     if up > 0.0:
         yield (
@@ -176,19 +179,11 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
             f"y is positive upwards; write gravity = [{across:g}, {-up:g}]"
         )
     size = float(np.hypot(across, up))
-    if size and not WEAKEST_GRAVITY <= size <= STRONGEST_GRAVITY:
+    if size and not is_usual("gravity", size):
         yield f"gravity is {size:g} m/s2; the unit is m/s2: on earth gravity = [0.0, -9.8]"
-    driven = (
-        model.gravity.any()
-        or model.velocity.any()
-        or model.initial_stress.any()
-        or model.point_loads.force.any()
-        or model.line_loads.traction.any()
-        or model.pressures.pressure.any()
-        or isinstance(model.ground_motion, Recorded)
-        or model.moved.any()
-    )
-    if not driven:
+    loads = model.point_loads.force, model.line_loads.traction, model.pressures.pressure
+    drives = (model.gravity, model.velocity, model.initial_stress, model.moved, *loads)
+    if not any(one.any() for one in drives) and not isinstance(model.ground_motion, Recorded):
         yield (
             "gravity, loads, velocities and stresses are all zero: nothing sets the blocks in "
             "motion. Give gravity = [0.0, -9.8] or a load"
@@ -196,11 +191,10 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
 
 
 def _unit_warnings(model: Model) -> Iterator[str]:
-    """Warn of moduli, densities and stresses that look like other units than SI."""
     for rock in model.rocks:
         where = f"rock '{shortened(rock.name)}'"
         # linings are compared with the rock when they are placed
-        if rock.is_ground and not SOFTEST <= rock.young <= HARDEST:
+        if rock.is_ground and not is_usual("young", rock.young):
             yield (
                 f"{where}: young is {rock.young:g} Pa, outside the range of rock and brick (1e8 "
                 "to 2e12); the unit is Pa: 50 GPa are 50e9"
@@ -210,14 +204,14 @@ def _unit_warnings(model: Model) -> Iterator[str]:
                 f"{where}: poisson is {rock.poisson:g}: under pressure it would become narrower; "
                 "rocks have 0.1 to 0.4"
             )
-        if not LIGHTEST <= rock.density <= HEAVIEST:
+        if not is_usual("density", rock.density):
             yield (
                 f"{where}: density is {rock.density:g} kg/m3, outside the range of rock and "
                 "brick; it is "
                 "meant in kg/m3: 2.7 t/m3 are 2700"
             )
-    largest = np.abs(model.initial_stress).max(axis=1)
-    small = np.flatnonzero((largest > 0.0) & (largest < WEAKEST))
+    largest, (weakest, _) = np.abs(model.initial_stress).max(axis=1), USUAL["stress"]
+    small = np.flatnonzero((largest > 0.0) & (largest < weakest))
     if len(small) == model.block_count:
         yield (
             f"initial_stress is at most {largest.max():g} Pa, very small; the unit is Pa: "
@@ -232,7 +226,7 @@ def _unit_warnings(model: Model) -> Iterator[str]:
             f"{100.0 * largest[worst] / young[worst]:.3g} %, beyond small strains: check it and "
             "young"
         )
-    pulled = np.flatnonzero((model.initial_stress[:, :2] >= WEAKEST).all(axis=1))
+    pulled = np.flatnonzero((model.initial_stress[:, :2] >= weakest).all(axis=1))
     if len(pulled):
         xx, yy, _ = model.initial_stress[pulled[0]].tolist()
         yield (
@@ -242,19 +236,18 @@ def _unit_warnings(model: Model) -> Iterator[str]:
 
 
 def _strength_warnings(model: Model) -> Iterator[str]:
-    """Warn of joint strengths that look like other units than SI."""
     for joint in model.joint_table.joints:
         where = f"joint '{shortened(joint.name)}'"
         strengths = {"cohesion": joint.cohesion, "tensile_strength": joint.tensile_strength}
         for key, value in strengths.items():
-            if 0.0 < value < WEAKEST:
+            if 0.0 < value < USUAL["stress"][0]:
                 yield (
                     f"{where}: {key} is {value:g} Pa, very small; the unit is Pa: "
                     f"{value:g} kPa are {1e3 * value:g}"
                 )
-            if STRONGEST < value != WELD_STRENGTH:
+            if USUAL["stress"][1] < value != WELD_STRENGTH:
                 yield f"{where}: {key} is {value:g} Pa, stronger than any rock; the unit is Pa"
-        if joint.friction_angle > STEEPEST:
+        if joint.friction_angle > FRICTION_ANGLE_MAX:
             yield (
                 f"{where}: friction_angle is {joint.friction_angle:g} degrees, a coefficient of "
                 f"{np.tan(np.radians(joint.friction_angle)):.3g}; joints have 10 to 50"
@@ -269,18 +262,17 @@ def _strength_warnings(model: Model) -> Iterator[str]:
 
 
 def _shape_warnings(model: Model) -> Iterator[str]:
-    """Warn of coordinates with too few digits, of thin blocks and of very unequal ones."""
     size = size_of_smallest(model)
     far = float(np.abs(model.vertices + model.origin).max())
     rounding = float(np.spacing(far))
-    if rounding > COARSEST_ROUNDING * size:
+    if rounding > ROUNDING_MAX * size:
         yield (
             f"coordinates of {far:.3g} m are rounded to {rounding:.2g} m, but the smallest block "
             f"is only {size:.3g} m wide: too few digits are left for it. Subtract a common offset "
             "from all coordinates"
         )
     largest = float(np.sqrt(model.area.max()))
-    if largest > SPREAD * size:
+    if largest > SIZE_RATIO_MAX * size:
         smallest, broadest = int(model.area.argmin()), int(model.area.argmax())
         yield (
             f"block {named(model, np.array([smallest]))} is {size:.3g} m wide and block "
@@ -288,7 +280,7 @@ def _shape_warnings(model: Model) -> Iterator[str]:
             "the smallest. Leave it out, or check its coordinates"
         )
     thickness, block = _thickness(model)
-    thin = np.flatnonzero(thickness < THIN)
+    thin = np.flatnonzero(thickness < THICKNESS_MIN)
     for vertex in thin[:1].tolist():
         x, y = (model.vertices[vertex] + model.origin).tolist()
         number = vertex - int(model.block_start[block[vertex]]) + 1
@@ -306,10 +298,8 @@ def _thickness(model: Model) -> tuple[Floats, Ints]:
     The thickness at a corner is the distance of one end of its shorter edge from its longer edge;
     at a flat or blunt corner it is not a thickness, and 1 is returned.
     """
-    block, start = model.vertex_block, model.block_start
-    vertex = np.arange(len(block))
-    after, before = vertex + 1, vertex - 1
-    after[start[1:] - 1], before[start[:-1]] = start[:-1], start[1:] - 1
+    block, start, after = model.vertex_block, model.block_start, model.vertex_after
+    before = np.argsort(after)
     forth = model.vertices[after] - model.vertices
     back = model.vertices[before] - model.vertices
     low = np.minimum.reduceat(model.vertices, start[:-1])
@@ -324,7 +314,6 @@ def _thickness(model: Model) -> tuple[Floats, Ints]:
 
 
 def _motion_warnings(model: Model, end: float) -> Iterator[str]:
-    """Warn of ground motions outside of the run, with a drift, or of an unlikely strength."""
     motion = model.ground_motion
     if not isinstance(motion, Recorded):
         return
@@ -348,7 +337,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
             "moving at 0 s. Let its instants begin at 0"
         )
     drift = float(np.round(np.hypot(*record.velocity(last)), 12))
-    if last < end and drift * (end - last) > DRIFTING * size_of_smallest(model):
+    if last < end and drift * (end - last) > DRIFT_MAX * size_of_smallest(model):
         yield (
             f"the ground motion ends at {last:g} s with {drift:.3g} m/s, which the ground keeps "
             f"until {end:g} s: correct the record's base line, or let it end at rest"
@@ -359,12 +348,12 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
             f"the ground motion ends at {last:g} s, before the run at {end:g} s: after it the "
             f"ground {kept}. Lower time.end if that is not intended"
         )
-    if peak > HARDEST_SHAKING:
+    if peak > USUAL["shaking"][1]:
         yield (
             f"the ground is accelerated by up to {peak:.3g} m/s2, more than any earthquake: give "
             "m/s2, or a scale (0.01 for a record in cm/s2)"
         )
-    if peak < SOFTEST_SHAKING:
+    if peak < USUAL["shaking"][0]:
         yield (
             f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody would feel: "
             "check the columns and the scale of the record"
@@ -372,15 +361,12 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
 
 
 def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
-    """Warn of viscous edges that carry no weight, begin after the end, or miss the wave."""
     edges = model.viscous_edges
     if not len(edges):
         return
     at_once = edges.begins == 0.0
     loose = at_once & (edges.kept > 0.0) & (model.in_situ is None)
-    supported = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
-    supported = supported or bool(model.moved.any())
-    if loose.any() and model.gravity.any() and not supported:
+    if loose.any() and model.gravity.any() and not _is_supported(model):
         yield (
             f"{int(loose.sum())} viscous edge(s) begin at once and carry no weight: the blocks "
             "sink into them. Give [in_situ], whose traction stays on them, or begins in "
@@ -404,7 +390,6 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
 
 
 def _coarse_steps(model: Model, step: float) -> Iterator[str]:
-    """Warn of steps that are too long for the intervals of a ground motion."""
     motion = model.ground_motion
     if not isinstance(motion, Recorded):
         return
@@ -419,7 +404,6 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
 
 
 def _water_warnings(model: Model) -> Iterator[str]:
-    """Warn of water without effect, over everything, of odd density, or twice in one joint."""
     top = float(model.vertices[:, 1].max())
     gravity = float(np.hypot(*model.gravity))
     for number, water in enumerate(model.water, 1):
@@ -437,27 +421,19 @@ def _water_warnings(model: Model) -> Iterator[str]:
                 "Lower it if that is not intended"
             )
         density = water.weight / gravity
-        if not LIGHTEST_WATER <= density <= HEAVIEST_WATER:
+        if not is_usual("density of water", density):
             yield f"{called} has a density of {density:g} kg/m3; water has 1000, sea water 1025"
-    for one, first in enumerate(model.water):
-        for other, second in enumerate(model.water[one + 1 :], one + 1):
-            both = np.intersect1d(_joints_of(first, model), _joints_of(second, model))
-            if len(both):
-                yield (
-                    f"waters {one + 1} and {other + 1} are both in {len(both)} joints, where their "
-                    "pressures add up: assign different joints to each, unless stages change "
-                    "from one to the other"
-                )
-
-
-def _joints_of(water: Water, model: Model) -> Ints:
-    """Return a number for each pair of edges between which a water is, shape (k,)."""
-    first, second = water.joints.edge.T
-    return np.asarray(first * len(model.vertices) + second)
+    pairs = [{(int(a), int(b)) for a, b in water.joints.edge} for water in model.water]
+    for (one, first), (other, second) in combinations(enumerate(pairs, 1), 2):
+        if first & second:
+            yield (
+                f"waters {one} and {other} are both in {len(first & second)} joints, where their "
+                "pressures add up: assign different joints to each, unless stages change from one "
+                "to the other"
+            )
 
 
 def _bolt_warnings(model: Model) -> Iterator[str]:
-    """Warn of bolts that can do nothing, and of forces that look like kN."""
     bolts = model.bolts
     idle = model.fixed[bolts.blocks].all(axis=1)
     acting = np.unique(bolts.of_spring[~idle])
@@ -467,7 +443,7 @@ def _bolt_warnings(model: Model) -> Iterator[str]:
             "no effect. Move an end into a block that can move, or leave it out"
         )
     forces = bolts.yield_force[np.isfinite(bolts.yield_force)]
-    if len(forces) and forces.max() < WEAKEST_BOLT:
+    if len(forces) and forces.max() < BOLT_YIELD_MIN:
         yield (
             f"bolts yield at {forces.max():g} N/m at most: that looks like kN. Give yield_force in "
             "N per metre of thickness"
@@ -475,7 +451,6 @@ def _bolt_warnings(model: Model) -> Iterator[str]:
 
 
 def _lining_warnings(model: Model) -> Iterator[str]:
-    """Warn of linings that are to be bonded where there is no rock."""
     linings, _ = linings_of(model)
     for one in linings.each if linings else ():
         if len(one.loose):
@@ -487,19 +462,106 @@ def _lining_warnings(model: Model) -> Iterator[str]:
 
 
 def _servo_warnings(model: Model) -> Iterator[str]:
-    """Warn of servos that press with a stress in another unit than Pa, or a force in another."""
-    motions = [
-        one for action in model.actions if isinstance(action, Motions) for one in action.each
-    ]
-    for one in motions:
+    actions = [action for action in model.actions if isinstance(action, Motions)]
+    for one in (one for action in actions for one in action.each):
         if one.servo is None:
             continue
         first, past = model.block_start[one.block[0] :][:2]
         width, height = np.ptp(model.vertices[first:past], axis=0).tolist()
         stress = float((one.servo.largest / (height, width)).max())
-        if not WEAKEST <= stress <= STRONGEST:
-            size = "very small" if stress < WEAKEST else "stronger than any rock"
+        if not is_usual("stress", stress):
+            size = "very small" if stress < USUAL["stress"][0] else "stronger than any rock"
             yield (
                 f"{one.label} presses with {stress:g} Pa, {size}; the unit of stress is Pa: 1 MPa "
                 "is 1e6; that of force is N per metre of thickness"
             )
+
+
+def slide_warnings(model: Model) -> Iterator[str]:
+    """Warn of slices over bent ground, where all that can move lies on ground that cannot.
+
+    Rock that slides over a bend has to shear inside.  A block whose base runs over the bend is
+    locked.  Of two slices that meet at a bend where the ground flattens, the toe of the upper one
+    would go into the next plane: it carries there from the first movement on, whatever the
+    direction of the cut.
+    """
+    ground = model.fixed.copy()
+    ground[model.fixed_points.block] = True
+    if not ground.any() or ground.all() or model.block_count > BLOCKS_OF_SLIDE_MAX:
+        return
+    owner = model.vertex_block
+    _, length = edges(model.vertices, model.block_start)
+    facing = facing_edges(edges_of(model.vertices, model.vertex_after, owner, model.area)).edge
+    on_ground = np.zeros(len(length), np.bool_)
+    for own, other in (facing.T, facing.T[::-1]):
+        on_ground[own[ground[owner[other]] & ~ground[owner[own]]]] = True
+    if len(np.setdiff1d(np.flatnonzero(~ground), owner[on_ground])):
+        return
+    yield from _locked(model, on_ground)
+    yield from _toes(model, facing, on_ground)
+
+
+def _locked(model: Model, on_ground: Bools) -> Iterator[str]:
+    after, along = model.vertex_after, edges(model.vertices, model.block_start)[0]
+    before = np.flatnonzero(on_ground & on_ground[after])
+    corner = after[before]
+    bend = _bends(model, along[before], along[corner])
+    bent = np.flatnonzero(np.isfinite(bend))
+    if not len(bent):
+        return
+    worst = bent[np.argmax(np.abs(bend[bent]))]
+    blocks = named(model, np.unique(model.vertex_block[corner[bent]]), 3)
+    yield (
+        f"the base of block {blocks} runs over a bend of the ground, of "
+        f"{np.degrees(abs(bend[worst])):.2g} degrees at {_place(model, int(corner[worst]))}: it is "
+        "locked there until it leaves the ground, and factors of safety come out too high. Cut the "
+        "slide at its bends, and give the cuts the strength of the rock inside"
+    )
+
+
+def _toes(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
+    owner, after = model.vertex_block, model.vertex_after
+    along = edges(model.vertices, model.block_start)[0]
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    # a cut stands where the base of one block ends (up) and that of the other begins (down)
+    up, down = np.concatenate([facing, facing[:, ::-1]]).T
+    one, other = before[up], after[down]
+    near = 1e-6 * np.sqrt(model.area)[owner[up]]
+    apart = np.hypot(*(model.vertices[up] - model.vertices[other]).T)
+    standing = on_ground[one] & on_ground[other] & (apart <= near)
+    up, bend = up[standing], _bends(model, along[one[standing]], along[other[standing]])
+    flattens = np.flatnonzero(bend > 0.0)
+    if not len(flattens):
+        return
+    worst = flattens[np.argmax(bend[flattens])]
+    yield (
+        f"the ground flattens under {len(flattens)} cut(s) between slices, by "
+        f"{np.degrees(bend[worst]):.2g} degrees at {_place(model, int(up[worst]))}: the toe of "
+        "the slice above rests on the next plane as soon as it moves, and factors of safety come "
+        "out too high. Cut off the toe at the bend so that it can move, and compare "
+        "with limit equilibrium"
+    )
+
+
+def _bends(model: Model, first: Floats, second: Floats) -> Floats:
+    """Return the turn from one direction of a base (k, 2) to the next, rad; NaN where none counts.
+
+    Both planes dip to the same side: a block between two that face each other is not a slide.
+    """
+    turn = np.arctan2(
+        first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0], (first * second).sum(axis=1)
+    )
+    gravity = model.gravity / max(float(np.hypot(*model.gravity)), 1e-300)
+    drop = np.stack([first @ gravity, second @ gravity])
+    level = np.sin(DIP_MIN)
+    same = (drop.prod(axis=0) >= 0.0) | (np.abs(drop).min(axis=0) < level)
+    steep = np.abs(drop).max(axis=0) > level
+    bent = (np.abs(turn) >= BENDS[0]) & (np.abs(turn) <= BENDS[1])
+    return np.where(same & steep & bent, turn, np.nan)
+
+
+def _place(model: Model, vertex: int) -> str:
+    """Return where a vertex is, as the user gave it."""
+    x, y = model.vertices[vertex] + model.origin
+    return f"({x:.6g}, {y:.6g})"

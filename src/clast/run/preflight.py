@@ -14,7 +14,7 @@ from clast.compute.compilation import working_time
 from clast.contact.detection import detect
 from clast.errors import ModelError, StepRejected, shortened
 from clast.model import ranges
-from clast.model.model import Bools, Model
+from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.model.surroundings import Repair
 from clast.run.method_warnings import check_overlaps, method_warnings, open_joint_warnings
@@ -28,13 +28,11 @@ if TYPE_CHECKING:
     from clast.run.schedule import Schedule
     from clast.step.method import Method
 
-LONG = 3600.0
-"""Expected duration of a run above which it is warned of, s of wall time."""
-MANY_STEPS = 1e6
-"""Number of steps above which it is warned of."""
-MOST_TRIALS, LONGEST_TRIAL = 4, 10.0
+WALL_SECONDS_MAX, STEPS_MAX = 3600.0, 1e6
+"""Expected duration, s of wall time, and steps of a run above which it is warned of."""
+TRIALS_MAX, TRIAL_SECONDS_MAX = 4, 10.0
 """The first step is tried so often, or for so long, s, to find its time."""
-QUICKEST = 1e-5, 5e-6
+STEP_SECONDS_MIN = 1e-5, 5e-6
 """Wall time of a step, and more for each block, below which none is on any machine, s."""
 
 
@@ -43,23 +41,16 @@ class CaseSummary:
     """The contents of a case, and warnings."""
 
     title: str
-    """Title of the case."""
     blocks: int
-    """Number of blocks."""
     vertices: int
-    """Number of vertices."""
     rocks: tuple[str, ...]
-    """Names of the rocks."""
     joints: tuple[str, ...]
     """Names of the joints, the default first."""
     fixed_blocks: int
-    """Number of blocks that cannot move."""
     fixed_points: int
-    """Number of fixed points."""
     loads: int
-    """Number of point and line loads."""
+    """Number of point and line loads and pressures."""
     measured_points: int
-    """Number of measured points."""
     mass: float
     """Mass of all blocks, kg per metre of thickness."""
     box: tuple[float, float, float, float]
@@ -77,7 +68,6 @@ class CaseSummary:
     steps: int
     """Steps that the run takes if none is cut; at most, where it has stages."""
     stages: tuple[str, ...]
-    """Names of the stages."""
     max_displacement: float
     """Largest vertex movement in a step, m."""
     critdis: float
@@ -104,11 +94,10 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
     check_stages(schedule.stages, model)
     _check_steps(schedule)
     start = initial_state(model)
-    contacts = _contacts(model, method, start)
-    unsupported = _unsupported(model, contacts)
-    number = stability_number(model, method, start, schedule.step)
-    low = model.vertices.min(axis=0) + model.origin
-    high = model.vertices.max(axis=0) + model.origin
+    centroid, search = block_frames(model, start).centroid, search_of_modified(method)
+    contacts = detect(model, method.corner_rule, start, centroid, search)
+    corners = model.vertices + model.origin
+    (xmin, ymin), (xmax, ymax) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     smallest, largest = int(model.area.argmin()), int(model.area.argmax())
     return CaseSummary(
         title=model.title,
@@ -123,17 +112,17 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
         + len(model.pressures.block),
         measured_points=len(model.measured_points.name),
         mass=float(model.mass.sum()),
-        box=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
+        box=(xmin, ymin, xmax, ymax),
         smallest=(model.block_name[smallest], float(model.area[smallest])),
         largest=(model.block_name[largest], float(model.area[largest])),
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
-        unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
+        unsupported=_unsupported(model, contacts),
         steps=schedule.steps,
         stages=tuple(stage.name for stage in schedule.stages),
         max_displacement=method.max_displacement,
         critdis=method.critdis,
-        stability_number=number,
+        stability_number=stability_number(model, method, start, schedule.step),
         stability_limit=STABILITY_LIMIT,
         warnings=(
             *_duration_warnings(model, method, schedule, start),
@@ -148,7 +137,6 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
 
 
 def _check_steps(schedule: Schedule) -> None:
-    """Refuse stages with more steps than any run has."""
     for stage in schedule.stages:
         length, step = stage.time or schedule.end, stage.step or schedule.step
         if length / step > ranges.MOST_STEPS:
@@ -168,14 +156,17 @@ def _duration_warnings(
     them does not count.
     """
     steps = schedule.steps
-    base, more = QUICKEST
-    if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
+    base, more = STEP_SECONDS_MIN
+    if steps < STEPS_MAX and steps * (base + more * model.block_count) < 0.1 * WALL_SECONDS_MAX:
         return
-    tried: list[float] = []
-    while len(tried) < MOST_TRIALS and sum(tried) < LONGEST_TRIAL:
-        tried.append(_seconds_of_a_step(model, method, schedule, start))
-    seconds = min(tried)
-    if steps < MANY_STEPS and steps * seconds < LONG:
+    trials: list[float] = []
+    while len(trials) < TRIALS_MAX and sum(trials) < TRIAL_SECONDS_MAX:
+        begin = working_time()
+        with suppress(StepRejected):
+            method.process.step(model, method, start, schedule.step, Workspace())
+        trials.append(working_time() - begin)
+    seconds = min(trials)
+    if steps < STEPS_MAX and steps * seconds < WALL_SECONDS_MAX:
         return
     yield (
         f"{steps:.3g} steps of {schedule.latest / steps:g} s: at {1e3 * seconds:.2g} ms each, as "
@@ -184,30 +175,9 @@ def _duration_warnings(
     )
 
 
-def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: State) -> float:
-    """Return how long the first step takes, s of wall time, without compilation."""
-    begin = working_time()
-    with suppress(StepRejected):
-        method.process.step(model, method, start, schedule.step, Workspace())
-    return working_time() - begin
-
-
-def _contacts(model: Model, method: Method, state: State) -> Contacts:
-    frames = block_frames(model, state)
-    return detect(
-        model,
-        method.corner_rule,
-        state,
-        frames.centroid,
-        search_of_modified(method),
-    )
-
-
-def _unsupported(model: Model, contacts: Contacts) -> Bools:
-    """Return True for blocks that are not fixed anywhere and touch nothing, shape (n,)."""
-    held = model.fixed.copy()
-    held[model.fixed_points.block] = True
-    held[contacts.pairs.ravel()] = True
-    held[model.bolts.blocks.ravel()] = True
-    held[model.moved] = True
-    return ~held
+def _unsupported(model: Model, contacts: Contacts) -> tuple[str, ...]:
+    """Return the names of blocks that are not fixed anywhere and touch nothing."""
+    held = model.fixed | model.moved
+    for blocks in (model.fixed_points.block, contacts.pairs, model.bolts.blocks):
+        held[blocks] = True
+    return tuple(model.block_name[block] for block in np.flatnonzero(~held))

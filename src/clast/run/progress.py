@@ -32,9 +32,6 @@ Watch = Callable[["Progress"], None]
 
 REFRESH = 0.1
 """Time between updates of the line, s of wall time."""
-SHARE_OF_TIME = "{task.percentage:>3.0f}%"
-
-
 PARTS = {
     "compute": "arithmetic of small matrices",
     "model": "geometry checks",
@@ -77,7 +74,11 @@ def _on_stderr() -> Iterator[Watch | None]:
         with compilation_told(lambda text: console.print(text, soft_wrap=True)):
             yield None
         return
-    columns = (BarColumn(bar_width=24), TextColumn(SHARE_OF_TIME), TextColumn("{task.description}"))
+    columns = (
+        BarColumn(bar_width=24),
+        TextColumn("{task.percentage:>3.0f}%"),
+        TextColumn("{task.description}"),
+    )
     with Bar(*columns, console=console, transient=True) as bar:
         line = ProgressLine(bar)
         with COMPILATION.telling(line.compiling):
@@ -105,16 +106,13 @@ class ProgressLine:
         if perf_counter() - self._shown < REFRESH:
             return
         self._shown = perf_counter()
+        wall = working_time() - self._start[0]
+        speed = (progress.time - self._start[1]) / wall if wall > 0.0 else 0.0
         self._bar.update(
             self._task,
             completed=(progress.time - progress.start) / (progress.end - progress.start),
-            description=status_text(progress, self._speed(working_time(), progress.time)),
+            description=status_text(progress, speed),
         )
-
-    def _speed(self, now: float, time: float) -> float:
-        """Return the simulated time per wall time since the first step, 0 at first."""
-        start_wall, start_time = self._start or (now, time)
-        return (time - start_time) / (now - start_wall) if now > start_wall else 0.0
 
 
 def status_text(progress: Progress, speed: float) -> str:
@@ -140,8 +138,9 @@ def status_text(progress: Progress, speed: float) -> str:
 
 def compilation_text(module: str) -> str:
     """Return the kernels compiled with one of ``module``, and the progress."""
+    folder = module.split(".")[1]
     return (
-        f"compiling, once after installation: {_part(module)} "
+        f"compiling, once after installation: {PARTS.get(folder, folder)} "
         f"({COMPILATION.kernels} of about {COMPILATION.expected} kernels)"
     )
 
@@ -159,26 +158,19 @@ def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
 
     The lines are for where nothing can be replaced: pipes and files.
     """
-    waits = False
+    waited: list[str] = []
     kernels, seconds = COMPILATION.kernels, COMPILATION.seconds
 
     def tell(module: str | None) -> None:
-        nonlocal waits
-        if module is not None and not waits:
-            waits = True
+        if module is not None and not waited:
+            waited.append(module)
             say(WAITING)
 
     with COMPILATION.telling(tell):
         yield
-    if waits:
+    if waited:
         count, spent = COMPILATION.kernels - kernels, COMPILATION.seconds - seconds
         say(f"compiled {count} kernels in {spent:.1f} s; later runs find them on disk")
-
-
-def _part(module: str) -> str:
-    """Return the purpose of the kernels of a module."""
-    folder = module.split(".")[1]
-    return PARTS.get(folder, folder)
 
 
 PACKAGE = str(Path(__file__).resolve().parents[1])
@@ -200,10 +192,10 @@ class Warner:
 
     def all_of(self, texts: Iterable[str]) -> tuple[str, ...]:
         """Say warnings, and return them."""
-        found = tuple(texts)
-        for text in found:
+        warnings_given = tuple(texts)
+        for text in warnings_given:
             self(text)
-        return found
+        return warnings_given
 
     def with_report(self, run: Callable[[], Run]) -> Run:
         """Return a run that is still to be made; pass on the warnings of its report."""
@@ -220,7 +212,6 @@ class Warner:
 
 
 def _as_python_does(text: str) -> None:
-    """Warn at the line of the script that called."""
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         level, frame = level + 1, frame.f_back

@@ -24,22 +24,22 @@ from clast.step import energy_balance
 from clast.step.method import Method, StepResult
 from clast.step.remedies import remedy, stiffnesses_named
 
-UNFELT = 1e-3
-"""Share of the energy turned over that may have been created: a wave brings all there is."""
+CREATED_MAX = 1e-3
+"""Created energy that is accepted, in units of that turned over: a wave brings all there is."""
 ROUNDING = 1e-9
-"""Energy gained or lost, as a share of the stored energy, that is round-off."""
-DEEP = 0.05
-"""Penetration, as a share of the thinner block, above which it is warned of."""
-LOST = 0.05
-"""Numerical dissipation or gain, as a share of the energy turned over, likewise."""
-UNEXPLAINED = 1e-6
-"""Energy that the ledger does not explain, as a share of the energy turned over, likewise."""
-NOTHING = 1e-4
-"""Energy that lifts every block by no more than this share of its size is negligible."""
-UNBALANCED = 1e-3
-"""Unbalanced force at the end of a static run, as a share of the largest force, likewise."""
-RELAXED = 0.05
-"""Loss of initial stress, as a share of it, likewise."""
+"""Energy gained or lost that is round-off, in units of the stored energy."""
+LIFT = 1e-4
+"""Energy that lifts every block by less, in sizes of the block, is negligible."""
+PENETRATION_MAX = 0.05
+"""Penetration above which it is warned of, in units of the thinner block."""
+NUMERICAL_MAX = 0.05
+"""Numerical dissipation or gain, likewise, in units of the energy turned over."""
+UNEXPLAINED_MAX = 1e-6
+"""Energy that the ledger does not explain, likewise."""
+UNBALANCED_MAX = 1e-3
+"""Unbalanced force at the end of a static run, likewise, in units of the largest force."""
+STRESS_LOSS_MAX = 0.05
+"""Loss of initial stress, likewise, in units of that stress."""
 COUNTED = entries_of(Kind.STORED, Kind.BROUGHT, Kind.LOST, Kind.NUMERICAL)
 """Entries of the ledger whose changes are energy turned over."""
 _entries = attrgetter(*COUNTED)
@@ -55,8 +55,8 @@ class Watched:
     """Least value of each of the energies of ``COUNTED``, J/m, shape (k,)."""
     greatest: Floats
     """Greatest, likewise."""
-    deepest: tuple[float, str] = (DEEP, "")
-    """Largest penetration beyond DEEP, as a share of the thinner block, and its message."""
+    deepest: tuple[float, str] = (PENETRATION_MAX, "")
+    """Largest penetration above PENETRATION_MAX, in units of the thinner block; its message."""
     overlaps: Mapping[tuple[str, str], Overlap] = field(default_factory=dict)
     """The deepest overlap that contacts do not know of, by the names of the blocks."""
 
@@ -83,10 +83,6 @@ class Watch:
         """Thickness of each block, m, shape (n,)."""
         return thicknesses(self.model.vertices, self.model.block_start)
 
-    @cached_property
-    def _thinnest(self) -> float:
-        return float(self._thickness.min())
-
     def begin(self, state: State) -> Watched:
         """Return the measurements at the start of a run."""
         held = np.array(_entries(state.ledger))
@@ -101,7 +97,7 @@ class Watch:
             least=np.minimum(seen.least, held),
             greatest=np.maximum(seen.greatest, held),
         )
-        if result.penetration <= seen.deepest[0] * self._thinnest:
+        if result.penetration <= seen.deepest[0] * self._thickness.min():
             return seen
         return changed(seen, deepest=self._deeper(seen.deepest, result))
 
@@ -135,13 +131,13 @@ class Watch:
     def _deeper(self, before: tuple[float, str], result: StepResult) -> tuple[float, str]:
         """Return the largest penetration against the thinner of its two blocks."""
         memory, model = result.state.memory, self.model
-        own, other = model.vertex_block[memory.vertex], memory.block
-        thinner = np.minimum(self._thickness[own], self._thickness[other])
+        block, other = model.vertex_block[memory.vertex], memory.block
+        thinner = np.minimum(self._thickness[block], self._thickness[other])
         share = -memory.gap / thinner
         at = int(share.argmax())
         if share[at] <= before[0]:
             return before
-        names = model.block_name[own[at]], model.block_name[other[at]]
+        names = model.block_name[block[at]], model.block_name[other[at]]
         return (
             float(share[at]),
             f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
@@ -174,7 +170,7 @@ class Watch:
             return ""
         turned_over = seen.turned_over
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
-        if share <= LOST or abs(ledger.numerical) <= self._negligible(ledger):
+        if share <= NUMERICAL_MAX or abs(ledger.numerical) <= self._negligible(ledger):
             return ""
         did = "took" if ledger.numerical > 0.0 else "brought in"
         return (
@@ -185,12 +181,12 @@ class Watch:
     def _of_balance(self, seen: Watched, ledger: Ledger) -> str:
         """Return a warning where the entries of the ledger fail to explain too much energy."""
         turned_over = max(seen.turned_over, self._negligible(ledger))
-        if abs(ledger.unaccounted) <= UNEXPLAINED * turned_over:
+        if abs(ledger.unaccounted) <= UNEXPLAINED_MAX * turned_over:
             return ""
         return (
             f"the energy balance does not close: {ledger.unaccounted:.2g} J/m are unaccounted for, "
             f"{abs(ledger.unaccounted) / turned_over:.1g} of the {turned_over:.3g} J/m turned over "
-            f"(at most {UNEXPLAINED:g} as a rule): {self._cause_of_imbalance()}"
+            f"(at most {UNEXPLAINED_MAX:g} as a rule): {self._cause_of_imbalance()}"
         )
 
     def _cause_of_imbalance(self) -> str:
@@ -205,16 +201,14 @@ class Watch:
         tolerance = getattr(self.method.process, "tolerance", None)
         if tolerance is None:
             return "steps were solved inaccurately. Lower time.step"
-        return (
-            f"steps were solved too loosely. Lower method.process.tolerance ({tolerance:g}) or "
-            "time.step"
-        )
+        key = f"method.process.tolerance ({tolerance:g})"
+        return f"steps were solved too loosely. Lower {key} or time.step"
 
     def _negligible(self, ledger: Ledger) -> float:
         """Return the energy that is negligible whatever is turned over, J/m."""
         size = np.sqrt(self.model.area[~self.model.fixed])
         weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
-        return NOTHING * float(weight @ size) + ROUNDING * ledger.stored
+        return LIFT * float(weight @ size) + ROUNDING * ledger.stored
 
     def _of_rest(self, state: State, step: float) -> str:
         """Return a warning where a static run ends while blocks still move.
@@ -229,11 +223,11 @@ class Watch:
         theta = self.method.integrator.theta
         force = model.mass * speed / step
         weight = model.mass * float(np.hypot(*model.gravity))
-        borne = state.memory.normal_force.max(initial=0.0)
-        reference = max(float(weight[free].max()), float(borne))
+        largest = state.memory.normal_force.max(initial=0.0)
+        reference = max(float(weight[free].max()), float(largest))
         worst = int(np.where(free, force, -1.0).argmax())
         share = float(force[worst]) / reference if reference > 0.0 else 0.0
-        if share <= UNBALANCED:
+        if share <= UNBALANCED_MAX:
             return ""
         return (
             f"the static run ended while block '{model.block_name[worst]}' still moved by "
@@ -256,7 +250,7 @@ class Watch:
         weight = model.area[stressed] / model.area[stressed].sum()
         mean = [weight @ stress[stressed] for stress in (model.initial_stress, state.stress)]
         lost = float(np.linalg.norm(mean[1] - mean[0]) / np.linalg.norm(mean[0]))
-        if lost <= RELAXED:
+        if lost <= STRESS_LOSS_MAX:
             return ""
         texts = [", ".join(f"{value:.3g}" for value in stress) for stress in mean]
         return (
@@ -276,7 +270,7 @@ def reject_created_energy(
         return
     allowed = energy_balance.tolerated(model, state.ledger, first)
     allowed += energy_balance.round_off(model, method, state, len(state.memory))
-    allowed += UNFELT * seen.turned_over
+    allowed += CREATED_MAX * seen.turned_over
     if created > allowed:
         raise StepRejected(
             StepOutcome.ENERGY_CREATED,

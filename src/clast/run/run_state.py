@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from clast.model.stage_records import Event
 from clast.model.state import Ledger, State
@@ -13,8 +13,6 @@ from clast.run.schedule import Progress
 from clast.run.stages.stage_position import Position
 from clast.run.stages.static_path import OnPath
 from clast.step.method import StepResult
-
-Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,23 +36,20 @@ class Tally:
 
     def with_step(self, result: StepResult, cuts: int = 0) -> Tally:
         """Return the counts with those of an accepted step, and of the ``cuts`` before it."""
+        seconds, counts = dict(self.seconds), dict(self.counts)
+        for name, spent in result.seconds.items():
+            seconds[name] = seconds.get(name, 0.0) + spent
+        for name, count in result.counts.items():
+            counts[name] = counts.get(name, 0) + count
         return Tally(
             steps=self.steps + 1,
             passes=self.passes + result.passes,
             cut_steps=self.cut_steps + cuts,
             contacts=max(self.contacts, len(result.contacts)),
             penetration=max(self.penetration, result.penetration),
-            seconds=_added(self.seconds, result.seconds),
-            counts=_added(self.counts, result.counts),
+            seconds=seconds,
+            counts=counts,
         )
-
-
-def _added(before: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, Number]:
-    """Return the sums of counts of the same name."""
-    sums = {**before}
-    for name in new:
-        sums[name] = sums[name] + new[name] if name in sums else new[name]
-    return sums
 
 
 @dataclass(frozen=True, kw_only=True)

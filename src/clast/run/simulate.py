@@ -40,15 +40,14 @@ from clast.step import energy_balance
 from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
 
-GROW = 1.5
+STEP_GROWTH = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
 COMFORT = 0.8
-"""The step grows only while blocks near each other move less than this share of
-max_displacement."""
-SMALLEST_SHARE = 2.0**-12
-"""The smallest step tried, as a share of the requested one, unless the schedule names it."""
+"""Approach of blocks up to which the step grows, in units of max_displacement."""
+STEP_MIN = 2.0**-12
+"""The smallest step tried, in requested ones, unless the schedule names it."""
 ROUNDING = 1e-9
-"""Share of a step by which times may differ and be the same."""
+"""Difference of times that are the same, in steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,9 +76,7 @@ class Stepping:
             watch=Watch(model=model, method=method),
             workspace=workspace,
             listener=Listener(model=model, method=method, stage=stage.name if stage else ""),
-            judge=None
-            if stage is None
-            else EquilibriumCheck(model=model, method=method, stage=stage),
+            judge=EquilibriumCheck(model=model, method=method, stage=stage) if stage else None,
             statics=StaticPath.of(model, method, setting.schedule, stage),
         )
 
@@ -89,24 +86,9 @@ class Stepping:
             self.model, self.method, initial_state(self.model), self.schedule.step
         )
         ledger = energy_balance.opening(self.model, state)
-        state = replace(state, ledger=ledger)
-        return self.ready(
-            RunState(
-                state=state,
-                step=self.schedule.step,
-                first=ledger,
-                seen=self.watch.begin(state),
-                notes=notes,
-            )
-        )
-
-    def begun(self, begin: RunState | None) -> RunState:
-        """Return where the run goes on, or begins."""
-        if begin is None:
-            return self.begin()
-        if (begin.path is None) == (self.statics is None):
-            return begin
-        return self.ready(begin)  # it goes on otherwise than it was: static and dynamic by turns
+        state, step = replace(state, ledger=ledger), self.schedule.step
+        seen = self.watch.begin(state)
+        return self.ready(RunState(state=state, step=step, first=ledger, seen=seen, notes=notes))
 
     def ready(self, now: RunState) -> RunState:
         """Return the run before the first step of its schedule, or of a stage."""
@@ -136,11 +118,9 @@ class Stepping:
             now = replace(now, path=finer)
             result, taken, clock, more = self._accepted(now)
             cuts += more + 1
-        tally = now.tally.with_step(result, cuts)
-        first = now.first
+        first, position = now.first, now.position
         if now.state.time == 0.0:
             first = energy_balance.with_overlap(first, self.method, result.contacts)
-        position = now.position
         if self.judge is not None and position is not None:
             judge = self.judge
             if self.statics is not None and now.path is not None:
@@ -152,7 +132,7 @@ class Stepping:
             step=_next_step(taken, result, self.schedule, self.method),
             taken=taken,
             first=first,
-            tally=tally,
+            tally=now.tally.with_step(result, cuts),
             seen=self.watch.with_step(now.seen, result),
             events=(*now.events, *self._happened(now, result)),
             position=position,
@@ -167,7 +147,6 @@ class Stepping:
         return after, result
 
     def _happened(self, now: RunState, result: StepResult) -> Iterator[Event]:
-        """Give the events of a step, of actions on blocks and of joints."""
         yield from self.listener.heard(now.state, result.state)
         if len(result.worn):
             yield from joints_wear(self.model, self.listener.stage, result)
@@ -238,7 +217,7 @@ class Stepping:
             varies = clock > 0.0 and self.statics.is_under_way(state)
         else:
             step = min(step, self.schedule.end - state.time)
-        smallest = self.schedule.smallest_step or SMALLEST_SHARE * self.schedule.step
+        smallest = self.schedule.smallest_step or STEP_MIN * self.schedule.step
         if clock is not None and self.statics is not None and now.path is not None:
             model, method = self.statics.at(now.path, clock)
         while True:
@@ -248,9 +227,10 @@ class Stepping:
             except StepRejected as rejected:
                 cuts += 1
                 if step * rejected.cut < smallest:
+                    detail = f"{rejected.detail}; " if rejected.detail else ""
                     last = StepRejected(
                         rejected.outcome,
-                        _last_words(rejected, step),
+                        f"{detail}the smallest step tried was {step:.3g} s",
                         remedy=remedy(rejected.outcome, model, method, state, step),
                     )
                     last.cuts = cuts
@@ -287,7 +267,7 @@ def simulate(
     check_overlaps(model, method)
     course = StageSequence(base=Setting(model=model, method=method, schedule=schedule))
     start = working_time()
-    march = _March.begun(course, recorder or RunRecorder(model), begin)
+    march = _March.begin(course, recorder or RunRecorder(model), begin)
     march.watch, march.keep = watch, keep
     advice = method.process.advice(model, method, march.now.state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
@@ -303,13 +283,14 @@ def simulate(
             outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
-            how = getattr(asked, "how", f"interrupted{_by(ended_by)}")
+            by = "" if ended_by == signal.SIGINT else f" by {signal.Signals(ended_by).name}"
+            how = getattr(asked, "how", f"interrupted{by}")
             outcome = f"{how} at t = {march.recorder.state.time:.6g} s"
+        finished = not failure and not ended_by
         if isinstance(keep, Keeper):
-            warnings += keep.over(outcome, finished=not failure and not ended_by)
-        report = march.report(
-            working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
-        )
+            warnings += keep.over(outcome, finished=finished)
+        wall = working_time() - start
+        report = march.report(wall, outcome, finished=finished, warnings=warnings)
         compiling = COMPILATION.unreported()
         if compiling > 0.0:
             report = replace(report, seconds={**report.seconds, "compilation": compiling})
@@ -320,21 +301,15 @@ def simulate(
 
 
 def _about(method: Method, schedule: Schedule) -> dict[str, Any]:
-    """Return how a run is simulated, ready for JSON."""
     about = about_method(method, schedule.step, schedule.latest)
     names = [stage.name for stage in schedule.stages]
     begins = {name: stage.name for stage in schedule.stages for name in stage.loads}
     return {**about, "stages": names, "begins": begins} if names else about
 
 
-def _by(number: int) -> str:
-    """Return which signal interrupted a run, where it was not the key."""
-    return "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
-
-
 @dataclass
 class _March:
-    """A run on its way: where it is, and who is told."""
+    """A run on its way: where it is, and who hears of it."""
 
     course: StageSequence
     setting: Setting
@@ -344,16 +319,19 @@ class _March:
     watch: Callable[[Progress], None] | None = None
     keep: Callable[[RunState], None] | None = None
     touching: Contacts | None = None
-    """Contacts of the last step that had any, which a law of one's own is tried on."""
+    """Contacts of the last step that had any, on which a law of a script is tried."""
 
     @classmethod
-    def begun(cls, course: StageSequence, recorder: RunRecorder, begin: RunState | None) -> _March:
+    def begin(cls, course: StageSequence, recorder: RunRecorder, begin: RunState | None) -> _March:
         """Return a run before its first step, or where it is to go on."""
         position = begin.position if begin else None
         setting = course.setting_at(position, begin.state) if begin else course.first
         stage = None if position is None else course.stage(position)
         stepping = Stepping.of(setting, Workspace(), stage)
-        march = cls(course, setting, stepping, recorder, stepping.begun(begin))
+        now = begin or stepping.begin()
+        if (now.path is None) != (stepping.statics is None):
+            now = stepping.ready(now)  # static and dynamic by turns
+        march = cls(course, setting, stepping, recorder, now)
         if position is not None:
             recorder.enter(position.number, position.reference)
         elif course.stages:
@@ -375,7 +353,6 @@ class _March:
             self._step_on(let_go)
 
     def _step_on(self, let_go: Callable[[], None]) -> None:
-        """Step to the end of the schedule, or of a stage."""
         stepping = self.stepping
         leader = self.watch if isinstance(self.watch, Leader) else None
         halt = Halt(
@@ -390,7 +367,9 @@ class _March:
                 leader.lead(halt)
             self.now, result = stepping.next(self.now)
             self.touching = result.contacts if len(result.contacts) else self.touching
-            self.recorder.step(result, self.now.taken, self._unbalanced())
+            position = self.now.position
+            unbalanced = math.nan if position is None else position.judged.force_ratio
+            self.recorder.step(result, self.now.taken, unbalanced)
             if self.watch:
                 contacts = len(result.contacts)
                 self.watch(_progress(self.now, stepping, contacts, result.penetration))
@@ -403,19 +382,12 @@ class _March:
             if self.keep:
                 self.keep(self.now)
 
-    def _unbalanced(self) -> float:
-        """Return the unbalanced force of the last step over all forces; NaN outside of stages."""
-        position = self.now.position
-        return position.judged.force_ratio if position is not None else math.nan
-
     def _checkpoint(self) -> str:
-        """Write a checkpoint of the last step; return where, or why not."""
         if not isinstance(self.keep, Keeper):
             return "a run that writes no file has no checkpoints"
         return self.keep.at_once()
 
     def _enter(self) -> None:
-        """Begin the next stage."""
         now, course = self.now, self.course
         position = now.position or Position()
         self.setting, state, position, events = course.enter(self.setting, now.state, position)
@@ -433,7 +405,6 @@ class _March:
         self.recorder.enter(position.number, position.reference)
 
     def _leave(self) -> None:
-        """End the stage that goes on."""
         now, judge = self.now, self.stepping.judge
         if now.position is not None and judge is not None:
             if isinstance(self.keep, Keeper):
@@ -446,7 +417,9 @@ class _March:
         tally = replace(self.now.tally, cut_steps=self.now.tally.cut_steps + cuts)
         self.now = replace(self.now, tally=tally)
 
-    def report(self, wall: float, outcome: str, *, finished: bool, said: tuple[str, ...]) -> Report:
+    def report(
+        self, wall: float, outcome: str, *, finished: bool, warnings: tuple[str, ...]
+    ) -> Report:
         """Return the report of a run that is over, after ``wall`` s of work."""
         model, method = self.stepping.model, self.stepping.method
         watch = replace(self.stepping.watch, carried=self.course.least_carried)
@@ -456,15 +429,15 @@ class _March:
         stages: tuple[StageRecord, ...] = ()
         if position is not None:
             stages = self.course.all_records(position, state)
-            said = (*said, *self.course.warnings(position))
+            warnings = (*warnings, *self.course.warnings(position))
         taken = self.now.taken
         if self.now.path is not None and (failure := self.now.path.failure) is not None:
-            # that its blocks still move has then been said
-            taken = 0.0
-            said = said if position is not None else (*said, failure_warning(failure))
+            taken = 0.0  # its blocks move, and the failure says so
+            if position is None:
+                warnings = (*warnings, failure_warning(failure))
         if position is None and self.now.path is not None and self.now.path.branch:
-            said = (*said, f"the static run: {self.now.path.branch}")
-        warnings = *said, *watch.warnings(seen, state, taken)
+            warnings = (*warnings, f"the static run: {self.now.path.branch}")
+        warnings = *warnings, *watch.warnings(seen, state, taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)
         return Report(
@@ -508,12 +481,7 @@ def _progress(now: RunState, stepping: Stepping, contacts: int, penetration: flo
     )
 
 
-def _last_words(rejected: StepRejected, step: float) -> str:
-    detail = f"{rejected.detail}; " if rejected.detail else ""
-    return f"{detail}the smallest step tried was {step:.3g} s"
-
-
 def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Method) -> float:
     """Return the length of the next step, s: grown back where the last one was comfortable."""
-    comfortable = result.approach * GROW < COMFORT * method.max_displacement
-    return min(schedule.step, taken * GROW if comfortable else taken)
+    comfortable = result.approach * STEP_GROWTH < COMFORT * method.max_displacement
+    return min(schedule.step, taken * STEP_GROWTH if comfortable else taken)

@@ -59,25 +59,23 @@ from clast.step.integration import Scheme
 from clast.step.method import Method
 from clast.step.start import StepContext, begin, diagonal_terms, springs_between
 
-SOLUTIONS = 200
-"""Static solutions at most: contacts that slip or open shift their load to others."""
+SOLUTIONS_MAX, SEARCHES_MAX = 200, 5
+"""Static solutions, for contacts that slip or open shift their load, and searches of contacts."""
 BALANCED = 1e-12
 """Force, in units of the largest one, that is none."""
 ROUNDED = 1e-6
 """Change, in the same units, that may be rounding if it does not halve any more."""
 STALLED = 10
 """Solutions in which it would have to."""
-NEAR = 1e-10
+OPEN_FORCE = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
-LOOKS = 5
-"""Looks for contacts at most."""
-RESTING = 1e-9
+INERTIA = 1e-9
 """Inertia in the static solutions, in units of the stiffness of contacts: nothing floats away."""
 LOOSE = 1e-3
-"""Unbalanced share of the forces on a block from which it is said to move."""
+"""Unbalanced force, in units of all forces on a block, from which it is said to move."""
 NOISE = 1e-9
 """Force, in units of the largest one, that is not worth a word."""
-SMALLEST = 1e-100
+FORCE_MIN = 1e-100
 """The least force that others are compared with, N/m."""
 NAMED = 5
 """Blocks that a message names at most."""
@@ -118,21 +116,22 @@ def in_equilibrium(
     state = replace(state, actions=states_of(actions, model, state))
     balance = _at_first(model, method, state, stress.in_contacts, step)
     before = _unbalanced(model, _equations(model, method, balance, step)).max(initial=0.0)
-    for _ in range(LOOKS):
+    for _ in range(SEARCHES_MAX):
         balance = _settled(model, method, balance, step)
-        found = _looked_for_again(model, method, balance, step)
-        if _same(found.contacts, balance.contacts):
+        known = replace(balance.state, memory=_begun(model, method, balance).memory)
+        contacts = _contacts_of(model, method, known, step)
+        if _same(contacts, balance.contacts):
             break
-        balance = found
+        balance = replace(balance, contacts=contacts)
     force = _unbalanced(model, _equations(model, method, balance, step))
-    said = _said(float(before), float(force.max(initial=0.0)), balance.capped)
-    return _begun(model, method, balance), (*said, *_loose(model, balance, force))
+    notes = _notes(float(before), float(force.max(initial=0.0)), balance.capped)
+    return _begun(model, method, balance), (*notes, *_loose(model, balance, force))
 
 
 def _settled(model: Model, method: Method, balance: Balance, step: float) -> Balance:
     """Return the forces and stresses of the static solution: another one changes them no more."""
     factor, changes = FactorOfStep(inexact(method.solver, DIRECTION)), [np.inf] * STALLED
-    for _ in range(SOLUTIONS):
+    for _ in range(SOLUTIONS_MAX):
         context = begin(model, _still(method), balance.state, step, None)
         before = balance.contacts
         balance = _shifted(context, balance, _minimum(context, balance, factor))
@@ -162,7 +161,7 @@ def _minimum(
         schedule=MinimisationStrategy(),
         friction=FrictionLoop(),
         # by the bound that holds without springs, for which there is nothing but inertia
-        tolerance=(NEAR * _largest(model, balance)) ** 2 / (RESTING * model.stiffest),
+        tolerance=(OPEN_FORCE * _largest(model, balance)) ** 2 / (INERTIA * model.stiffest),
         work=SolverContext(factor=factor, counts={}, stages=Stages()),
     )
     potential = Potential.of(base, model.fixed, springs)
@@ -177,7 +176,6 @@ def _held_fast(model: Model) -> Model:
 
 
 def _still(method: Method) -> Method:
-    """Return the method for blocks that do not move."""
     return replace(method, dynamic_ratio=0.0, damping=Undamped())
 
 
@@ -188,7 +186,7 @@ def _at_first(model: Model, method: Method, state: State, share: float, step: fl
     the forces that the first look gives.
     """
     bearing = _of_stress(model, method, state, share, step)
-    for _ in range(LOOKS):
+    for _ in range(SEARCHES_MAX):
         before = bearing.contacts
         known = replace(state, memory=_begun(model, method, bearing).memory)
         bearing = replace(_of_stress(model, method, known, share, step), state=state)
@@ -198,7 +196,6 @@ def _at_first(model: Model, method: Method, state: State, share: float, step: fl
 
 
 def _same(one: Contacts, other: Contacts) -> bool:
-    """Return whether contacts are of the same vertices and edges."""
     return np.array_equal(one.vertex, other.vertex) and np.array_equal(one.edge, other.edge)
 
 
@@ -213,22 +210,10 @@ def _contacts_of(model: Model, method: Method, state: State, step: float) -> Con
     reach = SearchDistance(front=critdis, depth=critdis, critdis=critdis)
     contacts = context.contacts(reach, context.drift)
     closed = are_closed(contacts, model, polygon.edges(state.vertices, model.block_start)[0])
-    in_face = (contacts.length > 0.0) | ~_at_corners(model, contacts, state, critdis)
-    return chosen(contacts, closed & in_face)
-
-
-def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) -> Bools:
-    """Return which contacts (m,) are of vertices within ``critdis``, m, of an end of their edge."""
-    at, found = state.vertices[contacts.vertex], np.zeros(len(contacts), np.bool_)
-    for end in (contacts.edge, model.vertex_after[contacts.edge]):
-        found |= np.hypot(*(at - state.vertices[end]).T) <= critdis
-    return found
-
-
-def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
-    """Return the forces on the contacts that there are with those that carry now."""
-    known = replace(balance.state, memory=_begun(model, method, balance).memory)
-    return replace(balance, contacts=_contacts_of(model, method, known, step))
+    at = state.vertices[contacts.vertex]
+    ends = contacts.edge, model.vertex_after[contacts.edge]
+    inside = [np.hypot(*(at - state.vertices[end]).T) > critdis for end in ends]
+    return chosen(contacts, closed & ((contacts.length > 0.0) | (inside[0] & inside[1])))
 
 
 def _of_stress(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
@@ -266,7 +251,6 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
 
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
-    """Return the static equations: their right-hand side is the unbalanced force."""
     context = begin(model, _still(method), balance.state, step, None)
     base = _with_springs(_static_terms(context), context.springs, model.fixed)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
@@ -279,7 +263,7 @@ def _static_terms(context: StepContext) -> DiagonalTerms:
     model = context.model
     base = diagonal_terms(context, np.zeros_like(context.velocity), Scheme(theta=1.0, step=np.inf))
     # the same for blocks of any size, by which the equations are as well posed for all
-    inertia = RESTING * model.stiffest / model.mass[:, None, None] * context.frames.mass_matrix
+    inertia = INERTIA * model.stiffest / model.mass[:, None, None] * context.frames.mass_matrix
     return replace(base, diagonal=base.diagonal + inertia)
 
 
@@ -288,7 +272,7 @@ def _largest(model: Model, balance: Balance) -> float:
     in_blocks = np.abs(balance.state.stress).max(axis=1) * np.sqrt(model.area)
     weight = model.mass * float(np.hypot(*model.gravity))
     in_contacts = float(balance.contacts.normal_force.max(initial=0.0))
-    return max(in_contacts, float(in_blocks.max()), float(weight.max()), SMALLEST)
+    return max(in_contacts, float(in_blocks.max()), float(weight.max()), FORCE_MIN)
 
 
 def _unbalanced(model: Model, system: BlockSystem) -> Floats:
@@ -323,10 +307,10 @@ def _with_springs(base: DiagonalTerms, springs: Springs | None, fixed: Bools) ->
 def _shifted(
     context: StepContext,
     balance: Balance,
-    found: tuple[Floats, Contacts, ContactResponse],
+    solution: tuple[Floats, Contacts, ContactResponse],
 ) -> Balance:
     """Return forces and stresses after a static solution, which moves nothing."""
-    unknowns, contacts, response = found
+    unknowns, contacts, response = solution
     model, state = context.model, balance.state
     return replace(
         balance,
@@ -348,37 +332,32 @@ def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
     fixed, points = model.point_slices.fixed, state.points.copy()
     block = model.fixed_points.block
     if len(block):
-        centroid = _centroids(model, state)
+        centroid = polygon.moments(state.vertices, model.block_start)[1]
         rows = basis(points[fixed] - centroid[block])
         points[fixed] += np.einsum("kxi,ki->kx", rows, unknowns[block])
     return points
 
 
 def _held(context: StepContext, unknowns: Floats) -> tuple[Any, ...]:
-    """Return the own states of actions, the outline's with the reactions of its springs."""
+    """Return the states of actions, the outline's with the reactions of its springs."""
     model, state, centroid = context.model, context.state, context.frames.centroid
-    found = []
-    for action, own, share in zip(
+    after = []
+    for action, one, share in zip(
         context.actions, state.actions, context.contributions, strict=True
     ):
         if isinstance(action, InSituBoundary):
-            rows = basis(state.vertices[own.vertex] - centroid[own.block])
-            moved = np.einsum("kxi,ki->kx", rows, unknowns[own.block])
-            own = replace(own, force=own.force - np.einsum("kxy,ky->kx", own.hold, moved))
+            rows = basis(state.vertices[one.vertex] - centroid[one.block])
+            moved = np.einsum("kxi,ki->kx", rows, unknowns[one.block])
+            one = replace(one, force=one.force - np.einsum("kxy,ky->kx", one.hold, moved))
         if isinstance(action, BoundaryDashpots):
-            own = action.after(model, own, state.vertices, centroid, unknowns)
+            one = action.after(model, one, state.vertices, centroid, unknowns)
         if hasattr(action, "settled"):
-            own = action.settled(context.at, own, share, unknowns)
-        found.append(own)
-    return tuple(found)
-
-
-def _centroids(model: Model, state: State) -> Floats:
-    return polygon.moments(state.vertices, model.block_start)[1]
+            one = action.settled(context.at, one, share, unknowns)
+        after.append(one)
+    return tuple(after)
 
 
 def _begun(model: Model, method: Method, balance: Balance) -> State:
-    """Return the state with the contacts in its memory, and their energy in its ledger."""
     state, law = balance.state, method.contact_law
     springs = Penalty(law.normal_stiffness, getattr(law, "shear_stiffness", None))
     contacts, response = _bearing(springs, balance.contacts)
@@ -391,8 +370,7 @@ def _begun(model: Model, method: Method, balance: Balance) -> State:
     )
 
 
-def _said(before: float, after: float, capped: int) -> tuple[str, ...]:
-    """Return how far from balance the forces were, and which were beyond a joint's strength."""
+def _notes(before: float, after: float, capped: int) -> tuple[str, ...]:
     text = (
         f"in-situ stress: the largest force on a block that nothing balances was {before:.3g} N/m "
         f"with the forces of the stress, and is {after:.3g} N/m at the start"
@@ -433,18 +411,19 @@ def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
 
 
 def _remedy(model: Model) -> str:
-    """Return the remedies that the case does not have already."""
     stress = model.in_situ
-    ways = []
+    remedies = []
     if stress is not None and model.gravity.any() and not np.any(stress.gradient):
-        ways.append('let the stress grow with depth (vertical = "overburden", or gradient)')
+        remedies.append('let the stress grow with depth (vertical = "overburden", or gradient)')
     if stress is not None and stress.held[0] == 0.0:
-        ways.append('hold the outline with boundary = "roller"')
+        remedies.append('hold the outline with boundary = "roller"')
     elif stress is not None and stress.held[1] == 0.0:
-        ways.append('hold the outline along itself too, with boundary = "fixed"')
+        remedies.append('hold the outline along itself too, with boundary = "fixed"')
     if not (model.fixed.any() or len(model.fixed_points.block)):
-        ways.append("fix blocks or sides")
+        remedies.append("fix blocks or sides")
     if stress is not None and stress.sides:
-        ways.append("name the other sides that are loaded, or leave sides out")
-    ways.append("give the joints the strength that holds the rock, or excavate in a later stage")
-    return ", ".join(ways[:-1]) + (" or " if ways[:-1] else "") + ways[-1]
+        remedies.append("name the other sides that are loaded, or leave sides out")
+    remedies.append(
+        "give the joints the strength that holds the rock, or excavate in a later stage"
+    )
+    return ", ".join(remedies[:-1]) + (" or " if remedies[:-1] else "") + remedies[-1]

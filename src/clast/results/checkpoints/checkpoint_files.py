@@ -173,7 +173,6 @@ def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
 
 
 def _as_bytes(checkpoint: Checkpoint) -> bytes:
-    """Return the HDF5 part of a checkpoint file."""
     arrays: list[NDArray[Any]] = []
     try:
         written = taken_apart(checkpoint, arrays, "")
@@ -239,7 +238,6 @@ def _sound_image(path: Path) -> bytes:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Have the names in a folder written to the disk, where the system can."""
     with suppress(OSError):
         number = os.open(folder, os.O_RDONLY)
         try:
@@ -274,7 +272,6 @@ def _stored(group: Any, name: str) -> Any:
 
 
 def _array(dataset: Any) -> NDArray[Any]:
-    """Return an array as it was."""
     content: NDArray[Any] = dataset[()] if dataset.shape else np.asarray(dataset[()])
     if "dtype" in dataset.attrs:
         kind = _kind(json.loads(dataset.attrs["dtype"]))
@@ -285,7 +282,6 @@ def _array(dataset: Any) -> NDArray[Any]:
 
 
 def _kind(entries: Any) -> np.dtype[Any]:
-    """Return the type that ``dtype.descr`` describes."""
     if entries[0][0] == "":
         kind = np.dtype(entries[0][1])
     else:

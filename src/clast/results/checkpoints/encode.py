@@ -88,7 +88,6 @@ ROWS: dict[str, Any] = {"tuple": tuple, "list": list, "set": frozenset}
 
 
 def _kept(array: NDArray[Any], arrays: Arrays, place: str) -> int:
-    """Put an array into the list; return its number."""
     if array.dtype.hasobject:
         raise NotPlainError("array of objects", place.removeprefix("."))
     arrays.append(array)
@@ -126,7 +125,6 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
 
 
 def _array_of(number: Any, arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return an array by its number, counted from the first."""
     if type(number) is not int or not 0 <= number < len(arrays):
         raise IndexError("there is no such array")
     return arrays[number]

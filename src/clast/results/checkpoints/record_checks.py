@@ -51,7 +51,6 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
 
 
 def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
-    """Yield the faults of the rows of tables since the last frame."""
     since = recorded.since
     if set(since) != {one.name for one in OVER_TIME}:
         yield "its tables are not those of a run"

@@ -53,7 +53,6 @@ def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> 
 
 
 def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
-    """Yield the faults of the numbers of a run."""
     tally, longest = run.tally, max([schedule.step, *(one.step or 0.0 for one in schedule.stages)])
     if run.path is not None:  # a pseudo time step has nothing to do with those of the case
         longest = np.finfo(float).max / 2.0
@@ -70,7 +69,6 @@ def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
 
 
 def _of_blocks(state: State, model: Model) -> Iterator[str]:
-    """Yield the faults of the blocks of a state."""
     blocks, vertices = model.block_count, len(model.vertices)
     shapes = {
         "vertices": (vertices, 2),
@@ -92,9 +90,7 @@ def _of_blocks(state: State, model: Model) -> Iterator[str]:
 def _have_areas(vertices: Floats, model: Model) -> bool:
     """Return whether all blocks have an area; kernels divide by it."""
     first = np.repeat(model.block_start[:-1], np.diff(model.block_start))
-    after = np.arange(len(vertices)) + 1
-    ends = model.block_start[1:] - 1
-    after[ends] = model.block_start[:-1]
+    after = model.vertex_after
     with np.errstate(all="ignore"):
         x, y = (vertices - vertices[first]).T
         area = np.add.reduceat(x * y[after] - x[after] * y, model.block_start[:-1])
@@ -102,7 +98,6 @@ def _have_areas(vertices: Floats, model: Model) -> bool:
 
 
 def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
-    """Yield the faults of the contacts of a state."""
     arrays = {one.name: getattr(memory, one.name) for one in dataclasses.fields(memory)}
     if any(array.shape != (len(memory),) for array in arrays.values()):
         yield "its contacts do not have as many numbers each"
@@ -143,7 +138,6 @@ def _own_fits(own: Any, begun: Any, model: Model) -> bool:
 
 
 def _alike(own: Any, begun: Any) -> bool:
-    """Return whether data are of one class, and their arrays of one shape."""
     if type(own) is not type(begun):
         return False
     pairs = [(getattr(own, one.name), getattr(begun, one.name)) for one in dataclasses.fields(own)]
@@ -156,7 +150,6 @@ def _alike(own: Any, begun: Any) -> bool:
 
 
 def _forces_fit(own: SupportForces, model: Model) -> bool:
-    """Return whether support forces are on blocks and vertices that exist."""
     count = len(own.block)
     shapes = [
         own.absent.shape == (model.block_count,),
@@ -172,7 +165,6 @@ def _forces_fit(own: SupportForces, model: Model) -> bool:
 
 
 def _of_position(position: Position | None, model: Model, schedule: Schedule) -> Iterator[str]:
-    """Yield the faults of the place of a run among its stages."""
     if (position is None) != (not schedule.stages):
         yield "its stages are not those of the case"
         return
@@ -198,7 +190,6 @@ def _of_position(position: Position | None, model: Model, schedule: Schedule) ->
 
 
 def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
-    """Yield the faults of the place of a static run on its path."""
     if path is None:
         return
     count = model.block_count
@@ -218,7 +209,6 @@ def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
 
 
 def _held_fits(held: EquilibriumStreak, blocks: int) -> bool:
-    """Return whether steps in equilibrium are those of so many blocks."""
     count = blocks if held.steps else 0
     arrays, shapes = [held.sliding, held.net, held.path], [(count,), (count, 2), (count,)]
     return held.steps >= 0 and held.half.shape in ((0,), (count,)) and _same_shapes(arrays, shapes)

@@ -90,7 +90,6 @@ def _where(stage: Stage) -> str:
 
 
 def _check_lengths(stage: Stage) -> None:
-    """Refuse a stage by time without one, and steps that are longer than the stage."""
     where = _where(stage)
     if stage.until == TIME and stage.time is None:
         raise ModelError(
@@ -105,7 +104,6 @@ def _check_lengths(stage: Stage) -> None:
 
 
 def _check_relaxation(stage: Stage) -> None:
-    """Refuse support forces that are released of nothing, or never."""
     where = _where(stage)
     lasting = stage.relax_time
     given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
@@ -138,7 +136,6 @@ def _check_relaxation(stage: Stage) -> None:
 
 
 def _check_joints(stage: Stage, model: Model) -> None:
-    """Refuse joints that do not exist, and strengths that do not suit the rest of the joint."""
     joints = {joint.name: joint for joint in model.joint_table.joints}
     for name in stage.joints:
         if name not in joints:
@@ -156,7 +153,6 @@ def _check_joints(stage: Stage, model: Model) -> None:
 
 
 def _check_ground_motion(stage: Stage, model: Model) -> None:
-    """Refuse a motion of the ground that the model does not have."""
     if stage.ground_motion and isinstance(model.ground_motion, Still):
         raise ModelError(
             "the case has no ground motion",
@@ -166,7 +162,6 @@ def _check_ground_motion(stage: Stage, model: Model) -> None:
 
 
 def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse bolts, viscous edges and motions that wait for a stage that does not come."""
     names = [stage.name for stage in stages]
     bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
     waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]
@@ -184,7 +179,6 @@ def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
 
 
 def _check_acts(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse a motion of the ground that no stage has."""
     if isinstance(model.ground_motion, Still) or any(stage.ground_motion for stage in stages):
         return
     if stages:
@@ -196,7 +190,6 @@ def _check_acts(stages: Sequence[Stage], model: Model) -> None:
 
 
 def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse blocks that are excavated twice, all of them, and bolts in excavated rock."""
     since: dict[int, str] = {}
     installed: dict[int, str] = {}
     for stage in stages:
@@ -231,7 +224,6 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
 
 
 def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
-    """Refuse linings in rock that has not been excavated ``since`` some stage."""
     linings, _ = linings_of(model)
     for one in linings.each if linings else ():
         for block in one.inside.tolist() if one.stage == stage.name else ():
@@ -245,10 +237,6 @@ def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
 
 
 def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:
-    """Refuse a bolt of a stage where ``since`` a stage one end of each spring is excavated.
-
-    ``since`` has the excavated blocks.
-    """
     springs = model.bolts.blocks[model.bolts.of_spring == bolt]
     left_out = np.isin(springs, list(since))
     if left_out.any(axis=1).all():
@@ -263,7 +251,6 @@ def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str])
 
 
 def _check_once(stages: Sequence[Stage], names: _Names) -> None:
-    """Refuse things that two stages, or one of them twice, excavate, install or start."""
     first: dict[str, Stage] = {}
     for stage in stages:
         for name in getattr(stage, names.key):
@@ -277,7 +264,6 @@ def _check_once(stages: Sequence[Stage], names: _Names) -> None:
 
 
 def _check_table_names(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse names of loads in stages that are names of tables, too."""
     loads = set(names_that_act(model))
     tables = {factor.name for factor in model.factors}
     for stage in stages:

@@ -188,7 +188,6 @@ class StageSequence:
         return 'or set method.process = "convex", whose static steps have next to no mass term'
 
     def _dynamic_ratio(self, stage: Stage) -> float:
-        """Return the share of velocity that a stage carries to the next step."""
         usual = self.base.method.dynamic_ratio
         return usual if stage.dynamic_ratio is None else stage.dynamic_ratio
 
@@ -203,7 +202,6 @@ class StageSequence:
         return f"If the blocks come to rest: {', or '.join(ways)}"
 
     def _moved(self, state: State) -> tuple[tuple[float, float], ...]:
-        """Return how far the measured points have moved since the start, m."""
         model = self.base.model
         moved: Floats = state.points[model.point_slices.measured] - model.measured_points.at
         return tuple((x, y) for x, y in moved.tolist())
@@ -221,12 +219,10 @@ def failure_warning(failure: Mechanism) -> str:
 
 
 def _not_long_enough(stage: Stage) -> str:
-    """Return the failed condition of equilibrium where the last step cannot tell."""
     return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
 
 
 def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
-    """Yield the events at the end of a stage."""
     texts = {
         REACHED: f"stage '{stage.name}' is in equilibrium",
         FAILS: f"stage '{stage.name}' ends without equilibrium",

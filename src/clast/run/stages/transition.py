@@ -136,7 +136,6 @@ def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
 
 
 def _motion(motion: GroundMotion, stages: Sequence[Stage], starts: Sequence[float]) -> GroundMotion:
-    """Return the motion of the ground in the stages that have begun."""
     if isinstance(motion, Still):
         return motion
     ends = (*starts[1:], math.inf)
@@ -149,7 +148,6 @@ def _motion(motion: GroundMotion, stages: Sequence[Stage], starts: Sequence[floa
 
 
 def _method(method: Method, stage: Stage) -> Method:
-    """Return the method of a stage."""
     if stage.dynamic_ratio is not None:
         method = replace(method, dynamic_ratio=stage.dynamic_ratio)
     if stage.until == EQUILIBRIUM:
@@ -158,7 +156,6 @@ def _method(method: Method, stage: Stage) -> Method:
 
 
 def _schedule(schedule: Schedule, stage: Stage, start: float) -> Schedule:
-    """Return the schedule of a stage that begins at ``start``, s."""
     step = stage.step or schedule.step
     smallest = schedule.smallest_step
     return replace(
