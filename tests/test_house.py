@@ -23,7 +23,7 @@ TESTS = ROOT / "tests"
 MOST_ARGUMENTS = 8
 """Arguments of a function, self and cls not counted."""
 
-COMMANDS = {"bench", "film", "fit", "fos", "import_", "montecarlo", "plot", "resume", "sweep"}
+COMMANDS = {"film", "fit", "fos", "import_", "montecarlo", "plot", "resume", "run", "sweep"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",

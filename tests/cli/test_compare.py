@@ -59,4 +59,5 @@ def test_what_clast_chose_is_said(incline):
         assert "normal_stiffness = 5e+10" in printed
     content = json.loads(clast_command("check", incline, *automatic, "--json").stdout)
     assert "E of the stiffest rock" in content["notes"][0]
-    assert "steps of the line search" in clast_command("run", incline, *automatic).stdout
+    printed = clast_command("run", incline, *automatic, "--verbose").stdout
+    assert "steps of the line search" in printed

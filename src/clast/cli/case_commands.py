@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clast.cli.exit_codes import SIGNALLED
-from clast.cli.live import followed
 from clast.cli.options import (
     AsJson,
     CaseFile,
@@ -20,19 +20,71 @@ from clast.cli.options import (
     Quiet,
     Settings,
     Threads,
+    Verbose,
     make_folder,
     words,
 )
-from clast.cli.terminal import print_json, print_table, say, status, tell, warn
-from clast.cli.terminal_tables import comparison_table, print_run, sanity_table
+from clast.cli.terminal import SIGNALLED, print_json, print_table, say, status, tell, warn
+from clast.cli.terminal_tables import print_comparison, print_run, sanity_table
 from clast.errors import CaseError, RunStopped, shortened
 from clast.run.interrupts import heard
 from clast.spelling import visible
 
 if TYPE_CHECKING:
+    from clast.pictures.live.leader import LivePage
     from clast.results import Run
     from clast.run.schedule import Progress
     from clast.studies import Deviation
+
+
+@contextmanager
+def followed(
+    output: Path, wanted: bool, at: str, progress: bool
+) -> Iterator[bool | Callable[[Progress], None]]:
+    """Yield the watcher of a run: the page of ``output``, if it is wanted.
+
+    The page stays, when the run is over, as long as somebody looks at it.
+    """
+    if not wanted:
+        yield progress
+        return
+    from clast.pictures.live.leader import LivePage
+
+    page = LivePage(output, _address(at), wants_line=progress)
+    say(f"live: {page.address}")
+    try:
+        try:
+            yield page
+        except (RunStopped, typer.Exit) as end:
+            if isinstance(end, RunStopped) or page.has_ended:
+                _stay(page)
+            raise
+        _stay(page)
+    finally:
+        page.close()
+
+
+def _stay(page: LivePage) -> None:
+    """Leave the page to those who look at it."""
+    page.over()
+    if page.is_watched():
+        page.wait()
+
+
+def _address(written: str) -> str:
+    """Return where the page is to be; raises CaseError for a bad address."""
+    from clast.pictures.live.leader import HERE
+
+    host, colon, port = (written or HERE).rpartition(":")
+    if not (colon and host and port.isdecimal() and int(port) < 2**16):
+        raise CaseError(
+            f"'{shortened(written)}' is not a valid address",
+            where="--live-at",
+            remedy="write host and port, e.g. 127.0.0.1:8080; for viewers on other machines "
+            "give the address of this one in their network",
+        )
+    return f"{host}:{port}"
+
 
 LONGEST_FILE_NAME = 255
 """Bytes of the longest name of a file."""
@@ -50,56 +102,41 @@ def run(
     live_at: LiveAt = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Simulate a case and write its result file."""
-    target = output or Path(f"{case.stem}.vtkhdf")
-    with heard(), followed(target, live or bool(live_at), live_at, not quiet) as progress:
-        _run(case, target, settings or (), progress, as_json, quiet)
-
-
-def _run(
-    case: Path,
-    target: Path,
-    settings: Sequence[str],
-    progress: bool | Callable[[Progress], None],
-    as_json: bool,
-    quiet: bool,
-) -> None:
-    """Simulate a case; print how it went."""
     from clast.case.case_file import Case
     from clast.studies import deviations
 
-    loaded = Case.from_toml(case, settings)
-    _shown(
-        lambda warn: loaded.run(progress=progress, output=target, warn=warn),
-        lambda done: deviations(loaded, done),
-        as_json=as_json,
-        quiet=quiet,
-    )
+    target = output or Path(f"{case.stem}.vtkhdf")
+    show = partial(print_run, as_json=as_json, quiet=quiet, verbose=verbose)
+    with heard(), followed(target, live or bool(live_at), live_at, not quiet) as progress:
+        loaded = Case.from_toml(case, settings or ())
+        _simulate(
+            lambda warn: loaded.run(progress=progress, output=target, warn=warn),
+            lambda done: show(done, deviations(loaded, done)),
+        )
 
 
-def _shown(
-    simulate: Callable[[Callable[[str], None]], Run],
-    compared: Callable[[Run], Sequence[Deviation]],
-    *,
-    as_json: bool,
-    quiet: bool,
+def _simulate(
+    simulate: Callable[[Callable[[str], None]], Run], show: Callable[[Run], None]
 ) -> None:
-    """Simulate, with a function to call once for every warning; print how it went."""
+    """Simulate, with a function to call once for every warning; show how it went."""
     try:
         done = simulate(lambda warning: warn([warning]))
     except RunStopped as stopped:
-        partial: Any = stopped.run
-        print_run(partial, compared(partial), as_json=as_json, quiet=quiet)
-        say(f"the results until then are in {partial.output}{_way_on(partial)}")
+        partial_run: Any = stopped.run
+        show(partial_run)
+        say(f"the results until then are in {partial_run.output}{_continuation(partial_run)}")
         raise
-    print_run(done, compared(done), as_json=as_json, quiet=quiet)
+    show(done)
     if not done.report.finished:
-        say(f"{done.report.outcome}; the results until then are in {done.output}{_way_on(done)}")
+        ending = f"the results until then are in {done.output}{_continuation(done)}"
+        say(f"{done.report.outcome}; {ending}")
         raise typer.Exit(SIGNALLED + done.ended_by)
 
 
-def _way_on(run: Run) -> str:
+def _continuation(run: Run) -> str:
     """Return how a run that has ended before its time goes on."""
     return f"; clast resume {run.checkpoint} continues it" if run.checkpoint else ""
 
@@ -126,6 +163,7 @@ def resume(
     live_at: LiveAt = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Continue a run from its checkpoint."""
     from clast.case.resume import result_file
@@ -138,9 +176,10 @@ def resume(
             remedy="name the stage that is to be run again, or leave it out",
         )
     is_live = live or bool(live_at)
+    show = partial(print_run, as_json=as_json, quiet=quiet, verbose=verbose)
     target = result_file(checkpoint, output) if is_live else Path()
     with heard(), followed(target, is_live, live_at, not quiet) as progress:
-        _shown(
+        _simulate(
             lambda warn: go_on(
                 checkpoint,
                 settings or (),
@@ -149,9 +188,7 @@ def resume(
                 progress=progress,
                 warn=warn,
             ),
-            _compared,
-            as_json=as_json,
-            quiet=quiet,
+            lambda done: show(done, _compared(done)),
         )
 
 
@@ -167,7 +204,7 @@ def _compared(run: Run) -> Sequence[Deviation]:
 
 
 def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
-    """Check a case without running it: counts, masses, supports, stability, units."""
+    """Check a case without running it. Prints counts, masses, supports, stability."""
     from clast.case.case_file import Case
 
     loaded = Case.from_toml(case, settings or ())
@@ -227,7 +264,7 @@ def _check_new(name: str, path: Path) -> None:
 
 
 def schema() -> None:
-    """Print the JSON Schema of the case file, for editors and programs."""
+    """Print the JSON Schema of case files, for editors."""
     from clast.case.case_file import json_schema
 
     print_json(json_schema())
@@ -249,7 +286,7 @@ def compare(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare processes and contact laws on one case; write a page with a picture."""
+    """Compare methods on one case. Runs processes and contact laws; writes a page."""
     from clast import studies
     from clast.case.case_file import Case
 
@@ -266,5 +303,5 @@ def compare(
     if as_json:
         print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
     elif not quiet:
-        print_table(comparison_table(comparison))
+        print_comparison(comparison)
         tell(f"page: {written[0]}")

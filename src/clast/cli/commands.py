@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import atexit
 import gc
+import itertools
 import warnings
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -16,15 +18,12 @@ from typer.core import TyperGroup
 from clast.cli import (
     case_commands,
     comparison_commands,
-    exports,
-    films,
     importing,
     result_commands,
     rock_masses,
     study_commands,
 )
-from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
-from clast.cli.terminal import say
+from clast.cli.terminal import BAD_INPUT, STOPPED, interrupted_by, say
 from clast.errors import ClastError, RunStopped, RunWarning, shortened
 from clast.spelling import visible
 
@@ -38,6 +37,18 @@ COLLECT_AFTER = 20_000, 50, 100
 
 class Commands(TyperGroup):
     """Commands whose errors end as one message on stderr and an exit code."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands in groups."""
+        width = formatter.width - 16
+        for group, commands in GROUPS.items():
+            names = [one.__name__.rstrip("_") for one in commands]
+            names += ["study"] if group == "Study" else []
+            with formatter.section(group):
+                found = [(name, self.get_command(ctx, name)) for name in names]
+                formatter.write_dl(
+                    [(name, one.get_short_help_str(width)) for name, one in found if one]
+                )
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; say its errors."""
@@ -101,26 +112,21 @@ def _main(
     """Discontinuous deformation analysis of rock and masonry blocks in two dimensions."""
 
 
-COMMANDS = (
-    case_commands.run,
-    case_commands.resume,
-    case_commands.check,
-    rock_masses.cut,
-    importing.import_,
-    result_commands.info,
-    result_commands.plot,
-    result_commands.page,
-    result_commands.report,
-    films.film,
-    exports.export,
-    case_commands.new,
-    case_commands.schema,
-    comparison_commands.verify,
-    case_commands.compare,
-    comparison_commands.warmup,
-)
-"""All commands, in the order in which they are listed."""
-for command in COMMANDS:
+GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Make": (
+        *(case_commands.new, importing.import_, rock_masses.cut),
+        *(case_commands.check, case_commands.schema),
+    ),
+    "Run": (case_commands.run, case_commands.resume),
+    "Look": (
+        *(result_commands.info, result_commands.plot, result_commands.film),
+        *(result_commands.page, result_commands.report, result_commands.export),
+    ),
+    "Study": (case_commands.compare,),
+    "Maintain": (comparison_commands.verify, comparison_commands.warmup),
+}
+"""Commands as clast --help groups them; study is a group of its own commands."""
+for command in itertools.chain(*GROUPS.values()):
     app.command(command.__name__.rstrip("_"))(command)  # import is a word of Python
 app.add_typer(study_commands.app, name="study")
 

@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, Threads, make_folder, words
-from clast.cli.terminal import compiling, print_json, print_table, status
+from clast.cli.terminal import MISSED, compiling, print_json, print_table, status
 from clast.cli.terminal_tables import verification_table
 from clast.errors import CaseError
 
@@ -24,7 +23,7 @@ ProcessNames = Annotated[
 LawNames = Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")]
 ReportFolder = Annotated[
     Path | None,
-    typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
+    typer.Option(metavar="DIR", help="Write a page with figures into this folder too."),
 ]
 
 
@@ -36,7 +35,7 @@ def verify(
     report: ReportFolder = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run the verification problems and compare with their closed-form answers."""
+    """Run verification problems. Compares them with their closed-form answers."""
     from clast import verification
 
     choose = verification.narrowed(
@@ -82,7 +81,7 @@ def warmup(
         bool, typer.Option("--first", help="Compile only the kernels of the incline.")
     ] = False,
 ) -> None:
-    """Compile the kernels ahead of the first run, for the given number of threads."""
+    """Compile the kernels ahead of the first run."""
     from time import perf_counter
 
     from clast.studies.warmup import warm_up

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from clast.cli.block_writers import BLOCK_WRITERS, writer
 from clast.cli.options import AsJson
-from clast.cli.rock_masses import WRITERS
+from clast.cli.rock_masses import BLOCK_WRITERS, WRITERS, writer
 from clast.cli.terminal import print_json, tell
 from clast.errors import CaseError
 
@@ -72,7 +71,7 @@ def import_(
     tolerance: RepairDistance = None,
     as_json: AsJson = False,
 ) -> None:
-    """Make a case file from a drawing, from finished blocks, or from another program's file."""
+    """Make a case from a drawing, blocks or another program's file."""
     from clast.rockmass.drawings.dxf import DxfReading
     from clast.rockmass.readers import BlockReading, Reading, has_blocks
 

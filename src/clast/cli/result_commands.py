@@ -1,4 +1,4 @@
-"""Commands on result files: info, plot, page, report."""
+"""Commands on result files: info, plot, page, report, film, export."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -22,8 +22,8 @@ from clast.cli.options import (
     numbers,
     words,
 )
-from clast.cli.terminal import print_json, print_table, tell
-from clast.cli.terminal_tables import print_points, print_stages, two_columns
+from clast.cli.terminal import counting, print_json, print_table, tell, two_columns
+from clast.cli.terminal_tables import print_points, print_stages
 from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ def plot(
     bolt: BoltName = "",
     interaction: LiningName = "",
 ) -> None:
-    """Draw a frame of a result file, or the history of a point or a bolt."""
+    """Draw a frame, or histories of points, bolts and supports."""
     from clast.pictures.plot import Look, plot_results
     from clast.results import read_results
 
@@ -261,14 +261,14 @@ def page(
     file: ResultFile,
     output: Annotated[
         Path | None,
-        typer.Argument(metavar="OUT.html", help="Page; the file's name with .html if absent."),
+        typer.Argument(metavar="OUTPUT", help="Page; the file's name with .html if absent."),
     ] = None,
     budget: Annotated[
         str,
         typer.Option(metavar="SIZE", help="Limit of contact and joint data before compression."),
     ] = "12MB",
 ) -> None:
-    """Write a page that plays a run in a browser: one file, no network needed."""
+    """Write a page that plays a run in a browser. One file; no network needed."""
     from clast.pictures.page.document import write_page
     from clast.results import read_results
 
@@ -281,10 +281,10 @@ def report(
     file: ResultFile,
     output: Annotated[
         Path | None,
-        typer.Argument(metavar="OUT.html", help="Report; FILE-report.html if absent."),
+        typer.Argument(metavar="OUTPUT", help="Report; FILE-report.html if absent."),
     ] = None,
 ) -> None:
-    """Write a report of a run for a client: figures, tables and verdicts, to be printed."""
+    """Write a report for a client. Has figures, tables and verdicts, to be printed."""
     from clast.pictures.report_page import write_report
     from clast.results import read_results
 
@@ -306,3 +306,143 @@ def _bytes(option: str, written: str) -> float:
             remedy="write e.g. 12MB or 500kB",
         )
     return float(found[1]) * SIZES[found[2]]
+
+
+def film(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Argument(metavar="OUTPUT", help=".mp4, .webp or .gif; FILE with .mp4 if absent."),
+    ] = None,
+    field: Annotated[
+        str,
+        typer.Option(help="Colour of the blocks or joints, as of clast plot."),
+    ] = "displacement",
+    stage: Annotated[str | None, typer.Option(metavar="NAME", help="Show only this stage.")] = None,
+    fps: Annotated[float, typer.Option(metavar="N", help="Frames per second.")] = 25.0,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            help="Simulated time per second of film, s: 1 is real time. If "
+            "absent, every frame is one picture.",
+        ),
+    ] = None,
+    limits: Limits = "",
+    zoom: Zoom = "",
+    size: Annotated[
+        str, typer.Option(metavar="W[,H]", help="Width and height, pixels; about 1280 if absent.")
+    ] = "",
+) -> None:
+    """Write a film of a run; MP4 needs the program ffmpeg."""
+    from clast.pictures.film import FilmLook, FilmSpeed, write_film
+    from clast.results import read_results
+
+    look = FilmLook(
+        field=field,
+        size=numbers("--size", size, 1, 2),
+        zoom=numbers("--zoom", zoom, 4),
+        limits=numbers("--limits", limits, 2),
+    )
+    pace = FilmSpeed(fps=fps, speed=speed)
+    target = output or file.with_suffix(".mp4")
+    results = read_results(file)
+    with counting("drawing") as watch:
+        write_film(results, target, stage=stage, look=look, speed=pace, watch=watch)
+    tell(f"film: {target} ({target.stat().st_size / 1e6:.3g} MB)")
+
+
+Frames = Sequence[int] | None
+"""Numbers of frames; None for all."""
+
+
+def export(
+    file: ResultFile,
+    to: Annotated[
+        Literal["csv", "vtu", "dxf"],
+        typer.Option(help="Tables in a folder, polygons for ParaView, or drawings."),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="File, or folder of tables; named as FILE if absent."),
+    ] = None,
+    frame: FrameNumber = None,
+    time: FrameTime = None,
+    stage: StageName = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Write all frames, as csv and vtu do anyway.")
+    ] = False,
+    tables: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME,...",
+            help="Only these of blocks, vertices, contacts, histories, measured_contacts, linings, "
+            "links, reactions, bolts, energy, steps, stages, events.",
+        ),
+    ] = "",
+) -> None:
+    """Write frames and histories for other programs."""
+    from clast.results import read_results
+
+    write, one_ending, several_ending, default = FORMS[to]
+    named = any(one is not None for one in (frame, time, stage))
+    if named and every:
+        raise CaseError(
+            "a frame and --all are both given", where="--all", remedy="leave one of them out"
+        )
+    if tables and to != "csv":
+        raise CaseError(
+            f"{to} has no tables", where="--tables", remedy="leave it out: --to csv has"
+        )
+    results = read_results(file)
+    frames = None if every else default
+    if named:
+        frames = [frame_asked(results, frame, time, stage)]
+    count = len(results.times) if frames is None else len(frames)
+    ending = one_ending if count == 1 else several_ending
+    written = write(
+        results, output or file.with_name(f"{file.stem}{ending}"), frames, words(tables)
+    )
+    tell(f"wrote {written[0]}" + (f" and {len(written) - 1} more" if len(written) > 1 else ""))
+
+
+def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) -> list[Path]:
+    from clast.exports import TABLES, write_csv
+
+    written = write_csv(results, path, frames, tables or None)
+    missing = {*(tables or TABLES)} - {file.stem for file in written}
+    # most systems have none of these, and nobody misses them
+    present = {
+        "bolts": results.bolt_name,
+        "links": results.link_name,
+        "linings": results.lining_joint_name,
+        "measured_contacts": results.measured_contact_name,
+        "stages": results.frame_stages,
+        "events": results.events,
+    }
+    missing -= {name for name, found in present.items() if not found}
+    if missing:
+        tell(f"left out, nothing is recorded of: {', '.join(sorted(missing))}")
+    return written
+
+
+def _vtu(results: Results, path: Path, frames: Frames, _: Sequence[str]) -> list[Path]:
+    from clast.exports import write_vtu
+
+    return write_vtu(results, path, frames)
+
+
+def _dxf(results: Results, path: Path, frames: Frames, _: Sequence[str]) -> list[Path]:
+    from clast.exports import write_dxf
+
+    return write_dxf(results, path, frames)
+
+
+FORMS: dict[
+    str, tuple[Callable[[Results, Path, Frames, Sequence[str]], list[Path]], str, str, Frames]
+] = {
+    "csv": (_csv, "-tables", "-tables", None),
+    "vtu": (_vtu, ".vtu", ".pvd", None),
+    "dxf": (_dxf, ".dxf", ".dxf", (-1,)),
+}
+"""Name of a form -> its writer, the endings of names for one frame and several, default frames."""

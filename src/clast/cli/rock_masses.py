@@ -2,19 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import typer
 
-from clast.cli.block_writers import BLOCK_WRITERS, Arrays, writer
-from clast.cli.cut_tables import cut_content, cut_table, sets_table
 from clast.cli.options import AsJson, CaseFile, Settings
 from clast.cli.terminal import print_json, print_table, status, tell, warn
+from clast.cli.terminal_tables import cut_content, cut_table, sets_table
+from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
     from clast.inputs.placing.place_rock_mass import CutCase
+
+Arrays = Mapping[str, Any]
+"""vertices, block_start, rock and edge_joint, as the writers of files take them."""
+Found = TypeVar("Found")
+
+
+def _write_blocks(path: Path, blocks: Arrays) -> None:
+    from clast.rockmass.drawings import blocks_out
+
+    if path.suffix.casefold() == ".dxf":
+        # names of layers have no colons
+        joints = [name.replace(":", "-") for name in blocks["edge_joint"]]
+        blocks_out.write_blocks_dxf(path, **{**blocks, "edge_joint": joints})
+    elif path.suffix.casefold() == ".csv":
+        blocks_out.write_blocks_csv(path, **blocks)
+    else:
+        blocks_out.write_blocks_npz(path, **blocks)
+
+
+BLOCK_WRITERS = dict.fromkeys((".dxf", ".csv", ".npz"), _write_blocks)
+"""Ending of a file's name -> who writes blocks to it."""
+
+
+def writer(
+    path: Path, writers: Mapping[str, Callable[[Path, Found], None]]
+) -> Callable[[Path, Found], None]:
+    """Return the writer for a file with that name; CaseError where there is none."""
+    found = writers.get(path.suffix.casefold())
+    if found is None:
+        ending = shortened(path.suffix) or "nothing"
+        raise CaseError(
+            f"ends in {ending}, which is not a known format",
+            where=str(path),
+            remedy=f"use a name ending in {', '.join(writers)}",
+        )
+    if not path.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
+    return found
 
 
 def cut(
@@ -34,7 +72,7 @@ def cut(
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """Cut the domain of a case into blocks, and report the blocks and all changes."""
+    """Cut a rock mass into blocks. Reports the blocks and all changes on the way."""
     from clast.case.case_file import Case
 
     writers = {**WRITERS, **pictures(by, case.stem)}
@@ -62,26 +100,17 @@ def cut(
 Writer = Callable[[Path, "CutCase"], None]
 
 
-def _arrays(found: CutCase) -> Arrays:
-    """Return blocks as the writers of files take them."""
-    return {
+def _write_cut(path: Path, found: CutCase) -> None:
+    arrays = {
         "vertices": found.cut.vertices,
         "block_start": found.cut.block_start,
         "rock": found.rocks,
         "edge_joint": found.edge_joints,
     }
+    _write_blocks(path, arrays)
 
 
-def _of_cut(write: Callable[[Path, Arrays], None]) -> Writer:
-    """Return the writer of the blocks of a cut, made from a writer of arrays."""
-
-    def written(path: Path, found: CutCase) -> None:
-        write(path, _arrays(found))
-
-    return written
-
-
-WRITERS: dict[str, Writer] = {ending: _of_cut(write) for ending, write in BLOCK_WRITERS.items()}
+WRITERS: dict[str, Writer] = dict.fromkeys(BLOCK_WRITERS, _write_cut)
 """Ending of a file's name -> who writes the blocks of a cut to it."""
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from clast.study.study_api import HowMade
 
 app = typer.Typer(
-    help="Studies of many runs: factors of safety, sweeps, probability of failure.",
+    help="Run studies. Factors of safety, sweeps, probability of failure, back-analysis.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -45,7 +45,7 @@ Vary = Annotated[
     list[str] | None,
     typer.Option(
         "--vary",
-        metavar="PATH=IS",
+        metavar="PATH=VALUE",
         help='Parameters, e.g. "joint.bedding.friction_angle=normal(35, 5)" or "...=[20, 30]".',
     ),
 ]

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from clast.cli.exit_codes import MISSED
-from clast.cli.terminal import print_json, print_table, say, tell
+from clast.cli.terminal import MISSED, print_json, print_table, say, table_of, tell
 from clast.errors import CaseError
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
     from clast.study.fitting.fitting import Fit
@@ -38,19 +35,15 @@ def print_trial(number: int, trial: Trial) -> None:
 
 def print_fit(found: Fit, report: Path, as_json: bool, quiet: bool) -> None:
     """Print the result of a back-analysis, and where its report is."""
-    from rich.table import Table
-
     if as_json:
         print_json({**found.as_dict(), "folder": str(report.parent)})
         return
     if quiet:
         return
-    table = Table(title=f"{len(found.observed)} observations, {found.runs} runs")
-    for head in ("parameter", "value", "95 %: from", "to"):
-        table.add_column(head, justify="left" if head == "parameter" else "right")
-    for name, *numbers in zip(found.parameter, found.value, found.low, found.high, strict=True):
-        table.add_row(name, *(f"{one:.5g}" for one in numbers))
-    print_table(table)
+    columns = zip(found.parameter, found.value, found.low, found.high, strict=True)
+    rows = [(name, *(f"{one:.5g}" for one in numbers)) for name, *numbers in columns]
+    title = f"{len(found.observed)} observations, {found.runs} runs"
+    print_table(table_of(title, ("parameter", "value", "95 %: from", "to"), rows))
     misfit = found.predicted - found.observed
     tell(f"largest difference of computed and measured: {abs(misfit).max():.3g} m")
     for k, first in enumerate(found.parameter):
@@ -63,17 +56,10 @@ def print_fit(found: Fit, report: Path, as_json: bool, quiet: bool) -> None:
 
 def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None:
     """Print the indices of sensitivity of a measure."""
-    from rich.table import Table
-
     if not found:
         return
-    table = Table(title=f"sensitivity of {measure}")
-    table.add_column("parameter")
-    for head in found[0].index:
-        table.add_column(head, justify="right")
-    for one in found:
-        table.add_row(one.parameter, *(f"{value:.3g}" for value in one.index.values()))
-    print_table(table)
+    rows = [(one.parameter, *(f"{value:.3g}" for value in one.index.values())) for one in found]
+    print_table(table_of(f"sensitivity of {measure}", ("parameter", *found[0].index), rows))
 
 
 def print_results(columns: StudyResults, rows: int) -> None:
@@ -81,9 +67,9 @@ def print_results(columns: StudyResults, rows: int) -> None:
     from clast.study import statistics
     from clast.study.description import SWEEP
 
-    table = _ranges(columns) if columns.study.kind == SWEEP else _spreads(columns)
-    table.title = f"{rows} of {columns.study.n} runs"
-    print_table(table)
+    is_sweep = columns.study.kind == SWEEP
+    table, words = (_ranges(columns), (0, 1)) if is_sweep else (_spreads(columns), (0,))
+    print_table(table_of(f"{rows} of {columns.study.n} runs", *table, words=words))
     probability = statistics.probability(columns)
     if probability is not None:
         tell(f"probability of failure {probability}")
@@ -95,39 +81,31 @@ def print_results(columns: StudyResults, rows: int) -> None:
         tell(f"{count} without a result: {reason}")
 
 
-def _spreads(columns: StudyResults) -> Table:
-    """Return the table of how the measures of a Monte Carlo study are spread."""
-    from rich.table import Table
-
+def _spreads(columns: StudyResults) -> tuple[Sequence[str], list[Sequence[str]]]:
+    """Return headings and rows of how the measures of a Monte Carlo study are spread."""
     from clast.study import statistics
 
-    table = Table()
-    for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
-        table.add_column(head, justify="left" if head == "measure" else "right")
+    rows: list[Sequence[str]] = []
     for name, values in columns.measures.items():
-        found = statistics.spread(columns, values)
-        if found is not None:
-            numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
-            table.add_row(name, *(f"{one:.5g}" for one in numbers))
-    return table
+        one = statistics.spread(columns, values)
+        if one is not None:
+            numbers = (one.mean, one.sd, one.least, *one.quantiles, one.largest)
+            rows.append((name, *(f"{number:.5g}" for number in numbers)))
+    return ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"), rows
 
 
-def _ranges(columns: StudyResults) -> Table:
-    """Return the table of the extreme values of the measures of a sweep, and where they are."""
-    from rich.table import Table
-
+def _ranges(columns: StudyResults) -> tuple[Sequence[str], list[Sequence[str]]]:
+    """Return headings and rows of the extremes of the measures of a sweep, and where they are."""
     from clast.study import statistics
 
-    table = Table()
+    rows: list[Sequence[str]] = []
+    for name, values in columns.measures.items():
+        extremes = statistics.extremes(columns, values)
+        for word, one in vars(extremes).items() if extremes is not None else ():
+            where = map(_short, one.parameters.values())
+            rows.append((name, word, f"{one.value:.5g}", str(one.run), *where))
     parameters = [one.name for one in columns.study.vary]
-    for head in ("measure", "", "value", "in run", *parameters):
-        table.add_column(head, justify="left" if head in ("measure", "") else "right")
-    for name, values in columns.measures.items():
-        found = statistics.extremes(columns, values)
-        for word, one in vars(found).items() if found is not None else ():
-            where = (_short(value) for value in one.parameters.values())
-            table.add_row(name, word, f"{one.value:.5g}", str(one.run), *where)
-    return table
+    return ("measure", "extreme", "value", "in run", *parameters), rows
 
 
 def _short(value: Any) -> str:

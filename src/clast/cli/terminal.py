@@ -1,11 +1,12 @@
-"""Output to the terminal: tables, JSON, messages; never a foreign control character."""
+"""Output to the terminal: tables, JSON, messages, exit codes; no foreign control character."""
 
 from __future__ import annotations
 
 import json
 import math
+import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +17,65 @@ from clast.spelling import visible, without_long_words
 if TYPE_CHECKING:
     from rich.table import Table
 
-PIPE_WIDTH = 160
+LONGEST_WORD = 20
+"""Letters of a word of a table that stay together."""
+PIPE_WIDTH = 100
 """Width of tables where there is no terminal, characters."""
+
+
+MISSED, BAD_INPUT, STOPPED, SIGNALLED = 1, 2, 3, 128
+"""Exit codes: a verification failed, bad input, a run that could not go on (its partial results are
+kept), and what systems add to the number of the signal that ended a program: 130 for the key."""
+
+
+def interrupted_by(error: BaseException) -> int:
+    """Return the exit code of a program that a signal, SIGINT if no other, has ended."""
+    key = error.__cause__ if isinstance(error, SystemError) else error
+    return SIGNALLED + int(getattr(key, "number", signal.SIGINT))
+
+
+def table_of(
+    title: str,
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    words: Container[int] = (0,),
+    caption: str = "",
+) -> Table:
+    """Return texts as a table; columns of ``words`` stand left and wrap, numbers do neither.
+
+    Without ``headings`` all are words.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=Text(title) if title else None,
+        title_justify="left",
+        caption=Text(caption) if caption else None,
+        caption_justify="left",
+        show_header=bool(headings),
+    )
+    rows = [[str(cell) for cell in row] for row in rows]
+    for number, heading in enumerate(headings):
+        cells = [row[number] for row in rows]
+        is_words = number in words
+        parts = [part for cell in cells for part in (cell.split() if is_words else [cell])]
+        least = max(map(len, parts), default=0)
+        table.add_column(
+            heading,
+            justify="left" if is_words else "right",
+            min_width=min(least, LONGEST_WORD) if is_words else least,
+            overflow="fold",
+        )
+    for row in rows:
+        table.add_row(*map(Text, row))
+    return table
+
+
+def two_columns(title: str, rows: Mapping[str, str]) -> Table:
+    """Return names and texts as a table of two columns without headings."""
+    return table_of(title, (), rows.items())
 
 
 def print_table(table: Table) -> None:

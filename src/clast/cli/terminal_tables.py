@@ -1,23 +1,27 @@
-"""Terminal output of runs, cases, verification and comparisons, as tables."""
+"""Terminal output of runs, cases, cuts, verification and comparisons, as tables."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from clast.cli.terminal import print_json, print_table, tell
+from clast.cli.terminal import print_json, print_table, table_of, tell, two_columns
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from clast.inputs.placing.place_rock_mass import CutCase
     from clast.model.stage_records import StageRecord
     from clast.model.state import Ledger
     from clast.model.surroundings import Repair
     from clast.results import Report, Run
+    from clast.rockmass.cut_report import Finding, Sizes
     from clast.run.preflight import CaseSummary
     from clast.studies import ComparedMethods, Deviation
     from clast.verification import Row
 
+COMPARED_IN_TABLE = 3
+"""Combinations of process and law in a table."""
 STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
 BROUGHT = ("loads", "water", "motions")
 LOST = (
@@ -32,20 +36,31 @@ LOST = (
 """Entries of the energy ledger that lines of the report show."""
 
 
-def print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool) -> None:
-    """Print the summary of a run and how far it is from its references, as tables or JSON."""
+def print_run(
+    run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool, verbose: bool
+) -> None:
+    """Print how a run ended and how far it is from its references, as tables or JSON."""
     points = {name: _last_of(run, name) for name in run.model.measured_points.name}
     if as_json:
         content = {"title": run.model.title, "output": str(run.output), "time": run.state.time}
         known = {"measured_points": points, "references": [one.as_dict() for one in deviations]}
         print_json({**content, **run.report.as_dict(), **known})
     elif not quiet:
-        print_table(report_table(run))
+        report = run.report
+        wall = f"; {report.wall_seconds:.3g} s of wall time"
+        rows = {
+            "outcome": report.outcome,
+            "simulated time": f"{run.state.time:.6g} s in {report.steps} steps{wall}",
+            **_notes_rows(report.notes),
+        }
+        print_table(two_columns(run.model.title, rows))
         print_stages(run.stages)
         print_points(points)
         for one in deviations:
             source = f" ({one.source})" if one.source else ""
             tell(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
+        if verbose:
+            print_table(statistics_table(run))
         tell(f"results: {run.output}")
 
 
@@ -59,16 +74,16 @@ def _last_of(run: Run, name: str) -> dict[str, Any]:
     }
 
 
-def report_table(run: Run) -> Table:
-    """Return how a run went, as a table."""
+def statistics_table(run: Run) -> Table:
+    """Return steps, energies and times of the solver, as a table."""
     report, ledger = run.report, run.report.ledger
     sizes = run.step_sizes
     stages = dict(sorted(report.seconds.items(), key=lambda item: -item[1]))
     compiling = stages.pop("compilation", 0.0)
     speed = run.state.time / report.wall_seconds if report.wall_seconds > 0.0 else 0.0
+    times = ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages.items())
     rows = {
-        "outcome": report.outcome,
-        "simulated time": f"{run.state.time:.6g} s, {speed:.3g} s per s of wall time",
+        "speed": f"{speed:.3g} s per s of wall time",
         "steps": f"{report.steps}, {report.cut_steps} cut; {_counts_text(report)}",
         "step size": f"{sizes.min():.3g} to {sizes.max():.3g} s" if len(sizes) else "",
         "contacts": f"at most {report.largest_contacts}",
@@ -76,12 +91,10 @@ def report_table(run: Run) -> Table:
         "energy": _entries_text(ledger, STORED),
         **({"brought in": _entries_text(ledger, BROUGHT)} if ledger.brought else {}),
         "dissipated": _entries_text(ledger, LOST) + f", unaccounted {ledger.unaccounted:.2g} J/m",
-        "wall time": f"{report.wall_seconds:.3g} s: "
-        + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages.items()),
+        "wall time": f"{report.wall_seconds:.3g} s: {times}",
         **({"compilation": f"{compiling:.3g} s, once; not in the wall time"} if compiling else {}),
-        **_notes_rows(report.notes),
     }
-    return two_columns(run.model.title, rows)
+    return two_columns("solver", rows)
 
 
 def _entries_text(ledger: Ledger, names: Sequence[str]) -> str:
@@ -124,41 +137,31 @@ def repair_rows(repairs: Sequence[Repair]) -> dict[str, str]:
 
 def print_points(points: dict[str, dict[str, Any]]) -> None:
     """Print where the measured points are at the end, if there are any."""
-    if not points:
-        return
-    from rich.table import Table
-    from rich.text import Text
-
-    bench_table = Table(title="measured points at the end", title_justify="left")
-    bench_table.add_column("point", overflow="fold")
-    for head in ("u, m", "v, m", "u', m/s", "v', m/s", "rotation, rad"):
-        bench_table.add_column(head, justify="right", no_wrap=True)
-    for name, last in points.items():
-        numbers = (*last["displacement"], *last["velocity"], last["rotation"])
-        bench_table.add_row(Text(name), *(f"{number:.5g}" for number in numbers))
-    print_table(bench_table)
+    rows = [
+        (
+            name,
+            *(f"{one:.5g}" for one in (*last["displacement"], *last["velocity"], last["rotation"])),
+        )
+        for name, last in points.items()
+    ]
+    if rows:
+        headings = ("point", "u, m", "v, m", "u', m/s", "v', m/s", "rotation, rad")
+        print_table(table_of("measured points at the end", headings, rows))
 
 
 def print_stages(stages: Sequence[StageRecord]) -> None:
-    """Print how the stages went, if there are any."""
-    if not stages:
-        return
-    from rich.table import Table
-    from rich.text import Text
-
-    bench_table = Table(title="stages", title_justify="left")
-    bench_table.add_column("stage", overflow="fold")
-    for head in ("from, s", "to, s", "steps"):
-        bench_table.add_column(head, justify="right", no_wrap=True)
-    bench_table.add_column("outcome", no_wrap=True)
-    bench_table.add_column("unbalanced", justify="right", no_wrap=True)
-    bench_table.add_column("largest mover", overflow="fold")
-    bench_table.add_column("wall, s", justify="right", no_wrap=True)
-    for one in stages:
-        numbers = f"{one.start:.6g}", f"{one.end:.6g}", f"{one.steps}"
-        ending = f"{one.force_ratio:.2g}", str(one.mover), f"{one.seconds:.3g}"
-        bench_table.add_row(*map(Text, (one.name, *numbers, one.outcome, *ending)))
-    print_table(bench_table)
+    """Print how the stages went, if there are any: verdicts first."""
+    rows = [
+        (
+            *(one.name, one.outcome, f"{one.force_ratio:.2g}", str(one.mover)),
+            *(f"{one.start:.6g}", f"{one.end:.6g}", f"{one.steps}", f"{one.seconds:.3g}"),
+        )
+        for one in stages
+    ]
+    if rows:
+        headings = ("stage", "outcome", "unbalanced", "largest mover")
+        numbers = ("from, s", "to, s", "steps", "wall, s")
+        print_table(table_of("stages", (*headings, *numbers), rows, words=(0, 1, 3)))
 
 
 def sanity_table(sanity: CaseSummary) -> Table:
@@ -193,56 +196,116 @@ def sanity_table(sanity: CaseSummary) -> Table:
 
 def verification_table(title: str, rows: Sequence[Row]) -> Table:
     """Return computed values beside exact ones, and below why some are known to fail."""
-    from rich.table import Table
-    from rich.text import Text
-
     from clast.verification import HEADINGS, cells
 
     reasons = dict.fromkeys(row.known_failure for row in rows if row.known_failure)
-    bench_table = Table(
-        title=Text(title),
-        title_justify="left",
-        caption=Text("\n".join(f"known to fail: {reason}" for reason in reasons)),
-        caption_justify="left",
-    )
     # the title names the problem already
-    for heading in HEADINGS[1:]:
-        numeric = heading in ("computed", "exact", "error", "tolerance")
-        bench_table.add_column(heading, justify="right" if numeric else "left", no_wrap=numeric)
-    for row in rows:
-        bench_table.add_row(*(Text(cell) for cell in cells(row)[1:]))
-    return bench_table
+    heads, numeric = HEADINGS[1:], ("computed", "exact", "error", "tolerance")
+    return table_of(
+        title,
+        heads,
+        [cells(row)[1:] for row in rows],
+        words=[k for k, heading in enumerate(heads) if heading not in numeric],
+        caption="\n".join(f"known to fail: {reason}" for reason in reasons),
+    )
 
 
-def comparison_table(comparison: ComparedMethods) -> Table:
-    """Return the results of each process and law for a case, and the remarks on them."""
-    from rich.table import Table
-    from rich.text import Text
-
+def print_comparison(comparison: ComparedMethods) -> None:
+    """Print the results of processes and laws for a case, a few in a table, and remarks on them."""
     from clast.studies.comparison_pages import cells, headings, remarks
 
-    bench_table = Table(
-        title=Text(comparison.title),
-        title_justify="left",
-        caption=Text("\n".join(remarks(comparison))),
-        caption_justify="left",
-    )
     heads = headings(comparison)
-    for heading in heads:
-        words = heading in (*heads[:2], heads[-1])
-        wraps = heading == heads[-1]
-        bench_table.add_column(heading, justify="left" if words else "right", no_wrap=not wraps)
-    for row in comparison.rows:
-        bench_table.add_row(*(Text(cell) for cell in cells(comparison, row)))
-    return bench_table
+    columns = [cells(comparison, row) for row in comparison.rows]
+    for first in range(0, len(columns), COMPARED_IN_TABLE):
+        some = columns[first : first + COMPARED_IN_TABLE]
+        rows = zip(heads[2:], *(column[2:] for column in some), strict=True)
+        names = [" ".join(column[:2]) for column in some]
+        print_table(table_of("" if first else comparison.title, ("", *names), rows))
+    for remark in remarks(comparison):
+        tell(remark)
 
 
-def two_columns(title: str, rows: dict[str, str]) -> Table:
-    """Return names and texts as a table of two columns without headings."""
-    from rich.table import Table
-    from rich.text import Text
+# Cuts ---------------------------------------------------------------------------------------------
 
-    bench_table = Table(title=Text(title), title_justify="left", show_header=False)
-    for key, value in rows.items():
-        bench_table.add_row(key, Text(value))
-    return bench_table
+
+FINDINGS = {
+    "dangling": "ends taken out",
+    "loose": "ends just short of a line",
+    "collapsed": "edges collapsed",
+    "merged": "blocks merged",
+    "rings": "rings split",
+    "coincident": "edges of several joints",
+    "snapped": "points moved",
+}
+"""Finding of the report -> its name in the table."""
+
+
+def cut_content(found: CutCase) -> dict[str, Any]:
+    """Return the report of a cut for JSON."""
+    return {
+        **found.cut.report.as_dict(),
+        "fixed_blocks": int(found.fixed.sum()),
+        "rocks": {name: found.rocks.count(name) for name in found.cut.rock_names},
+        "notes": list(found.notes),
+        "warnings": list(found.warnings),
+    }
+
+
+def cut_table(found: CutCase, title: str) -> Table:
+    """Return the number of blocks, and changes to lines and blocks with their first places."""
+    report = found.cut.report
+    rows = {
+        "blocks": f"{report.blocks} ({int(found.fixed.sum())} fixed)",
+        "rocks": ", ".join(f"{name} {found.rocks.count(name)}" for name in found.cut.rock_names),
+        "area": f"{report.area:.6g} m2, of the domain {report.domain_area:.6g} m2: "
+        f"relative error {abs(report.area_error):.1e}",
+        "areas of blocks": _sizes(report.block_area, "m2"),
+        "lengths of edges": _sizes(report.edge_length, "m"),
+        "aspect": _sizes(report.aspect, ""),
+        "tolerance": f"{report.tolerance:.4g} m; edges from {report.smallest_edge:.4g} m, blocks "
+        f"from {report.smallest_block:.4g} m2 on",
+        **{
+            title: _finding(getattr(report, key), report.tolerance)
+            for key, title in FINDINGS.items()
+        },
+        "edges that stayed short": f"{report.short_edges}",
+        "blocks that stayed small": f"{report.small_blocks}",
+    }
+    return two_columns(title, rows)
+
+
+def _sizes(sizes: Sizes, unit: str) -> str:
+    """Return smallest, median and largest."""
+    text = f"{sizes.smallest:.4g}, median {sizes.median:.4g}, largest {sizes.largest:.4g}"
+    return f"{text} {unit}".strip()
+
+
+def _finding(finding: Finding, tolerance: float) -> str:
+    """Return how often something was done, over which length, and where first."""
+    from clast.rockmass.cut_report import place_text
+
+    text = str(finding.count)
+    if finding.length > 0.0:
+        text += f", {finding.length:.4g} m"
+    places = ", ".join(place_text(at, tolerance) for at in finding.places)
+    return f"{text}: {places}" if places else text
+
+
+HEADINGS = (
+    *("set", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m", "persistence", "asked"),
+    "became edges",
+)
+
+
+def sets_table(found: CutCase) -> Table:
+    """Return the statistics of each joint set."""
+    rows = [
+        (
+            *(one.name, f"{one.lines}", f"{one.length:.4g}", f"{one.p21:.4g}"),
+            "" if one.p21_asked is None else f"{one.p21_asked:.4g}",
+            *(f"{one.p10:.4g}", f"{one.persistence:.3g}", f"{one.persistence_asked:.3g}"),
+            f"{100.0 * one.kept:.3g} %",
+        )
+        for one in found.cut.report.sets
+    ]
+    return table_of("joint sets", HEADINGS, rows)
