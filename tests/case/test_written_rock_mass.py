@@ -123,7 +123,6 @@ pattern = "running-bond"
 corner = [9, 9]
 size = [2.0, 2.0]
 brick = [0.5, 0.5]
-joint_offset = 0.25
 joint = "mortar"
 head_joint = "mortar"
 """

@@ -285,10 +285,6 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
         wall("brick = ", 'pattern = "runing-bond"\nbrick = '),
         ["[[block_pattern]] 1 pattern", "'running-bond'"],
     ),
-    "offset of a stack bond": (
-        wall("brick = ", 'pattern = "stack-bond"\njoint_offset = 0.5\nbrick = '),
-        ["block_pattern 'masonry', joint_offset", "stack bond"],
-    ),
     "head joint that is not there": (
         wall('head_joint = "head"', 'head_joint = "heed"'),
         ["[[block_pattern]] 1 head_joint", "'head'"],

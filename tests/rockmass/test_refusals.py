@@ -26,8 +26,6 @@ from clast.rockmass import (
     PoissonLines,
     Polygon,
     Region,
-    RunningBond,
-    StackBond,
     Trace,
     Uniform,
     Values,
@@ -280,9 +278,6 @@ def test_patterns():
     wall = BlockPattern(corner=(0, 0), size=(8, 3), brick=(0.4, 0.2))
     for changes, where in (
         ({"brick": (0.4, 0.0)}, "block_pattern 'masonry', brick, size"),
-        ({"joint_offset": 1.5}, "block_pattern 'masonry', joint_offset"),
-        ({"joint_offset": 0.5, "pattern": StackBond()}, "block_pattern 'masonry', joint_offset"),
-        ({"joint_offset": 0.0, "pattern": RunningBond()}, "block_pattern 'masonry', joint_offset"),
         ({"corner": (100, 100)}, "block_pattern 'masonry'"),
     ):
         with pytest.raises(ModelError) as caught:

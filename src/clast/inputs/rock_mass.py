@@ -238,8 +238,6 @@ class BlockPatternTable(Table):
     """Width and height of the rectangle, m."""
     brick: tuple[Length, Length]
     """Width and height of a block, m."""
-    joint_offset: Number | None = None
-    """Offset of every second course of a running bond, as a share of a block; 0.5 if absent."""
     joint: StrictStr | None = None
     """Joint of bed and head joints: [joint.NAME]; that of the pair of rocks, or the default, if
     absent."""

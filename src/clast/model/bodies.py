@@ -16,13 +16,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from clast.model.arrays import Bools, Floats, Ints, connected, owners
 from clast.read_only import kept_property
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 EVEN = 1e-5
 """Distance within which fixed blocks are flush, in units of the size of the smallest of them."""
@@ -132,7 +128,7 @@ class _Sides:
 def _sides(vertices: Floats, block_start: Ints, ground: Ints, tolerance: float) -> _Sides:
     """Return the sides of the blocks ``ground``; corners within ``tolerance``, m, coincide."""
     corners = np.concatenate([np.arange(*block_start[one : one + 2]) for one in ground])
-    block_of = np.repeat(np.arange(len(block_start) - 1), np.diff(block_start))
+    block_of = owners(block_start)
     point = np.full(len(vertices), -1)
     point[corners] = _points(vertices[corners], tolerance)
     by_x = corners[np.argsort(vertices[corners, 0], kind="stable")]
@@ -164,19 +160,7 @@ def _points(places: Floats, tolerance: float) -> Ints:
     from scipy.spatial import KDTree  # slow to load
 
     first, second = KDTree(places).query_pairs(tolerance, output_type="ndarray").T
-    return _joined(first, second, len(places))
-
-
-def _joined(first: Ints, second: Ints, count: int) -> Ints:
-    """Return a number for each of ``count`` things, the same for those that links join, (count,).
-
-    Links (k,) join ``first`` to ``second``.
-    """
-    from scipy.sparse import coo_array  # slow to load
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    return connected(first, second, len(places))
 
 
 def _corners_on(begin: int, end: int, vertices: Floats, by_x: Ints, tolerance: float) -> list[int]:
@@ -213,7 +197,7 @@ def _bodies(sides: _Sides, count: int) -> Ints:
     """Return which body each of ``count`` blocks belongs to, (n,)."""
     shared = np.flatnonzero(sides.twin >= 0)
     of_side = sides.block_of[sides.edge]
-    return _joined(of_side[shared], of_side[sides.twin[shared]], count)
+    return connected(of_side[shared], of_side[sides.twin[shared]], count)
 
 
 # the outlines that are left ---------------------------------------------------------------------

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from clast.errors import ModelError, shortened
 from clast.model import ranges
+from clast.model.arrays import areas, entries, following, owners, polygons_of
 from clast.model.model import Bools, Floats, Ints, StartOverlaps
 from clast.model.surroundings import Repair
 
@@ -83,14 +84,12 @@ class BlockOutlines:
     @property
     def owner(self) -> Ints:
         """Block of each vertex, shape (nv,)."""
-        return np.repeat(np.arange(len(self.names)), np.diff(self.start))
+        return owners(self.start)
 
     @property
     def following(self) -> Ints:
         """Index of the vertex after each vertex in its loop, shape (nv,)."""
-        after = np.arange(1, len(self.vertices) + 1)
-        after[self.start[1:] - 1] = self.start[:-1]
-        return after
+        return following(self.start)
 
     @property
     def extent(self) -> Floats:
@@ -102,11 +101,7 @@ class BlockOutlines:
     @property
     def area(self) -> Floats:
         """Signed area of each block, positive when counter-clockwise, m2, shape (n,)."""
-        # Taken about each block's first vertex: no digits are lost to its distance from the origin.
-        here = self.vertices - self.vertices[self.start[:-1]][self.owner]
-        there = here[self.following]
-        cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
-        return np.asarray(0.5 * np.add.reduceat(cross, self.start[:-1]))
+        return areas(self.vertices, self.start)
 
     @property
     def top(self) -> float:
@@ -121,8 +116,7 @@ class BlockOutlines:
 
     def polygons(self) -> Geometries:
         """Return the blocks as shapely polygons, shape (n,)."""
-        rings = shapely.linearrings(self.vertices, indices=self.owner)
-        return np.asarray(shapely.polygons(rings))
+        return polygons_of(self.vertices, self.start)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -454,20 +448,17 @@ def touching_at_most(
         left = np.flatnonzero(few & ~apart)
         if len(left) == 0:
             break
-        edges = count[one[left]]
-        row_start = np.concatenate([[0], np.cumsum(edges)[:-1]])
-        edge = np.repeat(start[one[left]] - row_start, edges) + np.arange(edges.sum())
-        _, far = _span(normal[edge], np.repeat(one[left], edges), vertices, start)
-        near, _ = _span(normal[edge], np.repeat(other[left], edges), vertices, start)
+        edge, pair = entries(start, one[left])
+        row_start = np.flatnonzero(np.diff(pair, prepend=-1))
+        _, far = _span(normal[edge], one[left][pair], vertices, start)
+        near, _ = _span(normal[edge], other[left][pair], vertices, start)
         apart[left] = np.maximum.reduceat(near - far, row_start) >= -thickness[left]
     return apart
 
 
 def _normals(vertices: Floats, start: Ints) -> Floats:
     """Return the unit outward normal of each edge of counter-clockwise loops, shape (nv, 2)."""
-    after = np.arange(1, len(vertices) + 1)
-    after[start[1:] - 1] = start[:-1]
-    edge = vertices[after] - vertices
+    edge = vertices[following(start)] - vertices
     return np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.hypot(*edge.T)[:, None]
 
 
@@ -480,10 +471,9 @@ def _span(direction: Floats, block: Ints, vertices: Floats, start: Ints) -> tupl
     while begin < len(block):
         done = ends[begin] - count[begin]
         end = max(begin + 1, int(np.searchsorted(ends, done + CHUNK)))
-        some, of = count[begin:end], block[begin:end]
-        row_start = np.concatenate([[0], np.cumsum(some)[:-1]])
-        vertex = np.repeat(start[of] - row_start, some) + np.arange(some.sum())
-        along = np.repeat(direction[begin:end], some, axis=0)
+        vertex, row = entries(start, block[begin:end])
+        row_start = np.flatnonzero(np.diff(row, prepend=-1))
+        along = direction[begin:end][row]
         place = along[:, 0] * vertices[vertex, 0] + along[:, 1] * vertices[vertex, 1]
         low[begin:end] = np.minimum.reduceat(place, row_start)
         high[begin:end] = np.maximum.reduceat(place, row_start)
@@ -522,10 +512,7 @@ def _polygons(
     vertices: Floats, start: Ints, block: Ints, middle: Floats, unit: Floats
 ) -> NDArray[Any]:
     """Return blocks (m,) as shapely polygons about points (m, 2), in units (m,) of length."""
-    count = np.diff(start)[block]
-    row_start = np.concatenate([[0], np.cumsum(count)[:-1]])
-    pair = np.repeat(np.arange(len(block)), count)
-    vertex = np.repeat(start[block] - row_start, count) + np.arange(count.sum())
+    vertex, pair = entries(start, block)
     rings = shapely.linearrings(
         (vertices[vertex] - middle[pair]) / unit[pair][:, None], indices=pair
     )

@@ -18,13 +18,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from clast.model.arrays import Bools, Floats, Ints, connected
 from clast.model.water import surface_at
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
@@ -122,25 +118,20 @@ def _measured(ends: Floats, points: Floats) -> tuple[Floats, Floats]:
 
 def _network(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Network:
     """Return the joints as a network; ends that lie together are one node."""
-    from scipy.sparse import coo_array  # slow to load, and few cases need it
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import KDTree
+    from scipy.spatial import KDTree  # slow to load, and few cases need it
 
     points = np.concatenate([ends.reshape(-1, 2), drains])
     reach = np.concatenate([np.repeat(near, 2), np.full(len(drains), near.max())])
     one, other = KDTree(points).query_pairs(float(near.max()), output_type="ndarray").T
     apart = np.hypot(*(points[one] - points[other]).T)
     same = apart <= np.minimum(reach[one], reach[other])
-    links = coo_array(
-        (np.ones(same.sum()), (one[same], other[same])), shape=(len(points), len(points))
-    )
-    count, node = connected_components(links, directed=False)
-    drained = np.zeros(count, np.bool_)
+    node = connected(one[same], other[same], len(points))
+    drained = np.zeros(node.max() + 1, np.bool_)
     drained[node[2 * len(ends) :]] = True
     line = ends[:, 1] - ends[:, 0]
     length = np.hypot(*line.T)
     return Network(
-        node=node[: 2 * len(ends)].reshape(-1, 2).astype(np.int64),
+        node=node[: 2 * len(ends)].reshape(-1, 2),
         length=length,
         along=line / length[:, None],
         depth=surface_at(surface, ends[..., 0]) - ends[..., 1],
@@ -184,7 +175,6 @@ def _foot(network: Network, joint: int, meeting: dict[int, list[int]]) -> int:
 def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
     """Return the lowering at every node, m, shape (m,): 0 where no drain is connected."""
     from scipy.sparse import coo_array, diags_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.sparse.linalg import spsolve
 
     one, other, conducts, to_level = _pipes(network)
@@ -192,7 +182,7 @@ def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
     level = np.where(drained, np.maximum(network.deep, 0.0), 0.0)
     links = coo_array((conducts, (one, other)), shape=(count, count)).tocsr()
     links = links + links.T
-    part = connected_components(links, directed=False)[1]
+    part = connected(one, other, count)
     reached = np.zeros(count, np.bool_)
     reached[part[drained]] = True
     free = np.flatnonzero(reached[part] & ~fixed)

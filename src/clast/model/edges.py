@@ -10,8 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from clast.model.arrays import Floats, Ints, following
 
 BESIDE = 1e-3
 """Edges lie along each other within this share of the smaller block's size."""
@@ -119,8 +118,7 @@ def outline_edges(vertices: Floats, block_start: Ints, sides: tuple[str, ...] = 
     ``vertices`` (nv, 2) in m, ``block_start`` (n + 1,).  A slope
     with a bench before it has its face within the hull: that is free.
     """
-    after = np.arange(1, len(vertices) + 1)
-    after[block_start[1:] - 1] = block_start[:-1]
+    after = following(block_start)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     near = ON_OUTLINE * float(np.hypot(*(high - low)))
     if sides:

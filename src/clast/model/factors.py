@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from clast.model.arrays import Floats, Ints
 
 NO_FACTOR = -1
 """Number of the factor of a load that is constant."""

@@ -13,13 +13,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-
+from clast.model.arrays import Floats
 
 SIGNIFICANT = 0.95
 """Share of a record's power that is in frequencies up to its highest significant one."""
@@ -123,44 +120,32 @@ class Accelerogram:
         )
 
 
-class GroundMotion(Protocol):
-    """The motion of the ground."""
-
-    def body_acceleration(self, start: float, end: float) -> Floats:
-        """Return the mass force per mass in a step from ``start`` to ``end``, s, m/s2, (2,)."""
-        ...
-
-    def anchor_displacement(self, time: float) -> Floats:
-        """Return how far the anchors of the fixed points have moved, m, shape (2,)."""
-        ...
-
-    def incoming_velocity(self, start: float, end: float) -> Floats:
-        """Return the mean velocity of a wave from below in a step, m/s, shape (2,)."""
-        ...
-
-
 NOTHING = np.zeros(2)
 
 
-@dataclass(frozen=True)
-class Still:
-    """No ground motion."""
+class GroundMotion:
+    """The motion of the ground; this one is none, and others override the ways it acts in."""
 
     def body_acceleration(self, start: float, end: float) -> Floats:
-        """Return zero."""
+        """Return the mass force per mass in a step from ``start`` to ``end``, s, m/s2, (2,)."""
         return NOTHING
 
     def anchor_displacement(self, time: float) -> Floats:
-        """Return zero."""
+        """Return how far the anchors of the fixed points have moved, m, shape (2,)."""
         return NOTHING
 
     def incoming_velocity(self, start: float, end: float) -> Floats:
-        """Return zero: no wave comes in."""
+        """Return the mean velocity of a wave from below in a step, m/s, shape (2,)."""
         return NOTHING
 
 
 @dataclass(frozen=True)
-class InertialForce:
+class Still(GroundMotion):
+    """No ground motion."""
+
+
+@dataclass(frozen=True)
+class InertialForce(GroundMotion):
     """The ground's acceleration a(t) as the body force -rho a(t): motion relative to the ground.
 
     A step uses the mean of -a over the step, so that the velocity it gives is exact at the end of
@@ -175,17 +160,9 @@ class InertialForce:
         gained = self.accelerogram.velocity(end) - self.accelerogram.velocity(start)
         return -gained / (end - start)
 
-    def anchor_displacement(self, time: float) -> Floats:
-        """Return zero: the ground is the frame of reference."""
-        return NOTHING
-
-    def incoming_velocity(self, start: float, end: float) -> Floats:
-        """Return zero: no wave comes in."""
-        return NOTHING
-
 
 @dataclass(frozen=True)
-class MovingBase:
+class MovingBase(GroundMotion):
     """The anchors of all fixed points move with the ground; the blocks they hold follow.
 
     The springs of the fixed points act with their elongation at the end of a step, as all springs
@@ -195,21 +172,13 @@ class MovingBase:
     accelerogram: Accelerogram
     """Acceleration of the ground."""
 
-    def body_acceleration(self, start: float, end: float) -> Floats:
-        """Return zero: motion is absolute."""
-        return NOTHING
-
     def anchor_displacement(self, time: float) -> Floats:
         """Return the displacement of the ground."""
         return self.accelerogram.displacement(time)
 
-    def incoming_velocity(self, start: float, end: float) -> Floats:
-        """Return zero: no wave comes in."""
-        return NOTHING
-
 
 @dataclass(frozen=True)
-class IncomingWave:
+class IncomingWave(GroundMotion):
     """A wave that comes up through the viscous edges that face down, with the record's velocity.
 
     Waves that leave the model there are absorbed by the dashpots of these edges.  At a free surface
@@ -218,14 +187,6 @@ class IncomingWave:
 
     accelerogram: Accelerogram
     """Acceleration of the wave on its way up."""
-
-    def body_acceleration(self, start: float, end: float) -> Floats:
-        """Return zero: motion is absolute."""
-        return NOTHING
-
-    def anchor_displacement(self, time: float) -> Floats:
-        """Return zero: fixed points stand still."""
-        return NOTHING
 
     def incoming_velocity(self, start: float, end: float) -> Floats:
         """Return the wave's mean velocity, so that every step brings its exact impulse."""
@@ -245,7 +206,7 @@ def ending_note(motion: GroundMotion) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class InStages:
+class InStages(GroundMotion):
     """A ground motion in parts of a run; in between the ground rests where it has come to."""
 
     motion: GroundMotion

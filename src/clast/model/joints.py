@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from clast.model.arrays import Bools, Floats, Ints
 from clast.read_only import kept_property
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 WELD_STRENGTH = 1e18
 """Strength of welded edges, Pa: above every load of a body that strains by less than its size.
@@ -168,14 +164,15 @@ class JointTable:
     block_pair_joint: Ints
     """Joint index of each such pair, shape (k,)."""
 
+    def _all(self, key: str) -> Floats:
+        """Return a number of all joints, nan where one has none, shape (joints,)."""
+        return np.array([getattr(one, key) for one in self.joints], float)
+
     @kept_property
     def strengths(self) -> tuple[Floats, Floats, Floats]:
         """tan(phi), cohesion, Pa, and tensile strength, Pa, of all joints, shape (joints,) each."""
-        return (
-            np.tan(np.radians([one.friction_angle for one in self.joints])),
-            np.array([one.cohesion for one in self.joints], float),
-            np.array([one.tensile_strength for one in self.joints], float),
-        )
+        tangent = np.tan(np.radians(self._all("friction_angle")))
+        return tangent, self._all("cohesion"), self._all("tensile_strength")
 
     @kept_property
     def binds(self) -> bool:
@@ -204,12 +201,12 @@ class JointTable:
     @kept_property
     def restitutions(self) -> Floats:
         """Restitution of each joint, nan where the process has it, shape (joints,)."""
-        return np.array([one.restitution for one in self.joints], float)
+        return self._all("restitution")
 
     @kept_property
     def residual_cohesion(self) -> Floats:
         """Cohesion left after slip, Pa, nan where slip leaves bonds whole, shape (joints,)."""
-        return np.array([one.residual_cohesion for one in self.joints], float)
+        return self._all("residual_cohesion")
 
     @kept_property
     def residual_friction(self) -> Floats:
@@ -220,7 +217,7 @@ class JointTable:
     @kept_property
     def slip_weakening(self) -> Floats:
         """Way of sliding over which peak strengths fall to the residual ones, m, (joints,)."""
-        return np.array([one.slip_weakening for one in self.joints], float)
+        return self._all("slip_weakening")
 
     @kept_property
     def worn_after(self) -> Floats:
@@ -240,13 +237,12 @@ class JointTable:
     @kept_property
     def kinetic_friction(self) -> Floats:
         """tan(phi) in sliding, nan where it is that at rest, shape (joints,)."""
-        angles = np.array([one.kinetic_friction_angle for one in self.joints], float)
-        return np.tan(np.radians(angles))
+        return np.tan(np.radians(self._all("kinetic_friction_angle")))
 
     @kept_property
     def critical_speed(self) -> Floats:
         """Speed of sliding from which friction is the kinetic one, m/s, shape (joints,)."""
-        return np.array([one.critical_speed for one in self.joints], float)
+        return self._all("critical_speed")
 
     @kept_property
     def has_kinetic_friction(self) -> bool:
@@ -256,13 +252,8 @@ class JointTable:
     @kept_property
     def dilation(self) -> tuple[Floats, Floats]:
         """tan(psi), and the slide until which joints open, m, inf for no limit, (joints,) each."""
-        until = [
-            np.inf if one.dilation_until is None else one.dilation_until for one in self.joints
-        ]
-        return (
-            np.tan(np.radians([one.dilation_angle for one in self.joints])),
-            np.array(until, float),
-        )
+        until = np.nan_to_num(self._all("dilation_until"), nan=np.inf, posinf=np.inf)
+        return np.tan(np.radians(self._all("dilation_angle"))), until
 
     @kept_property
     def rough(self) -> Bools:
@@ -309,10 +300,7 @@ class JointTable:
             one.roughness.stiffness if one.roughness else one.normal_stiffness
             for one in self.joints
         ]
-        return (
-            np.array(normal, float),
-            np.array([one.shear_stiffness for one in self.joints], float),
-        )
+        return np.array(normal, float), self._all("shear_stiffness")
 
     def of_pairs(self, block_rock: Ints, pairs: Ints) -> tuple[Ints, Bools]:
         """Return the joint of each pair of blocks (q, 2), and whether it names the blocks, (q,).

@@ -14,9 +14,12 @@ from itertools import accumulate
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clast import thumbnails
+from clast.model.arrays import Bools as Bools
+from clast.model.arrays import Floats as Floats
+from clast.model.arrays import Ints as Ints
+from clast.model.arrays import following, no_floats, no_ints, owners
 from clast.model.bodies import Outlines, joined_outlines
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
@@ -25,10 +28,6 @@ from clast.model.supports import Bolts, LiningJoints, LinkLines, Reactions, numb
 from clast.model.surroundings import InSituStress, Opening, Repair, ViscousEdges, blocks_called
 from clast.model.water import Water
 from clast.read_only import kept_property, seal
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 class Plane(Protocol):
@@ -102,9 +101,9 @@ class Rock:
 class MaterialPoints:
     """Points that move with the block they belong to."""
 
-    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    block: Ints = no_ints()
     """Block index of each point, shape (k,)."""
-    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    at: Floats = no_floats(2)
     """Coordinates at the start, m, shape (k, 2), relative to the model's origin."""
 
 
@@ -112,9 +111,9 @@ class MaterialPoints:
 class PointLoads(MaterialPoints):
     """Forces at material points."""
 
-    force: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    force: Floats = no_floats(2)
     """Force (x, y), N per metre of thickness, shape (k, 2)."""
-    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    factor: Ints = no_ints()
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
     name: tuple[str, ...] = ()
     """Name of each, by which stages refer to it, "" for none; empty where none has one."""
@@ -124,15 +123,15 @@ class PointLoads(MaterialPoints):
 class LineLoads:
     """Tractions along straight lines that move with a block (usually its edges)."""
 
-    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    block: Ints = no_ints()
     """Block index of each line, shape (k,)."""
-    start: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    start: Floats = no_floats(2)
     """First end at the start, m, shape (k, 2)."""
-    end: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    end: Floats = no_floats(2)
     """Second end at the start, m, shape (k, 2)."""
-    traction: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    traction: Floats = no_floats(2)
     """Force per length of the line (x, y), N/m per metre of thickness, shape (k, 2)."""
-    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    factor: Ints = no_ints()
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
     name: tuple[str, ...] = ()
     """Name of each, by which stages refer to it, "" for none; empty where none has one."""
@@ -142,15 +141,15 @@ class LineLoads:
 class EdgePressures:
     """Pressures on parts of edges, linear along them and normal to them as they turn."""
 
-    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    block: Ints = no_ints()
     """Block index of each part, shape (k,)."""
-    edge: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    edge: Ints = no_ints()
     """Its edge: the index of the edge's first vertex, shape (k,)."""
-    share: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    share: Floats = no_floats(2)
     """Where it begins and ends, 0 at the first vertex of the edge and 1 at the next, (k, 2)."""
-    pressure: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    pressure: Floats = no_floats(2)
     """Pressure where it begins and ends, Pa, positive into the block, shape (k, 2)."""
-    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    factor: Ints = no_ints()
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
     name: tuple[str, ...] = ()
     """Name of each, by which stages refer to it, "" for none; empty where none has one."""
@@ -170,9 +169,9 @@ class MeasuredContacts:
 
     name: tuple[str, ...] = ()
     """Name of each."""
-    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    at: Floats = no_floats(2)
     """Place whose nearest contact is recorded, m, relative to the origin; nan: a joint, (k, 2)."""
-    joint: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    joint: Ints = no_ints()
     """Joint whose contacts are recorded together: index into those of the model; -1, (k,)."""
 
 
@@ -192,9 +191,9 @@ class PointSlices:
 class StartOverlaps:
     """Pairs of blocks that lie in each other at the start, by more than round-off."""
 
-    pair: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    pair: Ints = no_ints(2)
     """Blocks of each pair, the lower first, shape (k, 2)."""
-    depth: Floats = field(default_factory=lambda: np.zeros(0))
+    depth: Floats = no_floats()
     """Width of their common area, m, shape (k,)."""
 
 
@@ -292,14 +291,12 @@ class Model:
     @kept_property
     def vertex_block(self) -> Ints:
         """Block index of each vertex, shape (nv,)."""
-        return np.repeat(np.arange(self.block_count), np.diff(self.block_start))
+        return owners(self.block_start)
 
     @kept_property
     def vertex_after(self) -> Ints:
         """Vertex after each one in its block, shape (nv,)."""
-        after = np.arange(1, len(self.vertices) + 1)
-        after[self.block_start[1:] - 1] = self.block_start[:-1]
-        return after
+        return following(self.block_start)
 
     @kept_property
     def density(self) -> Floats:

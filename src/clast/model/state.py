@@ -11,21 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from clast.model.arrays import no_bools, no_floats, no_ints
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.read_only import seal
-
-
-def _no_floats() -> Floats:
-    return np.zeros(0)
-
-
-def _no_ints() -> Ints:
-    return np.zeros(0, np.int64)
-
-
-def _no_bools() -> Bools:
-    return np.zeros(0, np.bool_)
-
 
 POINTS = 14
 """Numbers that points of a contact may have."""
@@ -41,41 +29,41 @@ class ContactMemory:
     number.
     """
 
-    vertex: Ints = field(default_factory=_no_ints)
+    vertex: Ints = no_ints()
     """Invading vertex, shape (k,)."""
-    block: Ints = field(default_factory=_no_ints)
+    block: Ints = no_ints()
     """Block that owns the entrance edge, shape (k,)."""
-    edge: Ints = field(default_factory=_no_ints)
+    edge: Ints = no_ints()
     """Entrance edge (index of its first vertex), shape (k,)."""
-    point: Ints = field(default_factory=_no_ints)
+    point: Ints = no_ints()
     """0 for a vertex, 1 to 13 for the points inside a face, shape (k,)."""
-    gap: Floats = field(default_factory=_no_floats)
+    gap: Floats = no_floats()
     """Gap at the end of the step, m, negative in penetration, shape (k,)."""
-    normal_force: Floats = field(default_factory=_no_floats)
+    normal_force: Floats = no_floats()
     """Normal contact force at the end of the step, N/m, compression positive, shape (k,)."""
-    shear_force: Floats = field(default_factory=_no_floats)
+    shear_force: Floats = no_floats()
     """Shear force on the vertex along the edge's direction, N/m, shape (k,)."""
-    multiplier: Floats = field(default_factory=_no_floats)
+    multiplier: Floats = no_floats()
     """Lagrange multiplier of the normal force, N/m (0 with the penalty law), shape (k,)."""
-    rest_force: Floats = field(default_factory=_no_floats)
+    rest_force: Floats = no_floats()
     """Normal force at zero gap that was there at the start (in-situ stress), N/m, shape (k,)."""
-    slip: Floats = field(default_factory=_no_floats)
+    slip: Floats = no_floats()
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
-    slide_length: Floats = field(default_factory=_no_floats)
+    slide_length: Floats = no_floats()
     """Length of the path that the contact has slid to and fro, without what its shear spring gives
     back, m, >= 0, shape (k,)."""
-    slide: Floats = field(default_factory=_no_floats)
+    slide: Floats = no_floats()
     """The same with the sign of ``slip``: what has been slid back does not count, shape (k,)."""
-    slide_speed: Floats = field(default_factory=_no_floats)
+    slide_speed: Floats = no_floats()
     """Speed of sliding in the last step, m/s, >= 0, 0 in statics, shape (k,)."""
-    dilation: Floats = field(default_factory=_no_floats)
+    dilation: Floats = no_floats()
     """Opening that sliding has brought about, m, >= 0, shape (k,)."""
-    mode: Ints = field(default_factory=_no_ints)
+    mode: Ints = no_ints()
     """0 open, 1 slide, 2 lock, shape (k,)."""
-    bonded: Bools = field(default_factory=_no_bools)
+    bonded: Bools = no_bools()
     """True while cohesion and tensile strength are intact, shape (k,)."""
-    cohesive: Bools = field(default_factory=_no_bools)
+    cohesive: Bools = no_bools()
     """True while the contact is bonded, or has slipped but not opened since, shape (k,)."""
 
     def __len__(self) -> int:
@@ -240,7 +228,7 @@ class State:
     """Energy ledger."""
     actions: tuple[Any, ...] = ()
     """Own state of each action, in the order of ``clast.actions.active.actions_of``."""
-    reactions: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    reactions: Floats = no_floats(3)
     """Forces (x, y), N/m, by which supports held in the last step, and their moments about the
     points of ``Model.reactions``, N, shape (k, 3); (0, 3) before the first step."""
 

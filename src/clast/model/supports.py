@@ -7,34 +7,12 @@ Forces are N per metre of thickness, tension positive.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
-
-
-def _no_floats() -> Floats:
-    return np.zeros(0)
-
-
-def _no_points() -> Floats:
-    return np.zeros((0, 2))
-
-
-def _no_ints() -> Ints:
-    return np.zeros(0, np.int64)
-
-
-def _no_pairs() -> Ints:
-    return np.zeros((0, 2), np.int64)
-
-
-def _no_bools() -> Bools:
-    return np.zeros(0, np.bool_)
+from clast.model.arrays import Bools, Floats, Ints, no_bools, no_floats, no_ints
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -49,29 +27,29 @@ class Bolts:
     """Name of the pattern that each bolt is of, "" for none."""
     stage: tuple[str, ...] = ()
     """Name of the stage that installs each bolt, "" where it is there from the start."""
-    installed: Bools = field(default_factory=_no_bools)
+    installed: Bools = no_bools()
     """True where a bolt is there, shape (k,)."""
-    locked: Bools = field(default_factory=_no_bools)
+    locked: Bools = no_bools()
     """True where the jack of a bolt is off; only jacked ones ask for it, shape (k,)."""
-    block: Ints = field(default_factory=_no_ints)
+    block: Ints = no_ints()
     """Block that each point moves with, shape (q,)."""
-    at: Floats = field(default_factory=_no_points)
+    at: Floats = no_floats(2)
     """Points at the start, from head to toe of one bolt after the other, m, shape (q, 2)."""
-    bolt: Ints = field(default_factory=_no_ints)
+    bolt: Ints = no_ints()
     """Bolt of each point, shape (q,)."""
-    ends: Ints = field(default_factory=_no_pairs)
+    ends: Ints = no_ints(2)
     """Points between which each spring acts, shape (m, 2)."""
-    stiffness: Floats = field(default_factory=_no_floats)
+    stiffness: Floats = no_floats()
     """Stiffness of each spring s, N/m per m, shape (m,)."""
-    yield_force: Floats = field(default_factory=_no_floats)
+    yield_force: Floats = no_floats()
     """Force at which each spring yields, N/m, inf: never, shape (m,)."""
-    rupture: Floats = field(default_factory=_no_floats)
+    rupture: Floats = no_floats()
     """Elongation at which each spring breaks, m, inf: never, shape (m,)."""
-    pretension: Floats = field(default_factory=_no_floats)
+    pretension: Floats = no_floats()
     """Force that each spring is installed with, N/m, shape (m,)."""
-    compression: Bools = field(default_factory=_no_bools)
+    compression: Bools = no_bools()
     """True where a spring carries compression, shape (m,)."""
-    jacked: Bools = field(default_factory=_no_bools)
+    jacked: Bools = no_bools()
     """True where a jack holds the pretension until it is locked, shape (m,)."""
 
     def __len__(self) -> int:
@@ -124,11 +102,11 @@ class LiningJoints:
 
     name: tuple[str, ...] = ()
     """Name of each: that of its lining, a slash and its number."""
-    along: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    along: NDArray[np.float64] = no_floats()
     """Where it is along the middle of its lining, m, shape (k,)."""
-    face: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    face: NDArray[np.int64] = no_ints(2)
     """Vertices of the segment beside it, outside and inside, shape (k, 2)."""
-    section: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    section: NDArray[np.float64] = no_floats(3)
     """Its thickness, m, and strengths in tension and compression, Pa, infinite for none, shape
     (k, 3); (0, 3) in files of older versions."""
 
@@ -155,18 +133,14 @@ class LinkLines:
 
     name: tuple[str, ...] = ()
     """Name of each."""
-    block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    block: Ints = no_ints(2)
     """Its two blocks, or one and GROUND, shape (k, 2)."""
-    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    at: Floats = no_floats(2)
     """Its point, m, shape (k, 2)."""
-    along: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    along: Floats = no_floats(2)
     """Unit vector of its direction, shape (k, 2)."""
-    holds: Ints = field(default_factory=lambda: np.zeros((0, 3), np.int64))
+    holds: Ints = no_ints(3)
     """FREE, SOFT or RIGID: along, across, rotation, shape (k, 3)."""
-
-
-def _none() -> Ints:
-    return np.zeros((0, 2), np.int64)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -175,15 +149,15 @@ class Reactions:
 
     name: tuple[str, ...] = ()
     """Name of each."""
-    about: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    about: Floats = no_floats(2)
     """Point about which its moment is taken, m, shape (k, 2), relative to the model's origin."""
-    of_block: Ints = field(default_factory=_none)
+    of_block: Ints = no_ints(2)
     """Reaction and the block that it holds or moves, shape (b, 2)."""
-    of_fixed_point: Ints = field(default_factory=_none)
+    of_fixed_point: Ints = no_ints(2)
     """Reaction and the fixed point that belongs to it, shape (p, 2)."""
-    of_viscous_edge: Ints = field(default_factory=_none)
+    of_viscous_edge: Ints = no_ints(2)
     """Reaction and the viscous edge that belongs to it, shape (e, 2)."""
-    of_ground: Ints = field(default_factory=_none)
+    of_ground: Ints = no_ints(2)
     """Reaction that is the sum over all links and linings on the ground, and 0, shape (g, 2)."""
 
     def __len__(self) -> int:

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clast import spelling
 from clast.errors import ModelError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from clast.model.arrays import Floats, Ints, no_floats, no_ints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,14 +49,6 @@ DOWNWARDS = -float(np.sqrt(0.5))
 """n_y of the outward normals of edges that face down, at most: within 45 degrees."""
 
 
-def _no_floats() -> Floats:
-    return np.zeros(0)
-
-
-def _no_ints() -> Ints:
-    return np.zeros(0, np.int64)
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ViscousEdges:
     """Edges with dashpots, k of them: a rho c_p v_n along the normal, b rho c_s v_t along the edge.
@@ -68,17 +56,17 @@ class ViscousEdges:
     Before they begin, springs hold these edges in the directions that have dashpots.
     """
 
-    edge: Ints = field(default_factory=_no_ints)
+    edge: Ints = no_ints()
     """Index of the first vertex of each edge, shape (k,)."""
-    block: Ints = field(default_factory=_no_ints)
+    block: Ints = no_ints()
     """Its block, shape (k,)."""
-    normal: Floats = field(default_factory=_no_floats)
+    normal: Floats = no_floats()
     """Multiple a of rho c_p, shape (k,)."""
-    tangential: Floats = field(default_factory=_no_floats)
+    tangential: Floats = no_floats()
     """Multiple b of rho c_s, shape (k,)."""
-    kept: Floats = field(default_factory=_no_floats)
+    kept: Floats = no_floats()
     """Share of the spring forces that stays as a traction when dashpots begin, shape (k,)."""
-    begins: Floats = field(default_factory=_no_floats)
+    begins: Floats = no_floats()
     """Time from which dashpots are in the place of springs, s, inf until a stage, shape (k,)."""
     stage: tuple[str, ...] = ()
     """Name of the stage with which they begin, "" where it is a time."""
@@ -97,10 +85,6 @@ class ViscousEdges:
         return f"ViscousEdges({len(self)} edges)"
 
 
-def _no_edges() -> Ints:
-    return np.zeros(0, np.int64)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Opening:
     """Rock that is there until it is excavated."""
@@ -109,7 +93,7 @@ class Opening:
     """Name by which stages refer to it."""
     block: Ints
     """Its blocks, shape (k,)."""
-    welded: Ints = field(default_factory=_no_edges)
+    welded: Ints = no_ints()
     """Edges along its construction joint, welded until it is excavated: their first vertices, (w,).
 
     They belong to blocks inside and outside.
@@ -125,7 +109,7 @@ def blocks_called(
     """
     by_name = {name: np.array([number]) for number, name in enumerate(block_name)}
     by_name |= {one.name: one.block for one in openings}
-    found = [_no_edges()]
+    found = [np.zeros(0, np.int64)]
     for name in names:
         if name not in by_name:
             raise ModelError(

@@ -12,12 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from clast.model.arrays import Floats, Ints, no_floats, no_ints
 from clast.model.factors import Factor
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SHORTEST = 1e-300
 """Smallest length by which numbers are divided, m."""
@@ -27,9 +24,9 @@ SHORTEST = 1e-300
 class WetFaces:
     """Parts of edges that no other block covers at the start."""
 
-    edge: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    edge: Ints = no_ints()
     """Edge of each part: the index of the edge's first vertex, shape (k,)."""
-    share: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    share: Floats = no_floats(2)
     """Where it begins and ends, 0 at the first vertex of the edge and 1 at the next, (k, 2)."""
 
     def __repr__(self) -> str:
@@ -40,13 +37,13 @@ class WetFaces:
 class WetJoints:
     """Parts of two edges that lie along each other at the start: two faces of a joint."""
 
-    edge: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    edge: Ints = no_ints(2)
     """Edges of either face, shape (k, 2)."""
-    share: Floats = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    share: Floats = no_floats(2, 2)
     """Where either face, (k, face), begins and ends as the first one runs, shape (k, 2, 2)."""
-    lowered: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    lowered: Floats = no_floats(2)
     """By how much drains lower the head where it begins and ends, m, shape (k, 2)."""
-    widest: Floats = field(default_factory=lambda: np.zeros(0))
+    widest: Floats = no_floats()
     """Distance of its faces beyond which the water has run out, m, shape (k,)."""
 
     def __repr__(self) -> str:

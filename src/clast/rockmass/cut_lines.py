@@ -450,23 +450,19 @@ def _courses(at: Site, pattern: BlockPattern) -> list[LineTable]:
     if len(beds) + len(heads) == 0:
         raise ModelError("lies outside the domain", where=pattern.where, remedy="move it")
     bricks = float(np.prod(pattern.bricks()))
-    head_joint = pattern.joint if pattern.head_joint is None else pattern.head_joint
     return [
         LineTable(
             name=pattern.name,
-            joint=pattern.joint,
-            ends=overreaching(at, beds),
+            joint=joint,
+            ends=overreaching(at, ends),
             whole=True,
-            faces=bricks,
+            faces=faces,
             courses=True,
-        ),
-        LineTable(
-            name=pattern.name,
-            joint=head_joint,
-            ends=overreaching(at, heads),
-            whole=True,
-            courses=True,
-        ),
+        )
+        for ends, joint, faces in (
+            (beds, pattern.joint, bricks),
+            (heads, pattern.head_joint or pattern.joint, 0.0),
+        )
     ]
 
 

@@ -296,7 +296,6 @@ pattern = "running-bond"
 corner = [0.5, 0.5]
 size = [1.0, 1.0]
 brick = [0.5, 0.5]
-joint_offset = 0.5
 joint = "bedding"
 head_joint = "bedding"
 """

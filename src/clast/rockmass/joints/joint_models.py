@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import shapely
@@ -12,7 +12,7 @@ from scipy.spatial import Voronoi as Diagram
 
 from clast.model.distributions import Exponential
 from clast.model.model import Floats
-from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window, along, pieces, until
+from clast.rockmass.joints.plan import NONE, Drawn, JointModel, Plan, Window, along, pieces, until
 from clast.rockmass.joints.spacing_distributions import Fixed, Spacing, distribution, running
 
 ORIENTED = frozenset({"angle", "dip", "dip_direction", "spacing_is", "angle_spread"})
@@ -21,7 +21,7 @@ DIRECTION = ("angle", "dip")
 
 
 @dataclass(frozen=True)
-class Parallel:
+class Parallel(JointModel):
     """Parallel lines at spacings from a distribution, whole or traces between rock bridges.
 
     One line passes through the origin; the others follow on both sides.  Traces and bridges take
@@ -29,32 +29,26 @@ class Parallel:
     line moved by ``stagger`` of their sum; else from a random place.  P21 = t/((t + g) s).
     """
 
-    name: ClassVar[str] = "parallel"
-    cells: ClassVar[bool] = False
-    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED
-    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",))
+    name = "parallel"
+    takes = ORIENTED | TRACED
+    needs = (DIRECTION, ("spacing",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m."""
         return family(plan, rng)
 
-    def blocks(self, plan: Plan) -> float:
-        """Return about how many traces lie in the window."""
-        return pieces(plan)
-
 
 @dataclass(frozen=True)
-class CrossJointed:
+class CrossJointed(JointModel):
     """Parallel joints that end at the first line of other sets that they meet.
 
     In every layer between the lines of ``terminates_at`` the spacings are drawn anew; with fixed
     ones, every second layer is moved by ``stagger`` of the spacing: 0.5 is a running bond.
     """
 
-    name: ClassVar[str] = "cross-jointed"
-    cells: ClassVar[bool] = False
-    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED | {"terminates_at"}
-    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",), ("terminates_at",))
+    name = "cross-jointed"
+    takes = ORIENTED | TRACED | {"terminates_at"}
+    needs = (DIRECTION, ("spacing",), ("terminates_at",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines that end at the bounds, m."""
@@ -96,7 +90,7 @@ def family(plan: Plan, rng: np.random.Generator) -> Drawn:
     order, place = place[:, 0], place[:, 1]
     foot = plan.origin + place[:, None] * normal
     center = foot + ((window.center - foot) @ way)[:, None] * way
-    ways = direction.ways(rng, len(place))
+    ways = direction.along_traces(rng, len(place))
     whole = along(center, ways, 2.5 * window.radius)
     if plan.trace is None or plan.bridge is None:
         return Drawn(ends=whole, carriers=NONE)
@@ -160,17 +154,16 @@ DENSE = ("intensity", "spacing")
 
 
 @dataclass(frozen=True)
-class Baecher:
+class Baecher(JointModel):
     """Traces with uniformly distributed midpoints, until P21 is reached.
 
     Lengths from their distribution, directions from theirs, all independent (Baecher, Lanney and
     Einstein 1977).  Middles are drawn beyond the window, too, so that its rim is like its interior.
     """
 
-    name: ClassVar[str] = "baecher"
-    cells: ClassVar[bool] = False
-    takes: ClassVar[frozenset[str]] = ORIENTED | {"intensity", "spacing", "trace_length"}
-    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE, ("trace_length",))
+    name = "baecher"
+    takes = ORIENTED | {"intensity", "spacing", "trace_length"}
+    needs = (DENSE, ("trace_length",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return traces, m."""
@@ -182,40 +175,31 @@ class Baecher:
         def draw(count: int) -> Floats:
             middle = rng.uniform(low, high, (count, 2))
             half = 0.5 * np.minimum(trace.draw(rng, count), trace.large)
-            return along(middle, plan.direction.ways(rng, count) * half[:, None], 1.0)
+            return along(middle, plan.direction.along_traces(rng, count) * half[:, None], 1.0)
 
         guess = plan.density * float(np.prod(high - low)) / trace.mean
         return Drawn(ends=until(plan, draw, guess), carriers=NONE)
 
-    def blocks(self, plan: Plan) -> float:
-        """Return about how many traces lie in the window."""
-        return pieces(plan)
-
 
 @dataclass(frozen=True)
-class PoissonLines:
+class PoissonLines(JointModel):
     """Infinite lines at uniformly distributed distances: P21 for every direction.
 
     The number that meets a circle of radius R has Poisson's distribution with the mean 2 R P21
     (Miles 1964, Proc. Natl. Acad. Sci. 52).
     """
 
-    name: ClassVar[str] = "poisson-lines"
-    cells: ClassVar[bool] = False
-    takes: ClassVar[frozenset[str]] = ORIENTED | {"intensity", "spacing"}
-    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE,)
+    name = "poisson-lines"
+    takes = ORIENTED | {"intensity", "spacing"}
+    needs = (DENSE,)
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m."""
         return Drawn(ends=_endless(plan, plan.density, rng), carriers=NONE)
 
-    def blocks(self, plan: Plan) -> float:
-        """Return about how many lines meet the window."""
-        return pieces(plan)
-
 
 @dataclass(frozen=True)
-class Veneziano:
+class Veneziano(JointModel):
     """Poisson lines, divided into traces and rock bridges by Poisson points.
 
     Marking the parts of a line as joint or rock at random makes both lengths exponential, with
@@ -223,15 +207,14 @@ class Veneziano:
     1988, Rock Mech. Rock Eng. 21); another distribution may be given for each.  P21 counts traces.
     """
 
-    name: ClassVar[str] = "veneziano"
-    cells: ClassVar[bool] = False
-    takes: ClassVar[frozenset[str]] = ORIENTED | {
+    name = "veneziano"
+    takes = ORIENTED | {
         "intensity",
         "spacing",
         "trace_length",
         "bridge_length",
     }
-    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE, ("trace_length",), ("bridge_length",))
+    needs = (DENSE, ("trace_length",), ("bridge_length",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return traces, m."""
@@ -254,22 +237,18 @@ class Veneziano:
             found.append(start + spans[:, :, None] * (end - start) / length)
         return Drawn(ends=np.concatenate(found), carriers=whole)
 
-    def blocks(self, plan: Plan) -> float:
-        """Return about how many traces lie in the window."""
-        return pieces(plan)
-
 
 @dataclass(frozen=True)
-class Voronoi:
+class Voronoi(JointModel):
     """Voronoi cells of random points.
 
     Area over ``spacing`` squared cells, or ``count`` of them.  With ``rounds`` above 0 the points
     move to the centroids of their cells, which then become more regular (Lloyd 1982).
     """
 
-    name: ClassVar[str] = "voronoi"
-    cells: ClassVar[bool] = True
-    takes: ClassVar[frozenset[str]] = frozenset({"spacing"})
+    name = "voronoi"
+    cells = True
+    takes = frozenset({"spacing"})
     count: int | None = None
     """Number of cells; from the spacing if absent."""
     rounds: int = 0
@@ -313,7 +292,7 @@ def _endless(plan: Plan, density: float, rng: np.random.Generator) -> Floats:
     """Return lines of Poisson of a density, m/m2, that cross the circle about the window."""
     window = plan.window
     count = int(rng.poisson(2.0 * window.radius * density))
-    ways = plan.direction.ways(rng, count)
+    ways = plan.direction.along_traces(rng, count)
     place = rng.uniform(-window.radius, window.radius, count)
     normal = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
     return along(window.center + place[:, None] * normal, ways, 1.01 * window.radius)

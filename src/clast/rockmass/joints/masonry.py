@@ -4,61 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
-from clast.errors import ModelError
 from clast.model.model import Floats
 from clast.rockmass.domain import Box, points_of
 
 
-class Bond(Protocol):
-    """How the head joints of one course lie to those of the course below."""
-
-    def shift(self, course: int, joint_offset: float | None) -> float:
-        """Return by which share of a brick the head joints of a course are moved."""
-        ...
-
-    def check(self, joint_offset: float | None, where: str) -> None:
-        """Raise ModelError for an offset that the bond cannot have."""
-        ...
-
-
 @dataclass(frozen=True)
 class RunningBond:
-    """Every second course is moved by ``joint_offset`` of a brick, half of one by default."""
+    """Every second course is moved by half a brick."""
 
-    def shift(self, course: int, joint_offset: float | None) -> float:
-        """Return the share of a brick."""
-        return (course % 2) * (0.5 if joint_offset is None else joint_offset)
-
-    def check(self, joint_offset: float | None, where: str) -> None:
-        """Refuse offsets that are not between 0 and 1."""
-        if joint_offset is not None and not 0.0 < joint_offset < 1.0:
-            raise ModelError(
-                f"{joint_offset!r} is not a valid share of a brick",
-                where=f"{where}, joint_offset",
-                remedy="give a number between 0 and 1; head joints in line are a stack bond",
-            )
+    shift: ClassVar[float] = 0.5
+    """Share of a brick by which every second course is moved."""
 
 
 @dataclass(frozen=True)
 class StackBond:
     """All head joints stand one above the other."""
 
-    def shift(self, course: int, joint_offset: float | None) -> float:
-        """Return 0."""
-        return 0.0
-
-    def check(self, joint_offset: float | None, where: str) -> None:
-        """Refuse any offset."""
-        if joint_offset is not None:
-            raise ModelError(
-                "a stack bond has none",
-                where=f"{where}, joint_offset",
-                remedy="leave it out, or choose a running bond",
-            )
+    shift: ClassVar[float] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,10 +41,8 @@ class BlockPattern:
     """Width and height of the wall, m, shape (2,)."""
     brick: Any
     """Width and height of a brick, m, shape (2,)."""
-    pattern: Bond = field(default_factory=RunningBond)
+    pattern: RunningBond | StackBond = field(default_factory=RunningBond)
     """RunningBond or StackBond."""
-    joint_offset: float | None = None
-    """Share of a brick by which a running bond moves every second course; None: 0.5."""
     joint: str | None = None
     """Joint of bed and head joints; None: that of the pair of blocks, the rocks, or the default."""
     head_joint: str | None = None
@@ -103,7 +67,6 @@ class BlockPattern:
 
     def lines(self) -> tuple[Floats, Floats]:
         """Return the bed joints with the outline, and the head joints, m, shape (k, 2, 2) each."""
-        self.pattern.check(self.joint_offset, self.where)
         corners = self.outline()
         low, high = corners[0], corners[2]
         width, height = points_of([self.brick], f"{self.where}, brick", 1)[0]
@@ -113,7 +76,7 @@ class BlockPattern:
         outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
         heads = []
         for course in range(courses):
-            shift = self.pattern.shift(course, self.joint_offset)
+            shift = (course % 2) * self.pattern.shift
             last = math.ceil((high[0] - low[0]) / width - shift)
             at = low[0] + width * (shift + np.arange(-1, last + 1))
             at = at[(at > low[0] + 1e-9 * width) & (at < high[0] - 1e-9 * width)]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 import shapely
@@ -118,36 +118,28 @@ class Drawn:
 NONE = np.zeros((0, 2, 2))
 
 
-class JointModel(Protocol):
+class JointModel:
     """A model of joints: where the lines of a set are."""
 
-    @property
-    def name(self) -> str:
-        """Return the name in case files."""
-        ...
-
-    @property
-    def takes(self) -> frozenset[str]:
-        """Return the keys of a joint set that it uses."""
-        ...
+    name: ClassVar[str]
+    """Name in case files."""
+    takes: ClassVar[frozenset[str]]
+    """Keys of a joint set that it uses."""
+    cells: ClassVar[bool] = False
+    """Whether its lines are edges of cells, and cross none of their own."""
 
     @property
     def needs(self) -> tuple[tuple[str, ...], ...]:
-        """Return the keys that it cannot do without: one of each group."""
-        ...
-
-    @property
-    def cells(self) -> bool:
-        """Return whether its lines are edges of cells, and cross none of their own."""
-        ...
+        """Keys that it cannot do without: one of each group."""
+        return ()
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m; those in the window must be complete."""
-        ...
+        raise NotImplementedError
 
     def blocks(self, plan: Plan) -> float:
         """Return about how many pieces of lines (or cells) it makes in the window."""
-        ...
+        return pieces(plan)
 
 
 def along(points: Floats, ways: Floats, reach: float) -> Floats:
@@ -217,23 +209,6 @@ def _trace(normal: Floats) -> tuple[float, float]:
     return 90.0 - (90.0 - angle) % 180.0, 1.0 / length if length > 0.0 else math.inf
 
 
-class Scatter(Protocol):
-    """How the directions of single joints scatter about that of their set."""
-
-    @property
-    def in_space(self) -> bool:
-        """Whether it is one of planes in space, which needs dip and dip direction."""
-        ...
-
-    def check(self, where: str) -> None:
-        """Raise ModelError for numbers that it cannot have."""
-        ...
-
-    def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
-        """Return angles in the section, radians, shape (count,)."""
-        ...
-
-
 @dataclass(frozen=True, kw_only=True)
 class MeanDirection:
     """The mean direction of a set in the section."""
@@ -264,7 +239,7 @@ class MeanDirection:
             return np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][round(quarter) % 4])
         return np.array([math.cos(angle), math.sin(angle)])
 
-    def ways(self, rng: np.random.Generator, count: int) -> Floats:
+    def along_traces(self, rng: np.random.Generator, count: int) -> Floats:
         """Return unit vectors along traces, shape (count, 2)."""
         if self.angle is None:
             angles = rng.uniform(0.0, math.pi, count)
@@ -275,26 +250,35 @@ class MeanDirection:
         return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _check_kappa(kappa: float, where: str) -> None:
-    if not 0.0 < kappa < math.inf:
-        raise ModelError(
-            f"{kappa:g} must be above 0",
-            where=f"{where}, kappa",
-            remedy="the larger, the less scatter: 60 is a standard deviation of about 7.4 degrees",
-        )
-
-
 @dataclass(frozen=True, kw_only=True)
-class VonMises:
-    """Scatter in the section: exp(kappa cos(deviation)); std about 1/sqrt(kappa) rad."""
+class Scatter:
+    """How the directions of single joints scatter about that of their set."""
 
+    in_space: ClassVar[bool]
+    """Whether it is one of planes in space, which needs dip and dip direction."""
     kappa: float
     """Concentration, -."""
-    in_space: bool = False
 
     def check(self, where: str) -> None:
         """Refuse a concentration that is not above 0."""
-        _check_kappa(self.kappa, where)
+        if not 0.0 < self.kappa < math.inf:
+            raise ModelError(
+                f"{self.kappa:g} must be above 0",
+                where=f"{where}, kappa",
+                remedy="the larger, the less scatter: 60 is a standard deviation of about 7.4 "
+                "degrees",
+            )
+
+    def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
+        """Return angles in the section, radians, shape (count,)."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class VonMises(Scatter):
+    """Scatter in the section: exp(kappa cos(deviation)); std about 1/sqrt(kappa) rad."""
+
+    in_space = False
 
     def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
         """Return angles in the section, radians, shape (count,)."""
@@ -302,7 +286,7 @@ class VonMises:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fisher:
+class Fisher(Scatter):
     """Scatter of normals in space about the mean normal, then seen in the section.
 
     The density is proportional to exp(kappa cos(deviation)) on the sphere, so that the cosine of
@@ -310,13 +294,7 @@ class Fisher:
     R. Soc. A 217).
     """
 
-    kappa: float
-    """Concentration, -."""
-    in_space: bool = True
-
-    def check(self, where: str) -> None:
-        """Refuse a concentration that is not above 0."""
-        _check_kappa(self.kappa, where)
+    in_space = True
 
     def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
         """Return angles in the section, radians, shape (count,)."""
