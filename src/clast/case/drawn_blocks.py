@@ -19,10 +19,10 @@ from clast import spelling
 from clast.case.comments import TO_BE_GIVEN, comment, listed
 from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
+from clast.model.arrays import following
 from clast.model.checks import BlockOutlines, check_polygons
 from clast.model.surroundings import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
-from clast.rockmass.block_loops import following
 from clast.rockmass.drawings.block_arrays import Blocks
 from clast.rockmass.repair import repairs_of
 

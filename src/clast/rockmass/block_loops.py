@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import shapely
 
+from clast.model.arrays import areas, following, owners, polygons_of
 from clast.model.checks import SAME_POINT
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.faces import NOTHING
@@ -188,40 +189,9 @@ def _tiling(graph: Graph, held: Ints) -> tuple[Tiling, Ints, Floats]:
 
 def sound(vertices: Floats, start: Ints) -> Bools:
     """Return which blocks are simple, counter-clockwise polygons, each corner once, (nb,)."""
-    owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    local = vertices - vertices[start[:-1]][owner]
-    polygons = shapely.polygons(shapely.linearrings(local, indices=owner))
+    polygons = polygons_of(vertices - vertices[start[:-1]][owners(start)], start)
     apart = np.hypot(*(vertices[following(start)] - vertices).T)
     longest = np.maximum.reduceat(apart, start[:-1])
     apart = np.minimum.reduceat(apart, start[:-1])
     valid = shapely.is_valid(polygons) & (areas(vertices, start) > 0.0)
     return np.asarray(valid & (apart > 2.0 * SAME_POINT * longest))
-
-
-def areas(vertices: Floats, start: Ints) -> Floats:
-    """Return the signed area of each block, m2, shape (nb,)."""
-    owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    here = vertices - vertices[start[:-1]][owner]
-    there = here[following(start)]
-    cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
-    return np.asarray(0.5 * np.add.reduceat(cross, start[:-1]))
-
-
-def following(start: Ints) -> Ints:
-    """Return the index of the vertex after each in its block, shape (nv,)."""
-    after = np.arange(1, start[-1] + 1)
-    after[start[1:] - 1] = start[:-1]
-    return after
-
-
-def most_common(found: Sequence[tuple[Ints, Ints, Floats]], count: int) -> Ints:
-    """Return for each of ``count`` blocks the place that covers most of it, -1 where none does.
-
-    ``found`` are blocks, the number of a place and the area in common, by place.
-    """
-    best, owner = np.zeros(count), np.full(count, -1, np.int64)
-    for block, number, area in found:
-        more = area > best[block]
-        best[block[more]] = area[more]
-        owner[block[more]] = number[more]
-    return owner

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.model.arrays import areas, following, polygons_of
 from clast.model.model import Floats, Ints
-from clast.rockmass import block_loops as block_loops
 from clast.rockmass.block_loops import Tidied
 from clast.rockmass.cut_lines import PLACES, LineTable, SetLines, Site
 from clast.rockmass.estimate import SizeLimits
@@ -198,8 +198,8 @@ class CutRecord:
 def report_of(work: CutRecord) -> CutReport:
     """Return the report of a cut."""
     at, blocks = work.site, work.blocks
-    area = block_loops.areas(work.vertices, blocks.start)
-    after = block_loops.following(blocks.start)
+    area = areas(work.vertices, blocks.start)
+    after = following(blocks.start)
     edge = np.hypot(*(work.vertices[after] - work.vertices).T)
     domain_area = _rock_area(at)
     total = float(np.sum(area))
@@ -289,9 +289,7 @@ def _rock_area(at: Site) -> float:
 def _aspects(work: CutRecord) -> Floats:
     """Return longer over shorter side of the smallest rectangle about each block, shape (nb,)."""
     start = work.blocks.start
-    owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    rings = shapely.linearrings(work.vertices - work.site.origin, indices=owner)
-    boxes = shapely.minimum_rotated_rectangle(shapely.polygons(rings))
+    boxes = shapely.minimum_rotated_rectangle(polygons_of(work.vertices - work.site.origin, start))
     at, of = shapely.get_coordinates(boxes, return_index=True)
     first = np.searchsorted(of, np.arange(len(start) - 1))
     one, other = (np.hypot(*(at[first + k + 1] - at[first + k]).T) for k in (0, 1))
@@ -304,7 +302,7 @@ def _lengths(ends: Floats) -> Floats:
 
 def _sets(work: CutRecord) -> tuple[SetReport, ...]:
     """Return the statistics of each set, and of the drawn traces of each name."""
-    after = work.blocks.node[block_loops.following(work.blocks.start)]
+    after = work.blocks.node[following(work.blocks.start)]
     here = work.blocks.node
     once = (here < after) & (work.blocks.line >= 0)
     length = np.hypot(*(work.net.xy[after[once]] - work.net.xy[here[once]]).T.astype(float))

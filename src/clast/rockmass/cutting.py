@@ -22,6 +22,7 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.model.arrays import following, owners, polygons_of
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass import block_loops as block_loops
 from clast.rockmass.cut_lines import (
@@ -301,8 +302,8 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
     at = np.stack(places)
     choice = np.zeros(at.shape[1], np.int64)
     worst = len(places) - 1
-    owner = np.repeat(np.arange(len(blocks.group)), np.diff(blocks.start))
-    after = block_loops.following(blocks.start)
+    owner = owners(blocks.start)
+    after = following(blocks.start)
     for _ in range(MOST_REVERTS):
         vertices = at[choice[blocks.node], blocks.node]
         bad = ~block_loops.sound(vertices, blocks.start)
@@ -348,7 +349,7 @@ def _assembled(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
 def _edge_joints(work: CutRecord, names: tuple[str, ...]) -> Ints:
     """Return the joint of each edge, -1 where only one block is, shape (nv,)."""
     blocks = work.blocks
-    here, there = blocks.node, blocks.node[block_loops.following(blocks.start)]
+    here, there = blocks.node, blocks.node[following(blocks.start)]
     count = np.int64(here.max() + 1)
     shared = np.isin(here * count + there, there * count + here)
     joint = np.append(work.joint[work.table], names.index(WELDED))[blocks.line]
@@ -379,8 +380,7 @@ def _owners(work: CutRecord, polygons: Sequence[shapely.Polygon]) -> Ints:
     count = len(blocks.group)
     if not polygons:
         return np.full(count, -1, np.int64)
-    owner = np.repeat(np.arange(count), np.diff(blocks.start))
-    shapes = shapely.polygons(shapely.linearrings(work.vertices - work.site.origin, indices=owner))
+    shapes = polygons_of(work.vertices - work.site.origin, blocks.start)
     area = shapely.area(shapes)
     number, block = shapely.STRtree(shapes).query(polygons, predicate="intersects")
     common = np.zeros(len(block))

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
+from clast.model.arrays import connected
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.cut_lines import LineTable, SetLines, Site
 from clast.rockmass.joints.joint_set import JointSet
@@ -166,8 +165,7 @@ def _hanging_on_nothing(first: Ints, second: Ints, whole: Bools, at_rim: Bools) 
     count = len(whole)
     held = np.flatnonzero(whole | at_rim)
     one, other = np.concatenate([first, held]), np.concatenate([second, np.full(len(held), count)])
-    links = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count + 1,) * 2)
-    return int(connected_components(links, directed=False)[0]) - 1
+    return int(connected(one, other, count + 1).max())
 
 
 def _meeting(ends: Floats, first: Ints, second: Ints) -> Bools:

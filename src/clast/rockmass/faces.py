@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
+from clast.model.arrays import connected, entries
 from clast.model.model import Floats, Ints
 from clast.rockmass.planar import WELD, Graph, Loops, loops_of, parts_of
 
@@ -227,9 +226,7 @@ def _sides_of(ring: NodeRing, edges: Ints) -> tuple[Ints, Ints]:
     index = index.reshape(-1, 2)
     shared = np.searchsorted(nodes, ring.nodes[0])
     index = index[(index != shared).all(axis=1)]
-    ones = np.ones(len(index), np.int8)
-    links = coo_array((ones, (index[:, 0], index[:, 1])), shape=(len(nodes),) * 2)
-    part = connected_components(links, directed=False)[1]
+    part = connected(index[:, 0], index[:, 1], len(nodes))
     of_ring = part == part[np.searchsorted(nodes, ring.nodes[1])]
     return nodes[of_ring], nodes[~of_ring & (np.arange(len(nodes)) != shared)]
 
@@ -343,11 +340,9 @@ def holders(graph: Graph, loops: Loops) -> Ints:
 
 def polygons(graph: Graph, loops: Loops, which: Ints) -> Geometries:
     """Return loops (k,) as shapely polygons without holes, in cells, shape (k,)."""
-    count = np.diff(loops.start)[which]
-    row = np.repeat(loops.start[which] - (np.cumsum(count) - count), count)
-    entry = row + np.arange(count.sum())
+    entry, loop = entries(loops.start, which)
     at = graph.xy[loops.nodes(graph)[entry]].astype(float)
-    rings = shapely.linearrings(at, indices=np.repeat(np.arange(len(which)), count))
+    rings = shapely.linearrings(at, indices=loop)
     return np.asarray(shapely.polygons(rings))
 
 
@@ -364,11 +359,7 @@ def sided(graph: Graph, place: FaceOutlines) -> Graph:
     face = np.where(holder < 0, len(holder), holder)
     side = face[loops.of.reshape(-1, 2)]
     free = ~graph.barrier
-    links = coo_array(
-        (np.ones(int(free.sum()), np.int8), (side[free, 0], side[free, 1])),
-        shape=(len(holder) + 1,) * 2,
-    )
-    alike = connected_components(links, directed=False)[1]
+    alike = connected(side[free, 0], side[free, 1], len(holder) + 1)
     value = np.full(alike.max() + 1, NOTHING, np.int64)
     shells = np.flatnonzero(loops.area2 > 0)
     order = shells[np.lexsort((loops.area2[shells], alike[shells]))]

@@ -13,11 +13,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from clast.errors import ModelError
+from clast.model.arrays import connected
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.planar import Graph
 
@@ -220,9 +219,7 @@ def _joined(point: Floats, reach: float, fixed: Bools) -> Ints:
     count = len(point)
     which = np.flatnonzero(~fixed)
     pairs = which[cKDTree(point[which]).query_pairs(reach, output_type="ndarray")]
-    ones = np.ones(len(pairs), np.int8)
-    links = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
-    group = connected_components(links, directed=False)[1]
+    group = connected(pairs[:, 0], pairs[:, 1], count)
     first = np.full(group.max() + 1, count)
     np.minimum.at(first, group, np.arange(count))
     # A chain of points may be longer than the reach: only points near its first one move to it.

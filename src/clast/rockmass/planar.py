@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from clast.model.arrays import connected
 from clast.model.model import Bools, Floats, Ints
 
 WELD = -1
@@ -121,8 +120,8 @@ def _settled(order: Ints, origin: Ints, way: Ints, angle: Floats) -> Ints:
 def _walked(following: Ints) -> tuple[Ints, Ints]:
     """Return the cycles of a permutation (n,) one after another (n,), and where each starts."""
     count = len(following)
-    links = coo_array((np.ones(count, np.int8), (np.arange(count), following)), shape=(count,) * 2)
-    number, of = connected_components(links, directed=False)
+    of = connected(np.arange(count), following, count)
+    number = int(of.max(initial=-1)) + 1
     first = np.full(number, count)
     np.minimum.at(first, of, np.arange(count))
     # How many steps lie between each and the last of its cycle, by jumps twice as long each time.
@@ -154,10 +153,7 @@ def bordering(graph: Graph) -> Bools:
 
 def parts_of(graph: Graph) -> Ints:
     """Return the connected part that each node belongs to, shape (nn,)."""
-    count = len(graph.xy)
-    ones = np.ones(len(graph.edge), np.int8)
-    links = coo_array((ones, (graph.edge[:, 0], graph.edge[:, 1])), shape=(count, count))
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    return connected(graph.edge[:, 0], graph.edge[:, 1], len(graph.xy))
 
 
 def straightened(graph: Graph) -> Graph:
@@ -197,11 +193,10 @@ def _chains(graph: Graph) -> tuple[Ints, Ints]:
     order = np.argsort(node, kind="stable")
     inner = order[through[node[order]]]
     one, other = inner[0::2] >> 1, inner[1::2] >> 1
-    links = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
-    number, chain = connected_components(links, directed=False)
+    chain = connected(one, other, count)
     ends = np.flatnonzero(~through[node])
     ends = ends[np.argsort(chain[ends >> 1], kind="stable")]
-    return np.asarray(chain, np.int64), node[ends].reshape(number, 2)
+    return chain, node[ends].reshape(-1, 2)
 
 
 def _passed(graph: Graph) -> Bools:

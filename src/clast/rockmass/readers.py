@@ -20,6 +20,7 @@ import numpy as np
 import shapely
 
 from clast.errors import CaseError, shortened
+from clast.model.arrays import following
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of, counter_clockwise
 from clast.rockmass.drawings.blocks_out import read_blocks_npz
 from clast.rockmass.drawings.csv_lines import CsvRow, CsvTable, read_csv, table_of
@@ -191,8 +192,7 @@ def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None)
     origin = np.floor(blocks.vertices.min(axis=0))
     at = blocks.vertices - origin
     reach = ALONG * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
-    after = np.arange(1, len(at) + 1)
-    after[blocks.block_start[1:] - 1] = blocks.block_start[:-1]
+    after = following(blocks.block_start)
     pieces = np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p, _ in drawn]) - origin
     names = [name for p, name in drawn for _ in range(len(p) - 1)]
     segments = shapely.linestrings(pieces)

@@ -21,10 +21,11 @@ from typing import Any
 import numpy as np
 
 from clast.errors import ModelError
+from clast.model.arrays import areas
 from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.model import Floats, Ints
 from clast.model.surroundings import Repair
-from clast.rockmass.block_loops import areas, sound
+from clast.rockmass.block_loops import sound
 from clast.rockmass.cut_report import Finding, finding
 from clast.rockmass.shared_places import (
     Cycles,

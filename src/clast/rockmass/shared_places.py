@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
+from clast.model.arrays import entries, following, owners
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.block_loops import following
 
 EXACT = 1e-6
 """Vertices nearer to an edge than this share of the tolerance lie on it."""
@@ -82,7 +82,8 @@ def near_edges(loops: Cycles, pieces: Pieces, at: Floats, reach: float) -> Near:
     gap, share = aside(at[node], at[pieces.ends[piece]])
     inner = (share > 0.0) & (share < 1.0) & (gap > EXACT * reach)
     node, piece, gap, share = node[inner], piece[inner], gap[inner], share[inner]
-    number, block = _blocks_with(loops, pieces, piece)
+    number, entry = _entries_with(pieces, piece)
+    block = loops.owner[entry]
     count = np.int64(loops.node.max() + 1)
     own = np.isin(block * count + node[number], loops.owner * count + loops.node)
     having = np.bincount(number[own], minlength=len(node))
@@ -98,20 +99,12 @@ def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
     return np.asarray(gap), np.asarray((way * to).sum(axis=1) / length**2)
 
 
-def _blocks_with(loops: Cycles, pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
-    """Return for pieces (k,) the blocks that have them: number of the piece and block, (m,)."""
-    number, entry = _entries_with(pieces, piece)
-    return number, loops.owner[entry]
-
-
 def _entries_with(pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
     """Return for pieces (k,) the entries that have them: number of the piece and entry, (m,)."""
     order = np.argsort(pieces.of, kind="stable")
-    first = np.searchsorted(pieces.of[order], piece)
-    count = np.searchsorted(pieces.of[order], piece, side="right") - first
-    number = np.repeat(np.arange(len(piece)), count)
-    step = np.arange(len(number)) - np.repeat(np.cumsum(count) - count, count)
-    return number, order[first[number] + step]
+    start = np.searchsorted(pieces.of[order], np.arange(len(pieces.ends) + 1))
+    entry, number = entries(start, piece)
+    return number, order[entry]
 
 
 def onto_edges(loops: Cycles, corners: SharedCorners, drawn: Floats, reach: float) -> Floats:
@@ -146,10 +139,8 @@ def _largest_movement(node: Ints, to: Floats, corners: SharedCorners, drawn: Flo
     """Return how far the vertices of places (k,) are at most from points (k, 2), m, shape (k,)."""
     order = np.argsort(corners.node, kind="stable")
     start = np.searchsorted(corners.node[order], np.arange(len(corners.at) + 1))
-    count = start[node + 1] - start[node]
-    number = np.repeat(np.arange(len(node)), count)
-    step = np.arange(len(number)) - np.repeat(np.cumsum(count) - count, count)
-    far = np.hypot(*(drawn[order[start[node][number] + step]] - to[number]).T)
+    entry, number = entries(start, node)
+    far = np.hypot(*(drawn[order[entry]] - to[number]).T)
     most = np.zeros(len(node))
     np.maximum.at(most, number, far)
     return most
@@ -227,7 +218,7 @@ class Cycles:
     @property
     def owner(self) -> Ints:
         """Block of each entry, shape (nv,)."""
-        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+        return owners(self.start)
 
     @property
     def after(self) -> Ints:

@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
+from clast.model.arrays import areas, owners, polygons_of
 from clast.rockmass.drawings.drawing import Floats, LeftOut
 
 Ints = NDArray[np.int64]
@@ -86,15 +87,11 @@ def counter_clockwise(blocks: Blocks) -> Blocks:
     """
     start = blocks.block_start
     count = np.diff(start)
-    owner = np.repeat(np.arange(blocks.count), count)
-    local = blocks.vertices - blocks.vertices[start[:-1]][owner]
-    after = np.arange(1, len(local) + 1)
-    after[start[1:] - 1] = start[:-1]
-    cross = local[:, 0] * local[after, 1] - local[:, 1] * local[after, 0]
-    clockwise = np.add.reduceat(cross, start[:-1]) < 0.0
+    owner = owners(start)
+    clockwise = areas(blocks.vertices, start) < 0.0
     if not clockwise.any():
         return blocks
-    entry = np.arange(len(local))
+    entry = np.arange(len(owner))
     within, last = entry - start[owner], start[owner] + start[owner + 1] - 1
     vertex = np.where(
         clockwise[owner], start[owner] + (count[owner] - within) % count[owner], entry
@@ -137,7 +134,7 @@ def crossed_blocks(ends: Any, vertices: Any, block_start: Any) -> tuple[Ints, Fl
     counts, a corner does not.
     """
     line = shapely.LineString(np.asarray(ends, float))
-    polygons = _polygons(vertices, block_start)
+    polygons = polygons_of(np.asarray(vertices, float), np.asarray(block_start, np.int64))
     near = np.sort(shapely.STRtree(polygons).query(line, predicate="intersects"))
     blocks, points = [], []
     for block in near:
@@ -157,15 +154,10 @@ def blocks_with(points: Any, vertices: Any, block_start: Any) -> Ints:
     """
     places = shapely.points(np.asarray(points, float).reshape(-1, 2))
     found = np.full(len(places), -1, np.int64)
-    tree = shapely.STRtree(_polygons(vertices, block_start))
+    tree = shapely.STRtree(
+        polygons_of(np.asarray(vertices, float), np.asarray(block_start, np.int64))
+    )
     point, block = tree.query(places, predicate="intersects")
     order = np.argsort(block, kind="stable")[::-1]
     found[point[order]] = block[order]  # the lowest comes last
     return found
-
-
-def _polygons(vertices: Any, block_start: Any) -> Any:
-    """Return the blocks as polygons, shape (nb,)."""
-    at, start = np.asarray(vertices, float), np.asarray(block_start, np.int64)
-    ring = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    return shapely.polygons(shapely.linearrings(at, indices=ring))

@@ -14,6 +14,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from clast.errors import CaseError, shortened
+from clast.model.arrays import following
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
 from clast.rockmass.drawings.drawing import DEFAULT_JOINT, Floats
 from clast.rockmass.drawings.drawing_files import checked_file, replaced
@@ -280,15 +281,14 @@ def _check_layers(names: Sequence[str]) -> None:
 
 def _joint_lines(blocks: Blocks) -> list[tuple[list[float], list[float], str]]:
     """Return start, end and joint of the edges that have one, those of two blocks once."""
-    following = np.arange(1, len(blocks.vertices) + 1)
-    following[blocks.block_start[1:] - 1] = blocks.block_start[:-1]
+    after = following(blocks.block_start)
     seen: set[tuple[tuple[float, ...], tuple[float, ...], str]] = set()
     lines = []
     at = blocks.vertices.tolist()
     for k, name in enumerate(blocks.edge_joint):
-        first, second = tuple(at[k]), tuple(at[following[k]])
+        first, second = tuple(at[k]), tuple(at[after[k]])
         key = (min(first, second), max(first, second), name)
         if name and key not in seen:
             seen.add(key)
-            lines.append((at[k], at[following[k]], name))
+            lines.append((at[k], at[after[k]], name))
     return lines

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from clast.errors import CaseError
+from clast.model.arrays import connected
 from clast.rockmass.drawings.drawing import Floats, Polyline
 
 Ints = NDArray[np.int64]
@@ -139,9 +138,8 @@ def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: 
     """Return the end that each end meets, shape (n,), or say where one meets none or several."""
     tree = cKDTree(ends)
     pairs = tree.query_pairs(tolerance, output_type="ndarray")
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(ends),) * 2)
-    count, label = connected_components(graph, directed=False)
-    size = np.bincount(label, minlength=count)
+    label = connected(pairs[:, 0], pairs[:, 1], len(ends))
+    size = np.bincount(label)
     alone = np.flatnonzero(size[label] == 1).astype(np.int64)
     if len(alone):
         raise _open_end(ends, alone, lines, tolerance, file)
