@@ -87,27 +87,18 @@ every = 0.5
 REFUSED = {
     "unknown load": ('loads = ["pol"]', "'pol'", "did you mean 'pool'"),
     "unknown joint": ("joint = {beding = {cohesion = 1e3}}", "'beding'", "did you mean 'bedding'"),
-    "no strength": ("joint = {bedding = {friction = 25}}", "friction", "friction_angle"),
-    "radians": ("joint = {bedding = {friction_angle = 0.5}}", "radians", "28.6"),
     "unknown opening": ('excavate = ["bix"]', "'bix'", "did you mean 'box'"),
     "unknown bolt": ('install = ["swellex"]', "'swellex'", "there is no"),
-    "time without time": ('until = "time"', "time", "duration"),
-    "relax without excavate": ("relax = 0.3", "excavates nothing", "excavate ="),
-    "relax never": ('excavate = ["box"]\nrelax = 0.3', "relax_time", "above 0"),
     "relax too long": (
         'excavate = ["box"]\nrelax = 0.3\nrelax_time = 9.0\ntime = 5.0',
         "relax_time",
         "raise time",
     ),
-    "no ground motion": ("ground_motion = true", "ground_motion", "[ground_motion]"),
-    "until never": ('until = "rest"', "rest", "equilibrium"),
     "hold nothing": ("hold = 0", "hold", ""),
-    "step too long": ("step = 3.0\ntime = 1.0", "step", "lower step"),
     "unknown damping": ('damping = "magic"', "magic", "damping"),
     "damping out of range": ('damping = {name = "adaptive", ratio = -1}', "ratio", "0"),
     "unknown number": ('damping = {name = "kinetic", ratio = 1.0}', "ratio", ""),
     "twice the same load": ('loads = ["pool", "pool"]', "already acts", "name it once"),
-    "unknown key": ("reset = true", "reset", "reset_displacement"),
 }
 
 

@@ -30,12 +30,6 @@ def test_without_cables_the_slope_stands_dry_and_slides_wet():
 
 
 @pytest.mark.slow
-def test_a_lower_level_of_water_needs_no_cables():
-    run = Case.from_toml(TEMPLATES["slope"], ["bolt=[]", "water.1.line=[[0,15],[26,6]]"]).run()
-    assert set(outcomes(run).values()) == {"equilibrium"}
-
-
-@pytest.mark.slow
 def test_bolts_hold_the_wall_of_the_tunnel():
     run = Case.from_toml(TEMPLATES["tunnel"]).run()
     assert outcomes(run)["settled"] == outcomes(run)["support"] == "equilibrium"

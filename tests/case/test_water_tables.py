@@ -28,7 +28,6 @@ level = 1.5
 
 BROKEN = {
     "no surface": (["water.1={}"], ["[[water]] 1", "neither level nor line", "height|level y"]),
-    "two surfaces": (["water.1.line=[[0, 1], [1, 1]]"], ["[[water]] 1", "both level and line"]),
     "no function": (
         ["water.1={line=[[0, 1], [2, 1], [1, 2]]}"],
         ["water 1, line", "x decreases at (1, 2)", "order the points by x"],
@@ -53,10 +52,6 @@ BROKEN = {
         ['water.1.joints=["default"]'],
         ["no two blocks share a face", "'default'"],
     ),
-    "joints of faces": (
-        ['water.1.joints=["bed"]', "water.1.acts_on=faces"],
-        ["[[water]] 1", "outer faces only", 'acts_on = "joints"'],
-    ),
     "unknown table": (["water.1.amplitude=rmap"], ["water 1, amplitude", "'rmap'", "mean 'ramp'"]),
     "table beyond one": (["water.1.amplitude=wild"], ["water 1, amplitude", "goes from 0 to 2"]),
     "share beyond one": (
@@ -67,7 +62,6 @@ BROKEN = {
         ["water.1.drained_at=[[0.5, 0.3]]"],
         ["water 1, drained_at, point 1", "(0.5, 0.3) is not on a joint", "0.3 m away"],
     ),
-    "no weight": (["gravity=[0, 0]"], ["water 1", "a water level needs gravity", "-9.81"]),
     "gravity aslant": (["gravity=[1, -9]"], ["water 1", "[1, -9]", "ground_motion"]),
     "nothing wet": (
         ["water.1.level=-0.5", "water.1.acts_on=joints"],
@@ -95,9 +89,6 @@ SCRIPTS = {
     "unknown place": ({"acts_on": "edges"}, ["acts_on", "'edges'", "faces"]),
     "unknown state": ({"wetted": "never"}, ["wetted", "'never'", "closed"]),
     "no number": ({"level": "high"}, ["level", "'high'"]),
-    "no points": ({"level": None, "line": 3.0}, ["line", "list in brackets"]),
-    "no list of joints": ({"joints": "bed"}, ["joints", "list in brackets"]),
-    "not a valid share": ({"amplitude": None}, ["amplitude", "number"]),
 }
 
 

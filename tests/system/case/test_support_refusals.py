@@ -63,38 +63,21 @@ HINGE = {"at": [1, 1], "blocks": ["box", "lid"], "x": "rigid", "y": "rigid"}
 SERVO = {"block": "box", "stress": [0, -1e6], "limit_speed": 0.1}
 ROUGH = {"law": "barton-bandis", "jrc": 8.0, "jcs": 50e6, "residual_friction_angle": 27.0}
 MOTIONS: list[tuple[dict[str, Any], str]] = [
-    ({"x": 1.0}, "names nothing that moves"),
-    ({"block": "box", "blocks": ["box"], "x": 1.0}, "names block and blocks"),
     ({"block": "box", "fixed_point": [3, 0], "x": 1.0}, "names block and fixed_point"),
-    ({"blocks": [], "x": 1.0}, "is empty"),
     ({"blocks": ["box", "box"], "x": 1.0}, "names block 'box' twice"),
     ({"block": "bux", "x": 1.0}, "there is no block 'bux'"),
-    ({"block": "box"}, "does not say how the block moves"),
     ({"block": "held", "x": 1.0}, "block 'held' is held by a fixed point, too"),
-    ({"fixed_point": [3.5, 0], "x": 1.0}, "there is no fixed point at"),
-    ({"fixed_point": [3, 0], "rotation": 1.0}, "a fixed point has no rotation"),
     ({"fixed_point": [3, 0], "x": 1.0, "about": [0, 0]}, "a fixed point has no about"),
     ({"fixed_point": [3, 0], "force": [0, -1], "limit_speed": 1}, "a fixed point has no force"),
-    ({"block": "box", "x": 1.0, "about": [0, 0]}, "about is the centre of a rotation"),
-    ({"blocks": ["box", "lid"], "rotation": 5.0}, "need a common centre of rotation"),
-    ({"block": "box", "force": [0, -1e3], "stress": [0, -1e6], "limit_speed": 1}, "has both force"),
-    ({"block": "box", "force": [0, -1e3]}, "limit_speed is missing"),
-    ({"block": "box", "x": 1.0, "limit_speed": 1.0}, "limit_speed is for a servo"),
     ({"block": "box", "x": 1.0, "amplitude": "way"}, "amplitude is for a servo"),
-    ({**SERVO, "stress": [0, 0]}, "applies no force"),
     ({**SERVO, "y": 0.0}, "y is given both a motion and a force"),
     ({**SERVO, "block": "floor"}, "block 'floor' is fixed, so no force"),
     ({**SERVO, "block": None, "blocks": ["box", "lid"]}, "its blocks differ in width"),
     ({**SERVO, "amplitude": "weigh"}, "there is no amplitude 'weigh'"),
-    ({**SERVO, "limit_speed": -1.0}, "must be above 0"),
     ({"block": "box", "x": {"displacement": "weg"}}, "there is no amplitude 'weg'"),
     ({"block": "box", "x": {"displacement": "late"}}, "is 0.02 where the motion begins"),
-    ({"block": "box", "x": {}}, "follows nothing"),
-    ({"block": "box", "x": {"displacement": "way", "velocity": "way"}}, "follows both"),
-    ({"block": "box", "x": 1.0, "ease": -0.1}, "must be"),
     ({"block": "box", "x": 1.0, "stage": "third"}, "there is no stage 'third'"),
     ({"block": "box", "x": 1.0, "until": "third"}, "there is no stage 'third'"),
-    ({"block": "box", "x": float("nan")}, "must be a finite number"),
 ]
 TWICE: list[tuple[dict[str, Any], str]] = [
     ({"name": "a", "block": "box", "x": 2.0}, "there are two motions 'a'"),
@@ -105,23 +88,13 @@ TWICE: list[tuple[dict[str, Any], str]] = [
 """Second motions, beside one of "box" in x."""
 LINKS: list[tuple[dict[str, Any], str]] = [
     ({**HINGE, "blocks": ["box", "box"]}, "links block 'box' with itself"),
-    ({**HINGE, "blocks": None}, "names no block"),
-    ({**HINGE, "block": "box"}, "has both block and blocks"),
     ({**HINGE, "blocks": ["box", "lit"]}, "there is no block 'lit'"),
     ({**HINGE, "blocks": ["floor", "wall"]}, "links two fixed blocks"),
     ({**HINGE, "blocks": None, "block": "floor"}, "links a fixed block to the ground"),
-    ({**HINGE, "x": None, "y": None}, "restrains nothing"),
-    ({**HINGE, "direction": [0, 0]}, "has no direction"),
     ({**HINGE, "x": None, "y": None, "rotation": 1e3, "yield_force": 10}, "yield_force is that of"),
     ({**HINGE, "x": None, "y": None, "rotation": 1e3, "gap": 0.1}, "gap is that of x or y"),
     ({**HINGE, "x": None, "y": None, "rotation": 1e3, "rupture": 0.1}, "rupture is that of x or y"),
-    ({**HINGE, "yield_moment": 10}, "yield_moment is that of rotation"),
     ({**HINGE, "rupture_rotation": 5}, "rupture_rotation is that of rotation"),
-    ({**HINGE, "x": "stiff"}, "rigid"),
-    ({**HINGE, "x": -1e6}, "must be above 0"),
-    ({**HINGE, "yield_force": 0.0}, "must be above 0"),
-    ({**HINGE, "damping": -1.0}, "must be 0 or more"),
-    ({**HINGE, "rotation": "rigid", "rupture_rotation": 400}, "must be 360 or less"),
     ({**HINGE, "stage": "third"}, "there is no stage 'third'"),
 ]
 MOMENTS: list[tuple[dict[str, Any], str]] = [
@@ -130,32 +103,12 @@ MOMENTS: list[tuple[dict[str, Any], str]] = [
     ({"block": "box", "moment": 1e3, "amplitude": "wej"}, "there is no amplitude 'wej'"),
 ]
 REACTIONS: list[tuple[dict[str, Any], str]] = [
-    ({"name": "r"}, "names nothing"),
     ({"name": "r", "block": "floor", "fixed_point": [3, 0]}, "names block and fixed_point"),
     ({"name": "r", "block": "box"}, "block 'box' is neither fixed nor moved"),
-    ({"name": "r", "blocks": []}, "names no block"),
-    ({"name": "r", "fixed_point": [9, 9]}, "there is no fixed point at"),
     ({"name": "fixed blocks", "block": "floor"}, "'fixed blocks'"),
 ]
 JOINTS: list[tuple[dict[str, Any], str]] = [
-    ({"friction_angle": 30, "residual_friction_angle": 35}, "residual_friction_angle"),
-    ({"friction_angle": 30, "cohesion": 1e5, "residual_cohesion": 2e5}, "residual_cohesion"),
-    ({"friction_angle": 30, "kinetic_friction_angle": 33}, "kinetic_friction_angle"),
-    ({"friction_angle": 30, "dilation_angle": 35}, "dilation_angle"),
-    ({"friction_angle": 30, "critical_speed": 0.1}, "critical_speed"),
-    ({"friction_angle": 30, "dilation_until": 0.1}, "dilation_until"),
     ({"friction_angle": 30, "slip_weakening": 0.01}, "slip_weakening"),
-    ({"friction_angle": 0.61}, "radians"),
-    ({"friction_angle": 30, "jrc": 8}, 'belongs to a joint with law = "barton-bandis"'),
-    ({"law": "barton-bandis", "jrc": 8.0, "jcs": 50e6}, "residual_friction_angle"),
-    ({**ROUGH, "jrc": 25.0}, "must be 20 or less"),
-    ({**ROUGH, "jcs": 50.0}, "looks like MPa"),
-    ({**ROUGH, "friction_angle": 35.0}, 'does not belong to law = "barton-bandis"'),
-    ({**ROUGH, "sample_length": 100.0}, "looks like millimetres"),
-    ({**ROUGH, "initial_aperture": 0.2}, "looks like millimetres"),
-    ({**ROUGH, "field_length": 0.05}, "is less than the length of the sample"),
-    ({**ROUGH, "residual_friction_angle": 75.0}, "leave no room for roughness"),
-    ({**ROUGH, "law": "barton"}, "barton-bandis"),
 ]
 
 
