@@ -143,11 +143,14 @@ def _figures(
     if not len(x):
         return []
     label = _labelled(columns.study, name)
-    band = figures.Band(x=x, share=share, half=half, confidence=statistics.CONFIDENCE)
+    confidence = statistics.CONFIDENCE
     paths = [folder / f"{safe}-{kind}.png" for kind in ("histogram", "cumulative", "tornado")]
     drawn = [
         (figures.draw_histogram(values, columns.fails, label, paths[0]), "histogram"),
-        (figures.draw_cumulative(band, label, paths[1]), "cumulative"),
+        (
+            figures.draw_cumulative(x, share, half, confidence, label, paths[1]),
+            "cumulative",
+        ),
     ]
     return [*drawn, *_tornado(columns, units, values, f"mean of {label}", paths[2])]
 
@@ -238,11 +241,9 @@ def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Pa
     model = folder.base.model()
     runs = max(1, len(columns.run))
     share = np.array([columns.blocks.get(name, 0) / runs for name in model.block_name])
-    section = figures.FailureSection(
-        vertices=model.vertices + model.origin, block_start=model.block_start, share=share
-    )
+    blocks = np.split(model.vertices + model.origin, model.block_start[1:-1])
     label = "share of the runs in which a block fails"
-    add_figures(page, lambda: [(figures.draw_frequency(section, label, path), label)])
+    add_figures(page, lambda: [(figures.draw_frequency(blocks, share, label, path), label)])
 
 
 def _counts(page: Page, columns: StudyResults, head: str, counts: Mapping[str, int]) -> None:

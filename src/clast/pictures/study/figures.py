@@ -1,25 +1,25 @@
-"""Figures of studies: spread, probability, influence, displacement against a factor, blocks."""
+"""Figures of studies: spread, probability, influence, collapse, blocks that fail, back-analysis."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL_SIZE, TEXT, TEXT_SIZE
+from clast.thumbnails import CURVE_COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-BLUE, RED, GREEN = "#1f6f8b", "#c1440e", "#6a8d2f"
+RED, BLUE, GREEN = CURVE_COLOURS[:3]
 STANDING = "#f4f4f2"
 """Colour of blocks that do not fail."""
 MOST_BINS = 60
@@ -32,20 +32,6 @@ DOTS = 150
 """Dots per inch."""
 LONGEST_LABEL = 34
 """Most letters of the name of a parameter."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Band:
-    """A cumulative curve with its band; k values."""
-
-    x: Floats
-    """Values, ascending, shape (k,)."""
-    share: Floats
-    """Share of runs up to each, shape (k,)."""
-    half: Floats
-    """Half the width of the band, shape (k,); zeros: none is known."""
-    confidence: float
-    """Confidence with which the band holds the whole curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,44 +54,6 @@ class Bar:
         """Its name, and below it the values of the parameter."""
         ends = " to ".join(map(_short, self.ends))
         return f"{short_label(self.label)}\n{ends}{behind_number(self.unit)}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialMark:
-    """A trial of a study of collapse."""
-
-    factor: float
-    """Its factor."""
-    displacement: float
-    """Largest displacement, m."""
-    verdict: str
-    """"stands", "fails" or "undecided"."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialCourse:
-    """The k steps of a trial, and the limits by which it is judged."""
-
-    moved: Floats
-    """Largest movements of the steps, added up, m, shape (k,)."""
-    unbalanced: Floats
-    """Largest unbalanced force of a block, as a share of the forces on it, shape (k,)."""
-    goes: float
-    """Movement from which blocks may fail, m."""
-    balanced: float
-    """Unbalanced force below which they are in equilibrium, as a share of the forces on them."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FailureSection:
-    """A section of n blocks, nv vertices, coloured by how often each fails."""
-
-    vertices: Floats
-    """Vertices, m, shape (nv, 2)."""
-    block_start: Ints
-    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
-    share: Floats
-    """Share of the runs in which each block fails, shape (n,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +96,7 @@ def draw_histogram(values: Floats, fails: Floats, label: str, path: Path) -> Pat
         lw=0.5,
     )
     if own.any():
-        axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+        axes.legend(**LEGEND)
     return save_axes(axes, path)
 
 
@@ -157,17 +105,22 @@ def is_wide(values: Floats) -> bool:
     return bool(len(values)) and 0.0 < DECADES * float(values.min()) < float(values.max())
 
 
-def draw_cumulative(band: Band, label: str, path: Path) -> Path:
-    """Draw the share of runs up to a value, with its band; return the picture's path."""
+def draw_cumulative(
+    x: Floats, share: Floats, half: Floats, confidence: float, label: str, path: Path
+) -> Path:
+    """Draw the ``share`` of runs up to each of the values x (k,); return the picture's path.
+
+    ``half`` (k,) is half the width of the band that holds the whole curve with a ``confidence``;
+    zeros: none is known.
+    """
     axes = new_axes(label, "share of the runs up to it")
-    axes.step(band.x, band.share, where="post", color=BLUE, lw=1.3)
-    if band.half.any():
-        low = np.clip(band.share - band.half, 0.0, 1.0)
-        high = np.clip(band.share + band.half, 0.0, 1.0)
-        label = f"{100 * band.confidence:g} %: the whole curve"
-        axes.fill_between(band.x, low, high, step="post", color=BLUE, alpha=0.18, lw=0, label=label)
-        axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
-    if is_wide(band.x):
+    axes.step(x, share, where="post", color=BLUE, lw=1.3)
+    if half.any():
+        low, high = np.clip(share - half, 0.0, 1.0), np.clip(share + half, 0.0, 1.0)
+        label = f"{100 * confidence:g} %: the whole curve"
+        axes.fill_between(x, low, high, step="post", color=BLUE, alpha=0.18, lw=0, label=label)
+        axes.legend(**LEGEND)
+    if is_wide(x):
         axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)
     return save_axes(axes, path)
@@ -191,9 +144,7 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     axes.grid(axis="y", visible=False)
     axes.set_ylim(-0.6, len(bars) - 0.4)
     axes.legend(
-        fontsize=SMALL_SIZE,
-        frameon=False,
-        labelcolor=INK,
+        **LEGEND,
         loc="lower right",
         bbox_to_anchor=(1.0, 0.99),
         ncols=2,
@@ -202,107 +153,98 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
 
 
 def draw_factors(
-    marks: Sequence[TrialMark], bracket: tuple[float, float], path: Path, name: str
+    factors: Floats,
+    displacements: Floats,
+    verdicts: Sequence[str],
+    bracket: tuple[float, float],
+    name: str,
+    path: Path,
 ) -> Path:
-    """Draw displacement against factor, with the bracket shaded; return the picture's path."""
+    """Draw the largest displacement, m, against the factor of k trials; return the picture's path.
+
+    Verdicts are "stands", "fails" or "undecided"; the bracket is shaded.
+    """
     axes = new_axes(name, "largest displacement (m)")
     low, high = bracket
     if low > 0.0 and np.isfinite(high):
-        label = f"{low:.5g} to {high:.5g}"
-        axes.axvspan(low, high, color=RED, alpha=0.15, lw=0, label=label)
-    moved = [one.displacement for one in marks if one.displacement > 0.0]
-    least = min(moved, default=1e-6)
-    shown = sorted(marks, key=lambda one: one.factor)
-    axes.plot(
-        [one.factor for one in shown],
-        [max(one.displacement, 0.5 * least) for one in shown],
-        color=FAINT,
-        lw=0.8,
-        zorder=1,
-    )
+        axes.axvspan(low, high, color=RED, alpha=0.15, lw=0, label=f"{low:.5g} to {high:.5g}")
+    positive = displacements[displacements > 0.0]
+    shown = np.maximum(displacements, 0.5 * positive.min() if len(positive) else 0.5e-6)
+    order = np.argsort(factors, kind="stable")
+    axes.plot(factors[order], shown[order], color=FAINT, lw=0.8, zorder=1)
     for verdict, colour, mark in (
         ("stands", GREEN, "o"),
         ("fails", RED, "X"),
         ("undecided", INK, "D"),
     ):
-        own = [one for one in shown if one.verdict == verdict]
-        if own:
-            axes.plot(
-                [one.factor for one in own],
-                [max(one.displacement, 0.5 * least) for one in own],
-                mark,
-                color=colour,
-                ms=5.5,
-                label=verdict,
-            )
+        own = np.array([one == verdict for one in verdicts])
+        if own.any():
+            axes.plot(factors[own], shown[own], mark, color=colour, ms=5.5, label=verdict)
     axes.set_yscale("log")
-    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    axes.legend(**LEGEND)
     return save_axes(axes, path)
 
 
-def draw_course(course: TrialCourse, path: Path) -> Path:
-    """Draw movement and unbalanced force of a trial step by step; return the picture's path."""
+def draw_course(
+    displacement: Floats, unbalanced: Floats, limits: tuple[float, float], path: Path
+) -> Path:
+    """Draw displacement, m, and unbalanced force of the k steps of a trial; return the path.
+
+    ``limits`` are the displacement from which blocks may fail, and the unbalanced force, as a share
+    of the forces on a block, below which they are in equilibrium.
+    """
     size = (SIZE[0], 1.5 * SIZE[1])
     below = new_axes("step", "unbalanced force / forces", height=0.37, size=size)
     figure = cast("Figure", below.get_figure(root=True))
     place = below.get_position()
     above = figure.add_axes((place.x0, place.y1 + 0.08, place.width, place.height), sharex=below)
     label_axes(above, "", "movement (m)")
-    step = np.arange(1, len(course.moved) + 1)
-    for axes, values, limit, said in (
-        (above, course.moved, course.goes, "may fail above"),
-        (below, course.unbalanced, course.balanced, "equilibrium below"),
+    step = np.arange(1, len(displacement) + 1)
+    for axes, values, limit, text in (
+        (above, displacement, limits[0], "may fail above"),
+        (below, unbalanced, limits[1], "equilibrium below"),
     ):
         axes.plot(step, np.where(values > 0.0, values, np.nan), color=BLUE, lw=1.3)
-        axes.axhline(limit, color=RED, lw=1.0, ls="--", label=f"{said} {limit:.3g}")
+        axes.axhline(limit, color=RED, lw=1.0, ls="--", label=f"{text} {limit:.3g}")
         axes.set_yscale("log")
-        axes.legend(
-            fontsize=SMALL_SIZE,
-            frameon=False,
-            labelcolor=INK,
-            loc="lower right",
-            bbox_to_anchor=(1.0, 0.99),
-        )
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), **LEGEND)
         canvas.label_logarithms(axes)
     above.tick_params(labelbottom=False)
     return save_axes(below, path)
 
 
-def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
-    """Draw the section, blocks darker the more often they fail; return the picture's path."""
+def draw_frequency(blocks: Sequence[Floats], share: Floats, label: str, path: Path) -> Path:
+    """Draw n blocks, outlines (k, 2), m, darker the more often they fail; return the path.
+
+    ``share`` (n,) is that of the runs in which each fails.
+    """
     from matplotlib.collections import PolyCollection
 
-    axes = _section(section.vertices.min(axis=0), section.vertices.max(axis=0))
-    blocks = [section.vertices[a:b] for a, b in pairwise(section.block_start)]
-    drawn = PolyCollection(blocks, edgecolors=FAINT, linewidths=0.4)
-    drawn.set_array(section.share)
+    every = np.concatenate(blocks)
+    axes = _section(every.min(axis=0), every.max(axis=0))
+    drawn = PolyCollection(list(blocks), edgecolors=FAINT, linewidths=0.4)
+    drawn.set_array(share)
     axes.add_collection(drawn)
     return _coloured(axes, drawn, label, path)
 
 
-def draw_failing(section: FailureSection, path: Path) -> Path:
-    """Draw the section, blocks that fail (share above 0) in colour; return the picture's path."""
+def draw_failing(blocks: Sequence[Floats], fails: Bools, path: Path) -> Path:
+    """Draw n blocks, outlines (k, 2), m, those that fail (n,) in colour; return the path."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    axes = _section(section.vertices.min(axis=0), section.vertices.max(axis=0), below=1.0)
-    blocks = [section.vertices[a:b] for a, b in pairwise(section.block_start)]
-    colours = [RED if share > 0.0 else STANDING for share in section.share]
+    every = np.concatenate(blocks)
+    axes = _section(every.min(axis=0), every.max(axis=0), below=1.0)
+    colours = [RED if one else STANDING for one in fails]
     axes.add_collection(
-        PolyCollection(blocks, facecolors=colours, edgecolors=FAINT, linewidths=0.4)
+        PolyCollection(list(blocks), facecolors=colours, edgecolors=FAINT, linewidths=0.4)
     )
+    handles = [
+        Patch(facecolor=RED, edgecolor=FAINT, label="fails"),
+        Patch(facecolor=STANDING, edgecolor=FAINT, label="stands"),
+    ]
     figure = cast("Figure", axes.get_figure(root=True))
-    figure.legend(
-        handles=[
-            Patch(facecolor=RED, edgecolor=FAINT, label="fails"),
-            Patch(facecolor=STANDING, edgecolor=FAINT, label="stands"),
-        ],
-        loc="upper right",
-        ncols=2,
-        fontsize=SMALL_SIZE,
-        frameon=False,
-        labelcolor=INK,
-    )
+    figure.legend(handles=handles, loc="upper right", ncols=2, **LEGEND)
     return canvas.save(figure, path)
 
 
@@ -374,8 +316,8 @@ def new_axes(
 
 def label_axes(axes: Axes, x_label: str, y_label: str) -> None:
     """Label axes, with a grid, in the style of all figures."""
-    axes.set_xlabel(canvas.literal(x_label), fontsize=TEXT_SIZE, color=INK)
-    axes.set_ylabel(canvas.literal(y_label), fontsize=TEXT_SIZE, color=INK)
+    axes.set_xlabel(canvas.literal(x_label), **TEXT)
+    axes.set_ylabel(canvas.literal(y_label), **TEXT)
     axes.grid(color="#e2e2e2", lw=0.5)
     canvas.style(axes)
 
@@ -399,3 +341,103 @@ def behind_number(unit: str) -> str:
 def short_label(label: str) -> str:
     """Return a name that fits beside a bar: its end, which tells it from others."""
     return label if len(label) <= LONGEST_LABEL else "…" + label[1 - LONGEST_LABEL :]
+
+
+MOST_NAMED = 12
+"""Most series that a legend names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Match:
+    """Measured and computed values; k of them."""
+
+    label: Sequence[str]
+    """Point and part of each."""
+    time: Floats
+    """When each was measured, s, shape (k,); NaN: at the end of the run."""
+    observed: Floats
+    """Measured, m, shape (k,)."""
+    predicted: Floats
+    """Computed, m, shape (k,)."""
+    deviation: Floats | None
+    """Standard deviations, m, shape (k,); None where they are not known."""
+
+    def series(self) -> list[tuple[str, str, np.ndarray]]:
+        """Return label, colour and members (k,) of each series."""
+        names = list(dict.fromkeys(self.label))
+        own = np.array(self.label)
+        return [
+            (name, CURVE_COLOURS[k % len(CURVE_COLOURS)], own == name)
+            for k, name in enumerate(names)
+        ]
+
+
+def draw_match(match: Match, path: Path) -> Path:
+    """Draw computed against measured values, with bars of two deviations; return the path."""
+    axes = new_axes("measured (mm)", "computed (mm)")
+    both = 1e3 * np.concatenate([match.observed, match.predicted])
+    ends = [float(both.min()), float(both.max())]
+    axes.plot(ends, ends, color=FAINT, lw=0.8, zorder=1)
+    for name, colour, own in match.series():
+        bars = None if match.deviation is None else 2e3 * match.deviation[own]
+        axes.errorbar(
+            1e3 * match.observed[own],
+            1e3 * match.predicted[own],
+            xerr=bars,
+            fmt="o",
+            ms=4,
+            lw=0.8,
+            color=colour,
+            label=canvas.literal(short_label(name)),
+        )
+    _legend(axes, match)
+    return save_axes(axes, path)
+
+
+def draw_differences(match: Match, path: Path) -> Path:
+    """Draw computed less measured values over time, or by number; return the path."""
+    is_timed = bool(np.isfinite(match.time).all())
+    x = match.time if is_timed else np.arange(1.0, len(match.time) + 1.0)
+    left = match.predicted - match.observed
+    scaled = 1e3 * left if match.deviation is None else left / match.deviation
+    label = "computed less measured " + ("(mm)" if match.deviation is None else "(sd)")
+    axes = new_axes("time (s)" if is_timed else "observation", label)
+    axes.axhline(0.0, color=INK, lw=0.8)
+    if match.deviation is not None:
+        axes.axhspan(-2.0, 2.0, color=FAINT, alpha=0.15, lw=0)
+    for name, colour, own in match.series():
+        label = canvas.literal(short_label(name))
+        axes.plot(x[own], scaled[own], "o-", color=colour, ms=4, lw=0.8, label=label)
+    _legend(axes, match)
+    return save_axes(axes, path)
+
+
+def draw_correlation(names: Sequence[str], correlation: Floats, path: Path) -> Path:
+    """Draw correlations (m, m) of the errors of parameters, 1 red, -1 blue; return the path."""
+    axes = new_axes("", "", left=0.42)
+    axes.grid(visible=False)
+    axes.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
+    labels = [canvas.literal(short_label(one)) for one in names]
+    axes.set_yticks(range(len(names)), labels)
+    axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
+    axes.set_yticks(range(len(names)), [f"{one}  {k}" for k, one in enumerate(labels, 1)])
+    if len(names) <= MOST_NAMED:
+        for (row, column), value in np.ndenumerate(correlation):
+            colour = "white" if abs(value) > 0.6 else INK
+            axes.text(
+                column,
+                row,
+                f"{value:.2f}",
+                ha="center",
+                va="center",
+                color=colour,
+                fontsize=SMALL_SIZE,
+            )
+    axes.tick_params(labelsize=TEXT_SIZE - 1)
+    return save_axes(axes, path)
+
+
+def _legend(axes: Axes, match: Match) -> None:
+    """Name the series where there are a few."""
+    if 1 < len(match.series()) <= MOST_NAMED:
+        axes.legend(**LEGEND)

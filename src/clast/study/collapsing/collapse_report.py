@@ -42,13 +42,17 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
 
 def _bracket(page: Page, folder: StudyFolder, found: Collapse) -> None:
     """Draw displacement against factor."""
-    marks = [
-        figures.TrialMark(factor=one.factor, displacement=one.displacement, verdict=one.verdict)
-        for one in found.trials
-    ]
+    factors = np.array([one.factor for one in found.trials])
+    displacements = np.array([one.displacement for one in found.trials])
+    verdicts = [one.verdict for one in found.trials]
     path, symbol = folder.path / FIGURES / "displacement.png", found.by.SYMBOL
     bracket, label = (found.low, found.high), "displacement against factor, with the bracket"
-    add_figures(page, lambda: [(figures.draw_factors(marks, bracket, path, symbol), label)])
+
+    def drawn() -> list[tuple[Path, str]]:
+        trials = factors, displacements, verdicts
+        return [(figures.draw_factors(*trials, bracket, symbol, path), label)]
+
+    add_figures(page, drawn)
 
 
 def _trials(page: Page, found: Collapse) -> None:
@@ -72,15 +76,14 @@ def _curves(page: Page, folder: StudyFolder, found: Collapse, number: int) -> No
     if not file.exists():
         return
     steps = read_results(file).steps
-    course = figures.TrialCourse(
-        moved=np.cumsum(steps["travel"]),
-        unbalanced=steps["unbalanced"],
-        goes=Scales.of(folder.base.model()).goes,
-        balanced=Stage.force_ratio,
-    )
+    limits = Scales.of(folder.base.model()).goes, Stage.force_ratio
+    displacement, unbalanced = np.cumsum(steps["travel"]), steps["unbalanced"]
     path = folder.path / FIGURES / f"undecided-{number}.png"
     label = f"movement and unbalanced force of trial {number}, step by step"
-    add_figures(page, lambda: [(figures.draw_course(course, path), label)])
+    add_figures(
+        page,
+        lambda: [(figures.draw_course(displacement, unbalanced, limits, path), label)],
+    )
 
 
 def _titled(found: Collapse, number: int) -> str:
@@ -93,17 +96,15 @@ def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
     """Draw the blocks that fail in each trial, as pictures and DXF in its folder."""
     model = folder.base.model()
     vertices, said = model.vertices + model.origin, ""
+    blocks = np.split(vertices, model.block_start[1:-1])
     page.head("Blocks that fail")
     for k, trial in enumerate(found.trials, 1):
         if not trial.blocks:
             continue
         fails = np.isin(model.block_name, trial.blocks)
         place = folder.place(k)
-        section = figures.FailureSection(
-            vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
-        )
         try:
-            figures.draw_failing(section, place / "failing.png")
+            figures.draw_failing(blocks, fails, place / "failing.png")
             layers = np.where(fails, "FAILS", "STANDS").tolist()
             write_blocks_dxf(place / "failing.dxf", vertices, model.block_start, layers)
         except CaseError as error:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.pictures.page.document import write_html
-from clast.pictures.study import fit_figures
-from clast.pictures.study.figures import behind_number
+from clast.pictures.study import figures
 from clast.study.fitting.fitting import Fit
 from clast.study.fitting.observations import ENSEMBLE, FitSettings
 from clast.study.folder import StudyFolder, make_folder
@@ -50,7 +49,7 @@ def _parameters(page: Page, folder: StudyFolder, found: Fit) -> None:
     units = parameter_units(folder)
     numbers = zip(found.parameter, found.value, found.low, found.high, strict=True)
     for name, value, low, high in numbers:
-        answer = f"{name} = {value:.5g}{behind_number(units[name])}"
+        answer = f"{name} = {value:.5g}{figures.behind_number(units[name])}"
         page.say(f"{answer} ({100 * CONFIDENCE:g} %: {low:.5g} to {high:.5g})", "answer")
     if found.remark:
         page.say(found.remark[0].upper() + found.remark[1:])
@@ -74,7 +73,7 @@ def _deviations(folder: StudyFolder) -> np.ndarray | None:
 def _figures(folder: StudyFolder, found: Fit, pictures: Path) -> list[tuple[Path, str]]:
     """Return the figures, and their captions."""
     study, sd = folder.study, _deviations(folder)
-    match = fit_figures.Match(
+    match = figures.Match(
         label=[f"{one.point} {'xy'[one.part]}" for one in study.observe],
         time=np.array([np.nan if one.time is None else one.time for one in study.observe]),
         observed=found.observed,
@@ -82,12 +81,12 @@ def _figures(folder: StudyFolder, found: Fit, pictures: Path) -> list[tuple[Path
         deviation=sd,
     )
     drawn = [
-        (fit_figures.draw_match(match, pictures / "match.png"), "computed against measured"),
-        (fit_figures.draw_differences(match, pictures / "differences.png"), "differences"),
+        (figures.draw_match(match, pictures / "match.png"), "computed against measured"),
+        (figures.draw_differences(match, pictures / "differences.png"), "differences"),
     ]
     if len(found.parameter) > 1:
         path = pictures / "correlation.png"
-        fit_figures.draw_correlation(found.parameter, found.correlation, path)
+        figures.draw_correlation(found.parameter, found.correlation, path)
         drawn.append((path, "correlation of the errors of the parameters"))
     return drawn
 
