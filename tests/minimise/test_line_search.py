@@ -37,7 +37,7 @@ def test_every_island_goes_to_the_least_potential_of_its_own(count, islands):
     lengths, evaluations = line_search.lengths_along(
         island, line, (*springs[0], *springs[1]), start + work, curvature, start
     )
-    assert 0 < evaluations < line_search.LIMIT
+    assert 0 < evaluations < line_search.EVALUATIONS_MAX
     at = lengths[island]
     found = line_search.links_along(island, lengths, line, (*springs[0], *springs[1]))
     n, kn = bear(gap + at * d_gap, springs[0])
@@ -47,6 +47,8 @@ def test_every_island_goes_to_the_least_potential_of_its_own(count, islands):
         assert np.array_equal(one, other)
     slope = start + work + lengths * curvature
     slope -= np.bincount(island, n * d_gap + t * d_slip, islands)
-    allowed = line_search.TOLERANCE * np.abs(start) + line_search.NOTHING * np.abs(start).sum()
+    allowed = (
+        line_search.SLOPE_TOLERANCE * np.abs(start) + line_search.SLOPE_NOISE * np.abs(start).sum()
+    )
     size = np.bincount(island, np.abs(n * d_gap) + np.abs(t * d_slip), islands)
     assert (np.abs(slope) <= allowed + 1e-13 * size).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.step import convex
-from clast.step.search_distance import SPARE, farther
+from clast.step.search_distance import SPARE_CRITDIS, farther
 from scenes.systems import at_start, box, by_convex, heap, march, method, system
 
 MAX = 0.05
@@ -46,7 +46,7 @@ def test_a_block_at_rest_that_is_hit_meets_the_next_within_the_same_step(monkeyp
 def test_only_blocks_that_went_too_far_are_expected_to_go_farther():
     how = method(critdis=0.01, max_displacement=0.1)
     expected = np.array([0.01, 0.02, 0.03])
-    spared = expected + 0.9 * SPARE * how.critdis
+    spared = expected + 0.9 * SPARE_CRITDIS * how.critdis
     assert farther(how, expected, spared) is None
     gone = np.array([0.01, 0.05, 0.03])
     assert farther(how, expected, gone) == pytest.approx([0.01, 0.075, 0.03])

@@ -11,6 +11,10 @@ solution.  There may be none, and it may not be found.
 Directions are those of a flexible GMRES (Saad 1993) with the symmetric part, which the solver of
 the step has ready, as preconditioner: it takes as many solutions as there are contacts that slide,
 at most, and far fewer where these are many.
+
+Where that fails friction bounds are renewed from the forces, a fixed point x = g(x).  The next
+guess is found from guesses and their values (Anderson 1965): with residuals f = g - x, the changes
+of f are combined so that the rest of the last f is least, and the same is taken off the last g.
 """
 
 from __future__ import annotations
@@ -25,8 +29,7 @@ from clast.compute.reductions import is_any
 from clast.errors import StepRejected
 from clast.linear import block_matrix
 from clast.linear.system import contact_motions, with_contact_forces
-from clast.minimise.each_block import EachBlock
-from clast.minimise.newton import SolverContext
+from clast.minimise.newton import EachBlock, SolverContext
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Floats
 from clast.read_only import changed
@@ -37,7 +40,7 @@ either, a contact is about to change its mode, and all of it is taken."""
 SOON, WORSE, BETTER = 4, 10.0, 0.1
 """Iterations after which the distance must be less than a tenth of the first, and by how much it
 may be more before: where contacts go to and fro between modes none of them ends."""
-ACCURACY, MOST = 1e-6, 60
+GMRES_TOLERANCE, GMRES_ITERATIONS_MAX = 1e-6, 60
 """Residual at which GMRES ends, as a share of the first, and its iterations at most."""
 
 
@@ -121,8 +124,8 @@ def gmres(
     size = float(np.linalg.norm(force))
     turns: list[tuple[float, float]] = []
     basis, tried, left = [force / size], [], size
-    products = np.zeros((MOST + 1, MOST))
-    for k in range(MOST):
+    products = np.zeros((GMRES_ITERATIONS_MAX + 1, GMRES_ITERATIONS_MAX))
+    for k in range(GMRES_ITERATIONS_MAX):
         tried.append(solved(basis[k]))
         new = times(tried[k])
         for j, one in enumerate(basis):
@@ -137,7 +140,7 @@ def gmres(
         diagonal = math.hypot(column[k], column[k + 1])
         turns.append((column[k] / diagonal, column[k + 1] / diagonal) if diagonal else (1.0, 0.0))
         left *= abs(turns[k][1])
-        if left <= ACCURACY * size or products[k + 1, k] == 0.0:
+        if left <= GMRES_TOLERANCE * size or products[k + 1, k] == 0.0:
             break
         basis.append(new / products[k + 1, k])
     count = len(tried)
@@ -145,3 +148,34 @@ def gmres(
     right[0] = size
     shares = np.linalg.lstsq(products[: count + 1, :count], right, rcond=None)[0]
     return np.asarray(np.einsum("k,knd->nd", shares, np.array(tried)))
+
+
+CHANGES_MAX = 3
+"""Changes from guess to guess that are combined, at most."""
+SINGULAR_SHARE = 1e-12
+"""Share of the largest product of changes below which they are not told apart."""
+
+
+@dataclass(frozen=True)
+class Guesses:
+    """Guesses x, shape (k, m), and their values g(x), (k, m), the last ones last."""
+
+    given: tuple[Floats, ...] = ()
+    """The guesses, shape (m,) each."""
+    answers: tuple[Floats, ...] = ()
+    """Their values, shape (m,) each."""
+
+    def with_one(self, given: Floats, answer: Floats) -> Guesses:
+        """Return the last guesses and one more."""
+        return Guesses((*self.given[-CHANGES_MAX:], given), (*self.answers[-CHANGES_MAX:], answer))
+
+    def next_guess(self) -> Floats:
+        """Return the next guess, shape (m,); after one guess its value."""
+        answers = np.array(self.answers)
+        residuals = answers - np.array(self.given)
+        changes = np.diff(residuals, axis=0)
+        # einsum adds in one order whatever the number of threads
+        products = np.einsum("km,lm->kl", changes, changes)
+        right = np.einsum("km,m->k", changes, residuals[-1])
+        shares = np.linalg.lstsq(products, right, rcond=SINGULAR_SHARE)[0]
+        return np.asarray(answers[-1] - np.einsum("k,km->m", shares, np.diff(answers, axis=0)))

@@ -312,9 +312,6 @@ def _two(count: int) -> Both:
     return np.empty(count), np.empty(count)
 
 
-# --- spring by spring ----------------------------------------------------------------------
-
-
 @kernel(forceinline=True)
 def _of_state(state, first, last):
     """Return f, f - low, high - f, w- and w+ of the springs ``first`` to ``last`` - 1."""

@@ -82,9 +82,6 @@ def islands_of(springs: Springs, fixed: Bools) -> Islands:
     )
 
 
-# --- which blocks belong together ----------------------------------------------------------
-
-
 @kernel()
 def _root(parent, i):
     """Return the first block of the tree that i is in, and shorten the way there."""
@@ -180,9 +177,6 @@ def are_small(island, count, pairs, first, fixed, few, like_trees):
         small[r] = simple and blocks[r] + 1 < SHARED and links[r] < MANY
     small[count - 1] = False
     return small
-
-
-# --- some blocks taken out of all ----------------------------------------------------------
 
 
 @kernel()
@@ -305,21 +299,18 @@ def _springs_of(springs, source):
 @kernel()
 def _point_of(blocks, source, point):
     """Return the point of some blocks."""
-    d, gap, slip = point.displacement, point.gap, point.slip
-    normal, shear, kn = point.normal, point.shear, point.kn
-    ks, residual, distance = point.ks, point.residual, point.distance
     own_distance = np.zeros(len(blocks) + 1)
     for k in range(len(blocks)):
-        own_distance[k] = distance[blocks[k]]
+        own_distance[k] = point.distance[blocks[k]]
     return IslandPoint(
-        _rows_of(d, blocks),
-        _taken(gap, source),
-        _taken(slip, source),
-        _taken(normal, source),
-        _taken(shear, source),
-        _taken(kn, source),
-        _taken(ks, source),
-        _rows_of(residual, blocks),
+        _rows_of(point.displacement, blocks),
+        _taken(point.gap, source),
+        _taken(point.slip, source),
+        _taken(point.normal, source),
+        _taken(point.shear, source),
+        _taken(point.kn, source),
+        _taken(point.ks, source),
+        _rows_of(point.residual, blocks),
         own_distance,
     )
 
@@ -358,24 +349,15 @@ def put_back(blocks, source, found, point):
 @kernel()
 def _write_point(blocks, source, found, point):
     """Write the point of some blocks where it belongs."""
-    d, gap, slip = point.displacement, point.gap, point.slip
-    normal, shear, kn = point.normal, point.shear, point.kn
-    ks, residual, distance = point.ks, point.residual, point.distance
-    own_d, own_gap, own_slip = found.displacement, found.gap, found.slip
-    own_normal, own_shear, own_kn = found.normal, found.shear, found.kn
-    own_ks, own_residual, left = found.ks, found.residual, found.distance
     for k in range(len(blocks)):
-        put_row(d, blocks[k], row(own_d, k))
-        put_row(residual, blocks[k], row(own_residual, k))
-        distance[blocks[k]] = left[k]
+        put_row(point.displacement, blocks[k], row(found.displacement, k))
+        put_row(point.residual, blocks[k], row(found.residual, k))
+        point.distance[blocks[k]] = found.distance[k]
     for k in range(len(source)):
         c = source[k]
-        gap[c], slip[c] = own_gap[k], own_slip[k]
-        normal[c], shear[c] = own_normal[k], own_shear[k]
-        kn[c], ks[c] = own_kn[k], own_ks[k]
-
-
-# --- Newton's method on one island ---------------------------------------------------------
+        point.gap[c], point.slip[c] = found.gap[k], found.slip[k]
+        point.normal[c], point.shear[c] = found.normal[k], found.shear[k]
+        point.kn[c], point.ks[c] = found.kn[k], found.ks[k]
 
 
 @kernel()

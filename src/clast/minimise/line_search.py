@@ -18,15 +18,12 @@ from clast.compute.parallel import BLOCKS, CONTACTS, shared
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.clipped_spring import clipped, forces_at, in_piece
 
-TOLERANCE = 1e-9
+SLOPE_TOLERANCE = 1e-9
 """The line's minimum is found where the slope has fallen to this share of its start."""
-LIMIT = 40
+EVALUATIONS_MAX = 40
 """Evaluations along a line at most."""
-NOTHING = 1e-14
+SLOPE_NOISE = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
-
-
-# --- sums over islands ---------------------------------------------------------------------
 
 
 @kernel()
@@ -110,9 +107,6 @@ def slopes(of_blocks, of_links, count, blocks, residual, direction, forces, moti
     return bend, start, start + island_sums(works, of_links, count)
 
 
-# --- the search ----------------------------------------------------------------------------
-
-
 @kernel()
 def _lengths(length, island):
     """Return the length of each link's island (k,)."""
@@ -177,18 +171,18 @@ def lengths_along(island, line, springs, smooth, curvature, start):
     ``line`` are gap, its change, slip and its change (m,) of the links, which are in ``island``
     (m,); ``springs`` are theirs (Springs.arrays).  ``smooth`` and ``curvature`` (r,) are the slope
     and the bend of all the rest at length 0, ``start`` (r,) is the whole slope there.  A length is
-    found where the slope has fallen to TOLERANCE of its start, or to next to nothing beside those
-    of all islands.
+    found where the slope has fallen to SLOPE_TOLERANCE of its start, or to next to nothing beside
+    those of all islands.
     """
     count, links = len(start), len(island)
     only = whole_pieces(island, PART)
     works, bends = np.empty(links), np.empty(links)
-    enough = TOLERANCE * np.abs(start) + NOTHING * np.abs(start).sum()
+    enough = SLOPE_TOLERANCE * np.abs(start) + SLOPE_NOISE * np.abs(start).sum()
     done = start == 0.0
     length = np.ones(count)
     search = length, np.zeros(count), np.full(count, np.inf), done
     left, evaluations = count - int(done.sum()), 0
-    while left > 0 and evaluations < LIMIT:
+    while left > 0 and evaluations < EVALUATIONS_MAX:
         evaluations += 1
         _work(links, island, length, line, springs, works, bends)
         slope = smooth + length * curvature - sums(works, island, only, PART, count)
@@ -236,11 +230,11 @@ def common_length(along: Callable[[float], tuple[float, float]], start: float) -
     ``along`` returns slope and bend at a length, J/m; ``start`` is the slope at 0.
     """
     low, high, length = 0.0, np.inf, 1.0
-    for evaluations in range(1, LIMIT + 1):
+    for evaluations in range(1, EVALUATIONS_MAX + 1):
         slope, bend = along(length)
-        if abs(slope) <= TOLERANCE * abs(start):
+        if abs(slope) <= SLOPE_TOLERANCE * abs(start):
             return length, evaluations
         low, high = (length, high) if slope < 0.0 else (low, length)
         trial = length - slope / bend
         length = trial if low < trial < high else 0.5 * (low + min(high, 2.0 * low + 1.0))
-    return length, LIMIT
+    return length, EVALUATIONS_MAX

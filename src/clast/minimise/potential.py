@@ -16,13 +16,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, summed
 from clast.compute.stopwatch import Stages
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
-from clast.contact.clipped_spring import Forces, Springs
+from clast.contact.clipped_spring import Forces, Springs, forces_at
 from clast.linear import block_matrix, residual
+from clast.linear.assembly import contact_motions as motions_of_links
 from clast.linear.factor_cache import FactorOfStep
+from clast.linear.residual import left_at
 from clast.linear.system import (
     BlockSystem,
     DiagonalTerms,
@@ -43,7 +46,6 @@ from clast.minimise.line_search import (
     links_along,
     slopes,
 )
-from clast.minimise.starts import left_at_starts
 from clast.model.model import Bools, Floats
 
 MOMENTUM_SHARE = 1e-4
@@ -145,8 +147,6 @@ class Potential:
             islands=islands_of(springs, fixed),
         )
 
-    # --- energy, gradient, Hessian
-
     def energy(self, unknowns: Floats) -> float:
         """Return E, J/m, at ``unknowns`` (n, 6), which are 0 for fixed blocks."""
         gap, slip = self.stretches(unknowns)
@@ -168,8 +168,6 @@ class Potential:
     def forces(self) -> Springs | Law:
         """The source of the forces of the springs."""
         return self.springs if self.law is None else self.law
-
-    # --- points
 
     def stretches(self, unknowns: Floats) -> tuple[Floats, Floats]:
         """Return gap and slip of the links (m,), m, at ``unknowns`` (n, 6)."""
@@ -229,8 +227,6 @@ class Potential:
         ends = springs.vertex_block, springs.edge_block, springs.arms
         return self._balance[0], (springs.pairs, self.graph, ends, springs.arrays)
 
-    # --- distances to the minimum
-
     def distance(self, point: Point) -> float:
         """Return a bound on twice the potential above its minimum, J/m.
 
@@ -282,8 +278,6 @@ class Potential:
     def sum_of_forces(self) -> float:
         """Return the sum of all forces on the blocks, N/m: more than any spring has to carry."""
         return float(_sum_of_forces(len(self.fixed), self.base.force, self.fixed))
-
-    # --- Newton's method
 
     def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): Hessian dd = -gradient."""
@@ -368,3 +362,27 @@ def _sum_of_forces(first, last, force, fixed):
         if not fixed[i]:
             size += np.hypot(force[i, 0], force[i, 1])
     return size
+
+
+@kernel()
+def left_at_starts(system, graph, contacts, table, islands, starts):
+    """Return the distance to the minimum that each island has at each start, J/m, (k, islands).
+
+    ``system``, ``graph`` and ``contacts`` as linear/residual.py has them; ``table`` are the edge
+    blocks, gaps, slips (m,) and springs of the links (Springs.arrays), ``islands`` those of the
+    blocks (n,) and their number, ``starts`` (k, n, 6) the unknowns.
+    """
+    vertex_block, arms = contacts
+    edge_block, gap, slip, springs = table
+    of_blocks, count = islands
+    normal = np.empty((len(starts), len(gap)))
+    shear = np.empty_like(normal)
+    for k in range(len(starts)):
+        opening, sliding = motions_of_links(vertex_block, edge_block, arms, starts[k])
+        answer = forces_at(gap + opening, slip + sliding, springs)
+        normal[k], shear[k] = answer[0], answer[1]
+    left = left_at(system, graph, contacts, starts, normal, shear)
+    found = np.empty((len(starts), count))
+    for k in range(len(starts)):
+        found[k] = island_sums(left[k], of_blocks, count)
+    return found

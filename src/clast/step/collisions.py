@@ -28,15 +28,15 @@ from clast.step.impulses import (
     room_for,
 )
 
-SAME = 1e-9
+SAME_MOMENT_STEPS = 1e-9
 """Time between impacts that are one, in units of the step."""
-OFTEN = 8
+REBOUNDS_PER_STEP_MAX = 8
 """Impacts of a contact within a step after which it gives nothing back, and carries."""
-NEVER = 16
+IMPACTS_PER_STEP_MAX = 16
 """Impacts of a contact within a step after which it is left to its spring."""
-FELT = 1e-2
+FELT_IMPACTS = 1e-2
 """Closing velocity that makes a bearing contact take part, in units of that of the impact."""
-SLOW = 0.5
+FELT_THRESHOLDS = 0.5
 """The same in units of the closing velocity from which contacts strike."""
 EXACT, FEW = 1e-10, 12
 """Change of velocity at which the impulses of few contacts are found, and how many are few.
@@ -57,9 +57,8 @@ Later strikes are left to the springs.
 @kernel(forceinline=True)
 def _accelerations(c, acceleration, contacts):
     """Return the accelerations of contact c along its normal and its edge, m/s2."""
-    vertex_block, edge_block, arms = contacts.vertex_block, contacts.edge_block, contacts.arms
-    i, j = vertex_block[c], edge_block[c]
-    nx, ny = arms[c, 0], arms[c, 1]
+    i, j = contacts.vertex_block[c], contacts.edge_block[c]
+    nx, ny = contacts.arms[c, 0], contacts.arms[c, 1]
     x, y = acceleration[i, 0] - acceleration[j, 0], acceleration[i, 1] - acceleration[j, 1]
     return nx * x + ny * y, nx * y - ny * x
 
@@ -76,27 +75,22 @@ def _rates(c, time, velocity, acceleration, contacts):
 @kernel()
 def _moment(c, bodies, contacts, limits):
     """Return when contact c closes faster than the threshold, s; infinity: not in this step."""
-    velocity, shift, last = bodies.velocity, bodies.shift, bodies.last
-    acceleration = bodies.acceleration
-    gap, vertex_block, edge_block = contacts.gap, contacts.vertex_block, contacts.edge_block
-    arms = contacts.arms
-    step, threshold = limits.step, limits.threshold
-    i, j = vertex_block[c], edge_block[c]
-    start = max(last[i], last[j])
-    bend, _ = _accelerations(c, acceleration, contacts)
-    rate, _ = _rates(c, start, velocity, acceleration, contacts)
-    shifted, _ = relative_motion(arms, c, shift, i, j)
-    here = gap[c] + shifted + start * (rate - 0.5 * start * bend)
+    i, j = contacts.vertex_block[c], contacts.edge_block[c]
+    start = max(bodies.last[i], bodies.last[j])
+    bend, _ = _accelerations(c, bodies.acceleration, contacts)
+    rate, _ = _rates(c, start, bodies.velocity, bodies.acceleration, contacts)
+    shifted, _ = relative_motion(contacts.arms, c, bodies.shift, i, j)
+    here = contacts.gap[c] + shifted + start * (rate - 0.5 * start * bend)
     if here <= 0.0:
-        return start if rate < -threshold else np.inf
+        return start if rate < -limits.threshold else np.inf
     square = rate * rate - 2.0 * bend * here
-    if not square > threshold * threshold:
+    if not square > limits.threshold * limits.threshold:
         return np.inf
     closing = np.sqrt(square)
     if not closing - rate > 0.0:
         return np.inf
     moment = start + 2.0 * here / (closing - rate)
-    return moment if moment <= step else np.inf
+    return moment if moment <= limits.step else np.inf
 
 
 @kernel(forceinline=True)
@@ -108,49 +102,42 @@ def _moves(b, mobility):
 @kernel()
 def _look_ahead(listed, bodies, contacts, live, limits):
     """Write when the contacts listed (k,) strike; no impulse moves two blocks that cannot move."""
-    moment, carries, hits = live.moment, live.carries, live.hits
-    waiting, waits, number = live.waiting, live.waits, live.number
     mobility, vertex_block, edge_block = bodies.mobility, contacts.vertex_block, contacts.edge_block
     for c in listed:
-        strikes = not carries[c] and hits[c] < NEVER
+        strikes = not live.carries[c] and live.hits[c] < IMPACTS_PER_STEP_MAX
         strikes &= _moves(vertex_block[c], mobility) or _moves(edge_block[c], mobility)
-        moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
-        if moment[c] < np.inf and not waits[c]:
-            waiting[number[0]], waits[c] = c, True
-            number[0] += 1
+        live.moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
+        if live.moment[c] < np.inf and not live.waits[c]:
+            live.waiting[live.number[0]], live.waits[c] = c, True
+            live.number[0] += 1
 
 
 @kernel()
 def _add_block(b, mobility, group):
     """Put block b among those of the group, if it moves."""
-    blocks, among, counts = group.blocks, group.among, group.counts
-    if not among[b] and _moves(b, mobility):
-        blocks[counts[1]], among[b] = b, True
-        counts[1] += 1
+    if not group.among[b] and _moves(b, mobility):
+        group.blocks[group.counts[1]], group.among[b] = b, True
+        group.counts[1] += 1
 
 
 @kernel()
 def _join(c, time, target, bodies, contacts, group):
     """Let contact c take part, and its blocks."""
-    velocity, acceleration, mobility = bodies.velocity, bodies.acceleration, bodies.mobility
-    members, place, targets = group.members, group.place, group.targets
-    linear, course, counts = group.linear, group.course, group.counts
-    at = counts[0]
-    members[at], place[c], targets[at] = c, at, target
-    counts[0] += 1
-    rates = _rates(c, time, velocity, acceleration, contacts)
-    describe(at, c, rates, target, velocity, mobility, contacts, linear)
-    course.impulses[at, 0] = course.impulses[at, 1] = 0.0
-    _add_block(contacts.vertex_block[c], mobility, group)
-    _add_block(contacts.edge_block[c], mobility, group)
+    at = group.counts[0]
+    group.members[at], group.place[c], group.targets[at] = c, at, target
+    group.counts[0] += 1
+    rates = _rates(c, time, bodies.velocity, bodies.acceleration, contacts)
+    describe(at, c, rates, target, bodies.velocity, bodies.mobility, contacts, group.linear)
+    group.course.impulses[at, 0] = group.course.impulses[at, 1] = 0.0
+    _add_block(contacts.vertex_block[c], bodies.mobility, group)
+    _add_block(contacts.edge_block[c], bodies.mobility, group)
 
 
 @kernel()
 def _let_strike(c, time, bodies, contacts, hits, group):
     """Let contact c take part and rebound; return how fast it closes, m/s."""
-    before, acceleration, restitution = bodies.before, bodies.acceleration, contacts.restitution
-    rate, _ = _rates(c, time, before, acceleration, contacts)
-    back = restitution[c] if hits[c] < OFTEN else 0.0
+    rate, _ = _rates(c, time, bodies.before, bodies.acceleration, contacts)
+    back = contacts.restitution[c] if hits[c] < REBOUNDS_PER_STEP_MAX else 0.0
     _join(c, time, max(0.0, -rate) * back, bodies, contacts, group)
     return -rate
 
@@ -163,29 +150,25 @@ def _moment_of_all(first, bodies, contacts, live, around, limits, group):
     corner than on the ground between.  So the impact is that of the last contact which closes
     before any other of these blocks is as deep as faces are uneven.
     """
-    before, acceleration, mobility = bodies.before, bodies.acceleration, bodies.mobility
-    vertex_block, edge_block = contacts.vertex_block, contacts.edge_block
-    moment, start, listed = live.moment, around.start, around.listed
-    blocks, among, counts = group.blocks, group.among, group.counts
     latest, at = np.inf, 0
-    _add_block(vertex_block[first], mobility, group)
-    _add_block(edge_block[first], mobility, group)
-    while at < counts[1]:
-        b = blocks[at]
-        for c in listed[start[b] : start[b + 1]]:
-            if moment[c] < np.inf and moment[c] <= latest:
-                rate, _ = _rates(c, moment[c], before, acceleration, contacts)
-                latest = min(latest, moment[c] + limits.even / -rate)
-                _add_block(vertex_block[c], mobility, group)
-                _add_block(edge_block[c], mobility, group)
+    _add_block(contacts.vertex_block[first], bodies.mobility, group)
+    _add_block(contacts.edge_block[first], bodies.mobility, group)
+    while at < group.counts[1]:
+        b = group.blocks[at]
+        for c in around.listed[around.start[b] : around.start[b + 1]]:
+            if live.moment[c] < np.inf and live.moment[c] <= latest:
+                rate, _ = _rates(c, live.moment[c], bodies.before, bodies.acceleration, contacts)
+                latest = min(latest, live.moment[c] + limits.even / -rate)
+                _add_block(contacts.vertex_block[c], bodies.mobility, group)
+                _add_block(contacts.edge_block[c], bodies.mobility, group)
         at += 1
-    last = moment[first]
-    for b in blocks[: counts[1]]:
-        among[b] = False
-        for c in listed[start[b] : start[b + 1]]:
-            if moment[c] <= latest:
-                last = max(last, moment[c])
-    counts[1] = 0
+    last = live.moment[first]
+    for b in group.blocks[: group.counts[1]]:
+        group.among[b] = False
+        for c in around.listed[around.start[b] : around.start[b + 1]]:
+            if live.moment[c] <= latest:
+                last = max(last, live.moment[c])
+    group.counts[1] = 0
     return last
 
 
@@ -196,23 +179,18 @@ def _gather(first, time, bodies, contacts, live, around, limits, group):
     Those that strike as it does wherever they are: it should not depend on the order of the blocks.
     Where it waits for others of its blocks, until ``time``, all of these that have closed then.
     """
-    before, acceleration = bodies.before, bodies.acceleration
-    start, listed = around.start, around.listed
-    moment, hits, waiting = live.moment, live.hits, live.waiting
-    number = live.number
-    place, blocks, counts = group.place, group.blocks, group.counts
     fastest, at = 0.0, 0
-    waits = time > moment[first] + SAME * limits.step
-    for c in waiting[: number[0]]:
-        if c == first or (not waits and moment[c] <= time + SAME * limits.step):
-            fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
-    while at < counts[1]:
-        b = blocks[at]
-        for c in listed[start[b] : start[b + 1]]:
-            if place[c] < 0 and moment[c] < np.inf:
-                rate, _ = _rates(c, time, before, acceleration, contacts)
-                if moment[c] <= time or -rate * (moment[c] - time) <= limits.even:
-                    fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
+    waits = time > live.moment[first] + SAME_MOMENT_STEPS * limits.step
+    for c in live.waiting[: live.number[0]]:
+        if c == first or (not waits and live.moment[c] <= time + SAME_MOMENT_STEPS * limits.step):
+            fastest = max(fastest, _let_strike(c, time, bodies, contacts, live.hits, group))
+    while at < group.counts[1]:
+        b = group.blocks[at]
+        for c in around.listed[around.start[b] : around.start[b + 1]]:
+            if group.place[c] < 0 and live.moment[c] < np.inf:
+                rate, _ = _rates(c, time, bodies.before, bodies.acceleration, contacts)
+                if live.moment[c] <= time or -rate * (live.moment[c] - time) <= limits.even:
+                    fastest = max(fastest, _let_strike(c, time, bodies, contacts, live.hits, group))
         at += 1
     return fastest
 
@@ -223,22 +201,18 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
 
     Each takes its first impulse at once: a blow runs on from block to block before all are renewed.
     """
-    velocity, before, acceleration = bodies.velocity, bodies.before, bodies.acceleration
-    first, listed = around.start, around.listed
-    carries = live.carries
-    place, linear, course = group.place, group.linear, group.course
     blocks, counts = group.blocks, group.counts
     known, at = counts[0], 0
     while at < counts[1]:
         b = blocks[at]
-        for k in listed[first[b] : first[b + 1]]:
-            if place[k] < 0 and carries[k]:
-                rate, _ = _rates(k, time, before, acceleration, contacts)
+        for k in around.listed[around.start[b] : around.start[b + 1]]:
+            if group.place[k] < 0 and live.carries[k]:
+                rate, _ = _rates(k, time, bodies.before, bodies.acceleration, contacts)
                 target = min(0.0, rate)
-                rate, _ = _rates(k, time, velocity, acceleration, contacts)
+                rate, _ = _rates(k, time, bodies.velocity, bodies.acceleration, contacts)
                 if rate < target - felt:
                     _join(k, time, target, bodies, contacts, group)
-                    renew(counts[0] - 1, counts[0], linear, course, velocity)
+                    renew(counts[0] - 1, counts[0], group.linear, group.course, bodies.velocity)
         at += 1
     return counts[0] > known
 
@@ -247,17 +221,19 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
 def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
     """Find the impulses of all that take part, and let all that feel them take part."""
     linear, course, blocks = group.linear, group.course, group.blocks
-    counts = group.counts
-    felt, velocity = max(FELT * fastest, SLOW * limits.threshold), bodies.velocity
+    felt, velocity = (
+        max(FELT_IMPACTS * fastest, FELT_THRESHOLDS * limits.threshold),
+        bodies.velocity,
+    )
     enough, more, is_rough = ROUGH * felt, True, True
     while more:
-        count = counts[0]
+        count = group.counts[0]
         most = TIMES + RENEWED // count
-        taken = find(enough, most, count, blocks[: counts[1]], linear, course, velocity)
-        counts[2] -= taken * count
+        taken = find(enough, most, count, blocks[: group.counts[1]], linear, course, velocity)
+        group.counts[2] -= taken * count
         more = _pass_on(time, felt, bodies, contacts, live, around, group)
         if not more and is_rough:
-            enough = EXACT * fastest if counts[0] <= FEW else CLOSE * felt
+            enough = EXACT * fastest if group.counts[0] <= FEW else CLOSE * felt
             more, is_rough = True, False
 
 
@@ -265,10 +241,9 @@ def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
 def _gained(time, velocity, bodies, group):
     """Return by how much the kinetic energy is above that before the impact, J/m."""
     before, acceleration, mass_matrix = bodies.before, bodies.acceleration, bodies.mass_matrix
-    blocks, counts = group.blocks, group.counts
     change, mean = np.empty((1, 6)), np.empty((1, 6))
     gained = 0.0
-    for b in blocks[: counts[1]]:
+    for b in group.blocks[: group.counts[1]]:
         for a in range(6):
             change[0, a] = velocity[b, a] - before[b, a]
             mean[0, a] = 0.5 * (velocity[b, a] + before[b, a])
@@ -285,17 +260,16 @@ def _mix(time, other, bodies, group):
     The velocities gain none by themselves.
     """
     velocity, mass_matrix = bodies.velocity, bodies.mass_matrix
-    blocks, counts = group.blocks, group.counts
     least, most = _gained(time, velocity, bodies, group), _gained(time, other, bodies, group)
     bend, change = 0.0, np.empty((1, 6))
-    for b in blocks[: counts[1]]:
+    for b in group.blocks[: group.counts[1]]:
         for a in range(6):
             change[0, a] = other[b, a] - velocity[b, a]
         bend += 0.5 * total(plus_product(zeros(), times(mass_matrix, b, change, 0), row(change, 0)))
     # least + (most - least - bend) s + bend s^2 = 0
     half = 0.5 * (most - least - bend)
     share = (np.sqrt(half * half - bend * least) - half) / bend if bend > 0.0 else 0.0
-    for b in blocks[: counts[1]]:
+    for b in group.blocks[: group.counts[1]]:
         for a in range(3):
             velocity[b, a] += share * (other[b, a] - velocity[b, a])
 
@@ -303,10 +277,9 @@ def _mix(time, other, bodies, group):
 @kernel()
 def _put(other, bodies, group):
     """Write other velocities for the blocks that take part."""
-    velocity = bodies.velocity
     for b in group.blocks[: group.counts[1]]:
         for a in range(3):
-            velocity[b, a] = other[b, a]
+            bodies.velocity[b, a] = other[b, a]
 
 
 @kernel()
@@ -317,52 +290,43 @@ def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
     energy than there is (Kane 1984); so may a plastic one that turns a slip round, and that is then
     blended with the velocities before.
     """
-    velocity, before = bodies.velocity, bodies.before
-    target, linear, course = group.targets, group.linear, group.course
-    counts = group.counts
-    impulses, goal, ease = course.impulses, linear.goal, linear.ease
-    rebound = velocity.copy()
-    _put(before, bodies, group)
-    for at in range(counts[0]):
-        if target[at] > 0.0 and ease[at, 0] > 0.0:
-            goal[at, 0] -= target[at] / ease[at, 0]
-        target[at], impulses[at, 0], impulses[at, 1] = min(0.0, target[at]), 0.0, 0.0
+    impulses, goal, ease = group.course.impulses, group.linear.goal, group.linear.ease
+    rebound = bodies.velocity.copy()
+    _put(bodies.before, bodies, group)
+    for at in range(group.counts[0]):
+        if group.targets[at] > 0.0 and ease[at, 0] > 0.0:
+            goal[at, 0] -= group.targets[at] / ease[at, 0]
+        group.targets[at], impulses[at, 0], impulses[at, 1] = min(0.0, group.targets[at]), 0.0, 0.0
     _impulses(time, fastest, bodies, contacts, live, around, limits, group)
-    if _gained(time, velocity, bodies, group) > 0.0:
-        rebound = velocity.copy()
-        _put(before, bodies, group)
+    if _gained(time, bodies.velocity, bodies, group) > 0.0:
+        rebound = bodies.velocity.copy()
+        _put(bodies.before, bodies, group)
     _mix(time, rebound, bodies, group)
 
 
 @kernel()
 def _end(time, bodies, contacts, live, around, limits, group):
     """Write the result of the impact: contacts under load, the shifts, and the next strike."""
-    velocity, before, shift = bodies.velocity, bodies.before, bodies.shift
-    last, acceleration = bodies.last, bodies.acceleration
-    moment, carries, hits = live.moment, live.carries, live.hits
-    members, place, blocks = group.members, group.place, group.blocks
-    among, counts = group.among, group.counts
-    for c in members[: counts[0]]:
-        rate, _ = _rates(c, time, velocity, acceleration, contacts)
-        if moment[c] < np.inf:
-            hits[c] += 1
-        carries[c] = rate <= limits.threshold
-        place[c] = -1
-    for b in blocks[: counts[1]]:
+    for c in group.members[: group.counts[0]]:
+        rate, _ = _rates(c, time, bodies.velocity, bodies.acceleration, contacts)
+        if live.moment[c] < np.inf:
+            live.hits[c] += 1
+        live.carries[c] = rate <= limits.threshold
+        group.place[c] = -1
+    for b in group.blocks[: group.counts[1]]:
         for a in range(3):
-            shift[b, a] -= time * (velocity[b, a] - before[b, a])
-            before[b, a] = velocity[b, a]
-        last[b], among[b] = time, False
+            bodies.shift[b, a] -= time * (bodies.velocity[b, a] - bodies.before[b, a])
+            bodies.before[b, a] = bodies.velocity[b, a]
+        bodies.last[b], group.among[b] = time, False
     start, listed = around.start, around.listed
-    for b in blocks[: counts[1]]:
+    for b in group.blocks[: group.counts[1]]:
         _look_ahead(listed[start[b] : start[b + 1]], bodies, contacts, live, limits)
 
 
 @kernel()
 def _strike(first, bodies, contacts, live, around, limits, group):
     """Let a contact strike, and all that do with it; return the energy lost, J/m."""
-    counts = group.counts
-    counts[:2] = 0
+    group.counts[:2] = 0
     time = _moment_of_all(first, bodies, contacts, live, around, limits, group)
     fastest = _gather(first, time, bodies, contacts, live, around, limits, group)
     _impulses(time, fastest, bodies, contacts, live, around, limits, group)
@@ -377,16 +341,14 @@ def _strike(first, bodies, contacts, live, around, limits, group):
 @kernel()
 def _earliest(live):
     """Return the contact that strikes first, -1 if none; drop those that can no longer strike."""
-    moment, waiting, waits = live.moment, live.waiting, live.waits
-    number = live.number
     found, at = -1, 0
-    while at < number[0]:
-        c = waiting[at]
-        if moment[c] == np.inf:
-            number[0] -= 1
-            waiting[at], waits[c] = waiting[number[0]], False
+    while at < live.number[0]:
+        c = live.waiting[at]
+        if live.moment[c] == np.inf:
+            live.number[0] -= 1
+            live.waiting[at], live.waits[c] = live.waiting[live.number[0]], False
         else:
-            if found < 0 or moment[c] < moment[found]:
+            if found < 0 or live.moment[c] < live.moment[found]:
                 found = c
             at += 1
     return found
@@ -395,20 +357,19 @@ def _earliest(live):
 @kernel()
 def _contacts_of_blocks(contacts, mobility):
     """Return where the contacts of each block that can move begin (n + 1,), and these."""
-    vertex_block, edge_block = contacts.vertex_block, contacts.edge_block
     count = len(mobility)
     free = np.empty(count, np.bool_)
     for b in range(count):
         free[b] = _moves(b, mobility)
     first = np.zeros(count + 1, np.int64)
-    for ends in (vertex_block, edge_block):
+    for ends in (contacts.vertex_block, contacts.edge_block):
         for b in ends:
             first[b + 1] += free[b]
     for b in range(count):
         first[b + 1] += first[b]
     at, listed = first[:-1].copy(), np.empty(first[count], np.int64)
-    for c in range(len(vertex_block)):
-        for b in (vertex_block[c], edge_block[c]):
+    for c in range(len(contacts.vertex_block)):
+        for b in (contacts.vertex_block[c], contacts.edge_block[c]):
             if free[b]:
                 listed[at[b]] = c
                 at[b] += 1

@@ -45,10 +45,8 @@ from clast.linear.system import (
     graph_of,
     with_ground,
 )
-from clast.minimise.coupled import CoupledNewton
-from clast.minimise.each_block import TRIES, EachBlock
-from clast.minimise.fixed_point import Guesses
-from clast.minimise.newton import Newton, SolverContext, best_of
+from clast.minimise.coupled import CoupledNewton, Guesses
+from clast.minimise.newton import SHARPENINGS_MAX, EachBlock, Newton, SolverContext, best_of
 from clast.minimise.potential import Point, Potential
 from clast.minimise.strategy import MinimisationStrategy, SmallIslands
 from clast.minimise.subproblem import touched
@@ -64,21 +62,21 @@ from clast.step.spring_offset import relieved
 from clast.step.start import StepContext, diagonal_terms
 from clast.step.take_step import take_step
 
-AT_REST = 1.0
+STICKING_SPEED_GH = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
-LANDING = 1e-3
+LANDING_SPEED_GH = 1e-3
 """Closing velocity from which a new contact is one that lands, in units of g h."""
-MOST_UPDATES = 32
+FRICTION_UPDATES_MAX = 32
 """Times at most that the friction bounds of a static step are renewed before it is cut."""
-AGREES = 1e-9
+FRICTION_IMBALANCE = 1e-9
 """Share of the forces on each block which may be out of balance where bounds agree with them."""
-NEARLY = 0.002
+FRICTION_IMBALANCE_OF_JUMPS = 0.002
 """The same where they may not come to agree, by cohesion that goes with the last normal force."""
-SHORT = 0.2
+UNCUT_FALL_DISPLACEMENTS = 0.2
 """Twice the fall of a free block in a step that is not cut for its friction, in units of
 max_displacement."""
 
-DRIVEN = 1e-3
+TOLERANCE_OF_DRIVEN = 1e-3
 """Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
 body that is driven has the work of its whole path."""
 
@@ -200,7 +198,7 @@ class Convex:
     def tolerated(self, context: StepContext, potential: Potential) -> float:
         """Return the distance from the minimum, J/m, at which the step is solved."""
         links = len(potential.springs)
-        tolerance = self.tolerance * (DRIVEN if context.model.is_driven else 1.0)
+        tolerance = self.tolerance * (TOLERANCE_OF_DRIVEN if context.model.is_driven else 1.0)
         return max(
             tolerance**2 * potential.reference_energy(),
             round_off(context.model, context.method, context.state, links),
@@ -246,12 +244,12 @@ class Convex:
             return once
         falls = model.usual_gravity * context.step**2
         jumps = is_any((contacts.cohesion > 0.0) & (contacts.tensile_strength == 0.0))
-        refuses = falls > SHORT * method.max_displacement and not jumps
+        refuses = falls > UNCUT_FALL_DISPLACEMENTS * method.max_displacement and not jumps
         return changed(
             once,
-            updates=max(MOST_UPDATES, self.friction_updates),
-            agrees=AGREES,
-            nearly=NEARLY if jumps else 0.0,
+            updates=max(FRICTION_UPDATES_MAX, self.friction_updates),
+            agrees=FRICTION_IMBALANCE,
+            nearly=FRICTION_IMBALANCE_OF_JUMPS if jumps else 0.0,
             refuses=StepOutcome.NOT_CONVERGED if refuses else None,
         )
 
@@ -376,7 +374,7 @@ class Search:
     def solved(self, potential: Potential, point: Point) -> Point:
         """Return the minimum from a point on, near enough for the step and for each block."""
         tolerance: float | None = self.tolerance
-        for _ in range(1 + (TRIES if self.each else 0)):
+        for _ in range(1 + (SHARPENINGS_MAX if self.each else 0)):
             if tolerance is None:
                 break
             point = self.schedule.minimise(potential, point, tolerance, self.work)
@@ -566,8 +564,8 @@ def first_friction_base(
         contacts.normal_force,
         contacts.gap,
         impacts.before,
-        AT_REST * speed,
-        LANDING * speed,
+        STICKING_SPEED_GH * speed,
+        LANDING_SPEED_GH * speed,
         step,
         context.state.time == 0.0,
         largest,

@@ -29,8 +29,8 @@ from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.read_only import changed
 from clast.step.method import Method, StepSolution
+from clast.step.prescribed import DrivenBlocks
 from clast.step.start import StepContext
-from clast.step.supports.prescribed import DrivenBlocks
 
 FINEST = 4.0 * float(np.finfo(float).eps)
 """Rounding of coordinates, as a share of the largest."""
@@ -41,11 +41,10 @@ CHUNK, PART = 128, 1024
 def opening(model: Model, state: State) -> Ledger:
     """Return the ledger of a state at the start of a run: its stored energy."""
     frames = block_frames(model, state)
-    velocity, stress = state.velocity, state.stress
     energies = energies_of_blocks(  # those of a step in which nothing moves
-        (np.zeros_like(velocity), velocity, velocity),
+        (np.zeros_like(state.velocity), state.velocity, state.velocity),
         (frames.mass_matrix, 1.0),
-        (stress, stress, stress),
+        (state.stress, state.stress, state.stress),
         (model.area, model.compliance),
     )
     contact = state.ledger.contact
@@ -198,12 +197,11 @@ def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end:
     entering, kinetic, inertia_work = map(float, of_blocks[:3])
     elastic_before, elastic, elastic_work = map(float, of_blocks[3:])
     removed = inertia_work - (kinetic - entering) - elastic_work - (elastic - elastic_before)
-    contacts, response = solution.contacts, solution.response
     of_contacts = energies_of_contacts(
         solution.applied,
-        (contacts.gap, end.gap),
+        (solution.contacts.gap, end.gap),
         end.slip,
-        (response.energy, response.dissipation),
+        (solution.response.energy, solution.response.dissipation),
     )
     contact_work, contact, friction = map(float, of_contacts)
     removed += -contact_work - (contact - before.contact) - friction

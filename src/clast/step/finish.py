@@ -32,7 +32,7 @@ from clast.step.energy_balance import StepEnd, balance
 from clast.step.integration import end_velocity
 from clast.step.method import StepResult, StepSolution
 from clast.step.start import StepContext
-from clast.step.supports.support_reactions import holding, reactions_of
+from clast.step.support_reactions import holding, reactions_of
 
 
 def finish(context: StepContext, solution: StepSolution, depth: float) -> StepResult:

@@ -44,20 +44,18 @@ from clast.step import collisions, inertia_projection
 from clast.step.integration import HalfWay, Scheme
 from clast.step.start import StepContext
 
-IMPACT = 1.0
-"""Closing velocity that counts as an impact, in units of the speeds of ``slowest_impact``."""
-NOISE = 1e-4
+IMPACT_SHARE_OF_FASTEST = 1e-4
 """The same in units of the fastest approach, which is all there is without weight."""
-EVEN = 1e-5
+EVEN_GAP_SIZES = 1e-5
 """Gap at which a contact strikes along with another of its blocks, in units of the smallest block.
 
 No rock is more even; one that falls flat would else strike with one corner and turn about it.
 """
-SQUEEZED = 8
+SQUEEZE_ROUNDS_MAX = 8
 """Times at most that contacts which no impulse stops are left to their springs."""
-SLOWEST = 1e-6
+STOPPING_SPEED_GH = 1e-6
 """Closing velocity of contacts that stop their blocks, in units of g h."""
-RESETTING = 1.0
+RESETTING_SPEED_GH = 1.0
 """The same for laws whose multipliers start anew in every step.
 
 Their penetration at rest depends on theta: a block that changes theta is kicked by some hundredths
@@ -101,7 +99,7 @@ def after_impacts(
     rate = before[0]
     fastest = -least(rate, 0.0)
     slow = slowest_impact(model, context.method.contact_law, step)
-    impact = max(slow, NOISE * fastest)
+    impact = max(slow, IMPACT_SHARE_OF_FASTEST * fastest)
     unchanged = ImpactResult(
         velocity=context.velocity,
         drift=context.drift,
@@ -115,7 +113,7 @@ def after_impacts(
     if fastest <= 0.0:
         return unchanged
     back = restitutions(model, contacts, restitution)
-    even = EVEN * float(np.sqrt(model.smallest))
+    even = EVEN_GAP_SIZES * float(np.sqrt(model.smallest))
     carries = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
     carries |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
@@ -124,7 +122,7 @@ def after_impacts(
         return _struck(context, unchanged, contacts, (back, carries), flight, limits)
     pressed = _pressed(context, contacts, rate) & ~carries
     found = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
-    for _ in range(SQUEEZED):
+    for _ in range(SQUEEZE_ROUNDS_MAX):
         # no impulse stops what is squeezed between a body that is driven and one that stands
         moved, _ = contact_motions(contacts, found.drift)
         squeezed = closing(contacts.gap, moved, found.rate, impact) & ~(carries | pressed)
@@ -214,7 +212,7 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     swings about its sag on them, g/w with w^2 = 2 p/m.  A block at rest on soft springs opens and
     closes by less than it sags, and its springs answer that.
     """
-    return IMPACT * model.size_of_gravity * _resting(model, law, step)
+    return model.size_of_gravity * _resting(model, law, step)
 
 
 def _resting(model: Model, law: ContactLaw, step: float) -> float:
@@ -235,7 +233,7 @@ def _pressed(context: StepContext, contacts: Contacts, rate: Floats) -> Bools:
     time = _resting(model, context.method.contact_law, context.step)
     ends = contacts.vertex_block, contacts.edge_block
     force = sum(np.bincount(one, contacts.normal_force, count) for one in ends)
-    speed = np.where(model.fixed, np.inf, IMPACT * time * force / model.mass)
+    speed = np.where(model.fixed, np.inf, time * force / model.mass)
     return np.asarray((rate < 0.0) & (rate >= -np.minimum(*(speed[one] for one in ends))))
 
 
@@ -294,7 +292,7 @@ def advice_without(model: Model) -> tuple[str, ...]:
 
 def slowest_of(law: ContactLaw) -> float:
     """Return the closing velocity of contacts that stop their blocks, in units of g h."""
-    return RESETTING if has_multipliers(law) and not law.carries else SLOWEST
+    return RESETTING_SPEED_GH if has_multipliers(law) and not law.carries else STOPPING_SPEED_GH
 
 
 def scheme_of(

@@ -31,7 +31,7 @@ from clast.compute.vec6 import (
 from clast.contact.jacobian import force_on
 from clast.model.model import Bools, Floats, Ints
 
-SAME = 1e-10
+SAME_MOTION_SQUARE = 1e-10
 """Share of a motion's square beside others that does not count: it is one of theirs."""
 
 
@@ -88,7 +88,7 @@ def _add(force, b, low, room, stopped):
             for i in range(3):
                 y[i] -= share * room[a, i]
     rest = y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
-    if known == 3 or not rest > SAME * whole:
+    if known == 3 or not rest > SAME_MOTION_SQUARE * whole:
         return
     length, at = np.sqrt(rest), 3 + known
     for i in range(3):

@@ -25,12 +25,12 @@ from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import contact_motions, slip_in_step
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State, initial_state
+from clast.step.action_springs import LinearContacts, solved
 from clast.step.impact import advice_without
 from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, StepSolution
 from clast.step.search_distance import ContactSearch
 from clast.step.start import StepContext, diagonal_terms
-from clast.step.supports.action_springs import LinearContacts, solved
 from clast.step.take_step import take_step
 
 THROWN = (
@@ -216,7 +216,7 @@ def search_of_modified(method: Method) -> SearchDistance:
 
 STABILITY_LIMIT = 6.0
 """Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
-NEAR = 0.005
+TOUCHING_GAP_SIZES = 0.005
 """Distance within which blocks touch at the start, as a share of the smallest block's size."""
 
 
@@ -241,7 +241,7 @@ def _stable_stiffness(model: Model, step: float) -> tuple[float, str]:
     if not free.any():
         return np.inf, "all blocks are fixed"
     state = initial_state(model)
-    near = NEAR * float(np.sqrt(model.smallest))
+    near = TOUCHING_GAP_SIZES * float(np.sqrt(model.smallest))
     reach = SearchDistance(front=near, depth=near, critdis=near)
     contacts = detect(model, Bisector(), state, block_frames(model, state).centroid, reach)
     sides = _sides(contacts)
@@ -309,14 +309,3 @@ def _stability_of_springs(
     free = ~model.fixed
     number = step**2 / model.mass[free]
     return number * of_law[free], number * of_joints[free]
-
-
-__all__ = [
-    "STABILITY_LIMIT",
-    "Modified",
-    "bearable_stiffness",
-    "forces_in_equations",
-    "search_of_modified",
-    "softer_springs",
-    "stability_number",
-]

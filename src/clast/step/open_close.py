@@ -28,6 +28,7 @@ from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import slip_in_step
 from clast.model.model import Model
 from clast.model.state import State
+from clast.step.action_springs import LinearContacts, solved
 from clast.step.impact import advice_without
 from clast.step.integration import answer, half_way
 from clast.step.method import Method, StepSolution
@@ -43,13 +44,12 @@ from clast.step.modified import (
 )
 from clast.step.search_distance import ContactSearch, search_as_far_as
 from clast.step.start import StepContext, diagonal_terms
-from clast.step.supports.action_springs import LinearContacts, solved
 from clast.step.take_step import take_step
 
-CUT = 1.0 / 3.0
+STEP_CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
 
-NEGLIGIBLE = 1e-9
+NEGLIGIBLE_FORCE_SHARE = 1e-9
 """Normal forces below this share of the largest one do not keep the iteration going."""
 SHI_FACTOR = 40.0
 """Automatic normal stiffness in units of Young's modulus times 1 m; Shi advises 10 to 100."""
@@ -115,7 +115,7 @@ class OpenClose:
         raise StepRejected(
             StepOutcome.NOT_CONVERGED,
             f"contacts still change their mode after {self.iterations} solves",
-            cut=CUT,
+            cut=STEP_CUT,
         )
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
@@ -155,5 +155,5 @@ def have_settled(before: ContactResponse, after: ContactResponse) -> bool:
     mean nothing.
     """
     force = np.maximum(np.abs(before.normal_force), np.abs(after.normal_force))
-    counts = force > NEGLIGIBLE * force.max(initial=0.0)
+    counts = force > NEGLIGIBLE_FORCE_SHARE * force.max(initial=0.0)
     return bool(np.all((before.mode == after.mode) | ~counts))

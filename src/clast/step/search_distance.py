@@ -23,13 +23,13 @@ from clast.model.model import Floats
 from clast.step.method import Method
 from clast.step.start import StepContext
 
-SPARE = 0.4
+SPARE_CRITDIS = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
-PUSH = 0.5
+PUSH_CRITDIS = 0.5
 """Expected push of others on a block, in units of critdis."""
-JUMP = 4.0
+DEPTH_CRITDIS = 4.0
 """How deep a vertex may get into a block within a step unseen, in units of critdis."""
-GROWTH = 1.5
+TRAVEL_GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
 
 
@@ -57,7 +57,7 @@ def search_as_far_as(context: StepContext, travel: Floats) -> ContactSearch:
     return ContactSearch(
         distance=search_within_step(method, travel),
         drift=context.drift,
-        depth=JUMP * method.critdis,
+        depth=DEPTH_CRITDIS * method.critdis,
     )
 
 
@@ -102,7 +102,7 @@ def travel_expected(context: StepContext) -> Floats:
     if context.method.clock is not None:
         # a static step is as long as it is because blocks hardly move
         fall = min(fall, context.method.critdis)
-    return travel_of(context, context.drift) + fall + PUSH * context.method.critdis
+    return travel_of(context, context.drift) + fall + PUSH_CRITDIS * context.method.critdis
 
 
 def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
@@ -110,10 +110,10 @@ def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
 
     A block that is thrown further than max_displacement has the step cut if anything is near.
     """
-    too_far = travel > expected + SPARE * method.critdis
+    too_far = travel > expected + SPARE_CRITDIS * method.critdis
     if not is_any(too_far) or not np.all(travel[too_far] <= method.max_displacement):
         return None
-    return np.where(too_far, np.maximum(expected, GROWTH * travel), expected)
+    return np.where(too_far, np.maximum(expected, TRAVEL_GROWTH * travel), expected)
 
 
 def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> bool:

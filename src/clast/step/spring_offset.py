@@ -23,7 +23,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import State, contact_keys
 from clast.step.method import Method
 
-SLACK = 0.02
+SLACK_CRITDIS = 0.02
 """Gaps may differ by so much from one step to the next unasked, in units of critdis: turning blocks
 move on arcs, which the linear gap of a step does not know."""
 
@@ -43,7 +43,7 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
         return contacts
     own = np.isnan(contacts.normal_stiffness) & has_multipliers(law)
     stiffness = normal_stiffness_of(contacts, law)
-    slack = stiffness * SLACK * method.critdis
+    slack = stiffness * SLACK_CRITDIS * method.critdis
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
@@ -72,7 +72,7 @@ def _rest_at_edges(known, springs, critdis):
     for c in range(len(gap)):
         stiffness = share[c] * of_law if np.isnan(of_joint[c]) else of_joint[c]
         rest = max(normal[c], 0.0) + stiffness * gap[c] - rest_force[c]
-        if multiplier[c] != 0.0 or rest < multiplier[c] - stiffness * SLACK * critdis:
+        if multiplier[c] != 0.0 or rest < multiplier[c] - stiffness * SLACK_CRITDIS * critdis:
             return False
     return True
 

@@ -32,7 +32,7 @@ from clast.read_only import changed
 from clast.step import inertia_projection
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
-from clast.step.supports.prescribed import DrivenBlocks, held_by
+from clast.step.prescribed import DrivenBlocks, held_by
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ from clast.step.method import Method, StepResult, StepSolution, Workspace
 from clast.step.search_distance import ContactSearch, searched_again
 from clast.step.start import StepContext, again, begin
 
-TRIES = 4
+RENEWALS_MAX = 4
 """Largest number of repeated solutions of a step for points with a prescribed motion."""
 
 
@@ -52,7 +52,7 @@ def take_step(
     while found := searched_again(context, search, contacts, solution.unknowns):
         search, contacts = found
         solution = process.solve(context, contacts, solution)
-    for _ in range(TRIES):
+    for _ in range(RENEWALS_MAX):
         renewed = again(context, solution.unknowns)
         if renewed is None:
             break

@@ -25,11 +25,11 @@ from clast.contact.clipped_spring import Springs
 from clast.linear.system import DiagonalTerms, PairedLinks, contact_motions
 from clast.model.model import Bools, Floats, Ints, Model
 
-STIFF = 1e16
+STIFFNESS_RATIO = 1e16
 """Diagonal of prescribed unknowns, in units of their own and of the stiffness of the block."""
 ROTATION = 2
 """Number of the rotation among the unknowns."""
-HEAVY = 1e8
+DRIVEN_MASS_RATIO = 1e8
 """Mass of a body with a prescribed motion in an impact, in units of its own."""
 
 
@@ -90,7 +90,7 @@ class DrivenBlocks:
         strains = np.arange(3, 6)
         elastic = matrix[block][:, strains, strains].max(axis=1)
         elastic = np.where(axis < ROTATION, elastic / area[block], elastic)
-        matrix[block, axis, axis] = STIFF * (matrix[block, axis, axis] + elastic)
+        matrix[block, axis, axis] = STIFFNESS_RATIO * (matrix[block, axis, axis] + elastic)
         return replace(base, diagonal=matrix, force=force, momentum=momentum)
 
     def springs(self, springs: Springs) -> Springs:
@@ -119,7 +119,7 @@ class DrivenBlocks:
         for block in np.flatnonzero(self.blocks):
             for axis in np.flatnonzero(self.components[block, :3]):
                 mobility[block, axis] = mobility[block, :, axis] = 0.0
-                mass[block, axis, axis] *= HEAVY
+                mass[block, axis, axis] *= DRIVEN_MASS_RATIO
                 mobility[block, axis, axis] = 1.0 / mass[block, axis, axis]
         return mobility, mass
 
@@ -128,7 +128,7 @@ class DrivenBlocks:
         found = np.zeros_like(before)
         block, axis = np.nonzero(self.components[:, :3])
         change = after[block, axis] - before[block, axis]
-        found[block, axis] = -HEAVY * mass_matrix[block, axis, axis] * change
+        found[block, axis] = -DRIVEN_MASS_RATIO * mass_matrix[block, axis, axis] * change
         return found
 
 

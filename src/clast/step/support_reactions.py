@@ -12,7 +12,6 @@ of free blocks is the sum of their masses times accelerations, to the last digit
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from clast.linear.system import PairedLinks
 from clast.model.model import Floats, Ints
 from clast.model.supports import numbered
 from clast.read_only import read_only
+from clast.step.energy_balance import StepEnd
 from clast.step.method import StepSolution
 from clast.step.start import StepContext
 
@@ -30,15 +30,6 @@ NOBODY = read_only(np.zeros((0, 3)))
 """Forces on no block."""
 NOTHING = read_only(np.zeros((0, 6)))
 """Generalised forces on no block, or positions of no point."""
-
-
-class _End(Protocol):
-    """The end of a step."""
-
-    @property
-    def velocity(self) -> Floats:
-        """Velocity, shape (n, 6)."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +47,7 @@ class Holding:
     (0, 6) where none is."""
 
 
-def holding(context: StepContext, solution: StepSolution, end: _End) -> Holding:
+def holding(context: StepContext, solution: StepSolution, end: StepEnd) -> Holding:
     """Return the forces on blocks whose reactions are recorded, or whose motion is prescribed."""
     model, held = context.model, context.held
     block, number = model.reacting
@@ -157,7 +148,7 @@ def forces_in(contribution: Contribution, unknowns: Floats, rows: Ints) -> Float
     return np.asarray(force - bent)
 
 
-def _of_mass(context: StepContext, solution: StepSolution, end: _End, block: Ints) -> Floats:
+def _of_mass(context: StepContext, solution: StepSolution, end: StepEnd, block: Ints) -> Floats:
     """Return the forces that move some blocks against their inertia and weight, shape (s, 3)."""
     gained = end.velocity[block] - solution.velocity[block]
     force = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step

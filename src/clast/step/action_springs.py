@@ -27,14 +27,14 @@ from clast.linear.system import (
     stretches,
 )
 from clast.model.model import Bools, Floats
+from clast.step.prescribed import DrivenBlocks
 from clast.step.start import StepContext
-from clast.step.supports.prescribed import DrivenBlocks
 
-SOLVES = 100
+SOLVES_MAX = 100
 """Solves in which springs must settle; most that yield take two to five."""
-HALVINGS = 50
+HALVINGS_MAX = 50
 """Halvings of the line search."""
-AGREES = 1e-9
+FORCE_TOLERANCE = 1e-9
 """Share of a spring's force by which it may differ from that of its straight line."""
 ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Share of lengths that rounding leaves open."""
@@ -64,7 +64,7 @@ def solved(
     """
     stages, springs, at = context.stages, context.springs, context.total(at)
     off = np.zeros(0, np.bool_)
-    for _ in range(SOLVES):
+    for _ in range(SOLVES_MAX):
         stages("assembly")
         system, bearing = _coupled_system(context, base, held, at)
         stages("solve")
@@ -91,7 +91,7 @@ def _unsettled(context: StepContext, off: Bools) -> str:
     )
     return (
         f"a bolt, link or lining between {first} and {second} still changes between bearing and "
-        f"yielding after {SOLVES} solves"
+        f"yielding after {SOLVES_MAX} solves"
     )
 
 
@@ -146,7 +146,7 @@ class _Line:
         off = np.zeros(len(springs), np.bool_)
         for kind, spring in enumerate((springs.normal, springs.shear)):
             force, straight = forces[kind], self.straight[kind]
-            least = AGREES * np.maximum(np.abs(force), np.abs(straight))
+            least = FORCE_TOLERANCE * np.maximum(np.abs(force), np.abs(straight))
             beyond = np.abs(force - straight) > least + spring.stiffness * rounded
             # a spring may go from its one bound to the other, stiff at neither
             on_line = (stiffnesses[kind] == self.stiffness[kind]) & (self.stiffness[kind] > 0.0)
@@ -171,7 +171,7 @@ class _Line:
         low, high = 0.0, 1.0
         if slope(high) <= 0.0:
             return high
-        for _ in range(HALVINGS):
+        for _ in range(HALVINGS_MAX):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if slope(middle) <= 0.0 else (low, middle)
         return 0.5 * (low + high)

@@ -1,1 +1,0 @@
-"""Motions that are prescribed to blocks, and reactions of supports."""
