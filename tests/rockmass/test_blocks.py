@@ -68,18 +68,6 @@ def test_islands_in_islands():
     assert_tiles(found, 100.0)
 
 
-def test_many_islands_side_by_side():
-    loops = [
-        Trace(points=np.add(square_loop(0, 0.5), (x, y)))
-        for x in np.arange(0.5, 9.5)
-        for y in np.arange(0.5, 9.5)
-    ]
-    found = cut(SQUARE, traces=loops)
-    assert found.report.rings.count >= 81
-    assert_tiles(found, 100.0)
-    built(found)
-
-
 @pytest.mark.parametrize("corner", [(0, 5), (0, 0), (10, 10)])
 def test_an_island_that_touches_the_outline_with_a_corner(corner):
     inner = (5, 4), (5, 6)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from clast.rockmass.drawings.csv_lines import read_csv, read_outline, read_traces
+from clast.rockmass.drawings.drawing_files import as_text, write_rows
 
 
 @pytest.fixture
@@ -21,7 +23,7 @@ def written(tmp_path):
 
 
 def test_four_plain_columns_need_no_heading(written):
-    traces = read_traces(written("0,0,10,5\n1,2.5,3,-4e0\n"))
+    traces, _ = read_traces(written("0,0,10,5\n1,2.5,3,-4e0\n"))
     np.testing.assert_array_equal(traces[1].points, [(1, 2.5), (3, -4)])
     assert [one.joint for one in traces] == ["default", "default"]
     assert traces[1].place == "line 2"
@@ -38,14 +40,9 @@ def test_a_heading_names_columns_in_any_order(written):
     assert drawing.traces[1].place == "line 5" and drawing.left_out == ()
 
 
-def test_a_joint_of_the_table_serves_those_that_name_none(written):
-    traces = read_traces(written("x1,y1,x2,y2,joint\n0,0,1,1,a\n0,0,2,2,\n"), "fault")
-    assert [one.joint for one in traces] == ["a", "fault"]
-
-
 def test_polylines_are_gathered_by_id(written):
     text = "id,x,y,joint\na,0,0,f\nb,5,5,g\na,1,1,f\na,1,1,f\na,2,0,f\nb,6,5,g\n"
-    traces = read_traces(written(text))
+    traces, _ = read_traces(written(text))
     np.testing.assert_array_equal(traces[0].points, [(0, 0), (1, 1), (2, 0)])
     np.testing.assert_array_equal(traces[1].points, [(5, 5), (6, 5)])
     assert [one.joint for one in traces] == ["f", "g"]
@@ -54,7 +51,7 @@ def test_polylines_are_gathered_by_id(written):
 @pytest.mark.parametrize("last", ["", "0,0\n"])
 @pytest.mark.parametrize("corners", ["0,0\n4,0\n4,3\n", "0,0\n4,3\n4,0\n"])
 def test_an_outline_is_turned_and_closed(written, corners, last):
-    outline = read_outline(written("x,y\n" + corners + last))
+    outline, _ = read_outline(written("x,y\n" + corners + last))
     assert len(outline) == 3
     x, y = outline.T
     assert 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) == 6.0
@@ -77,7 +74,7 @@ def test_a_joint_survey(written):
 def test_separators_encodings_and_ends_of_lines(written, mark, encoding, end):
     rows = [["x1", "y1", "x2", "y2", "joint"], ["0", "0", "1", "1", "Störung"]]
     path = written(end.join(mark.join(row) for row in rows) + end, encoding)
-    assert read_traces(path)[0].joint == "Störung"
+    assert read_traces(path)[0][0].joint == "Störung"
 
 
 def test_names_in_quotes_may_hold_commas(written):
@@ -90,3 +87,26 @@ def test_other_columns_and_points_are_left_out_by_name(written):
     left = [str(one) for one in read_csv(written(text)).left_out]
     assert "aperture" in left[0] and "3.5" in left[0]
     assert "line 3" in left[1] and "no length" in left[1]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "-a", "--1", "+"],
+)
+def test_a_formula_is_a_text(text):
+    assert as_text(text) == f"'{text}"
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["block 1", "", "1=1", "a-b", "-1.5", "+3", "-1e-05", "-inf", "'=1", -1.5, 0, None, True],
+)
+def test_others_are_what_they_are(value):
+    assert as_text(value) is value
+
+
+def test_all_cells_of_a_table_are_looked_at(tmp_path):
+    count = write_rows(tmp_path / "t.csv", [["=head", "x"], ["a", -1.5], ["@b", "-2"]])
+    with (tmp_path / "t.csv").open(newline="") as file:
+        assert list(csv.reader(file)) == [["'=head", "x"], ["a", "-1.5"], ["'@b", "-2"]]
+    assert count == 3

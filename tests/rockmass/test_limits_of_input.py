@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import time
 
-import ezdxf
 import pytest
 
 from clast.errors import CaseError, ModelError
@@ -20,9 +19,8 @@ from clast.rockmass import (
     Polygon,
     cut,
 )
-from clast.rockmass.drawings.csv_lines import noted_traces, read_traces
-from clast.rockmass.drawings.dxf import read_dxf
-from scenes.command_line import clast_command, good
+from clast.rockmass.drawings.csv_lines import read_traces
+from scenes.command_line import good
 
 SQUARE = Domain(boundary=[(0, 0), (10, 0), (10, 10), (0, 10)])
 WIDE = JointSet(name="w", angle=20.0, spacing=1.0)
@@ -52,20 +50,6 @@ def test_millions_of_bricks_are_refused_before_they_are_drawn():
         cut(SQUARE, patterns=[pattern])
 
 
-def test_the_spacing_that_is_advised_would_do():
-    with pytest.raises(ModelError) as error:
-        cut(
-            Domain(boundary=SQUARE.boundary, most_blocks=300),
-            [JointSet(name="s", angle=0.0, spacing=1e-4)],
-        )
-    advised = float(str(error.value).split("large (")[1].split(" m")[0])
-    found = cut(
-        Domain(boundary=SQUARE.boundary, most_blocks=300),
-        [JointSet(name="s", angle=0.0, spacing=1.01 * advised)],
-    )
-    assert 150 < found.block_count <= 300
-
-
 @pytest.mark.parametrize(
     "shapes",
     [
@@ -89,28 +73,6 @@ def test_an_opening_for_later_may_be_all_of_the_domain():
     assert cut(SQUARE, openings=[later]).block_count == 1
 
 
-def nested(levels: int, copies: int, path) -> None:
-    """Write a drawing whose references repeat each other ``copies`` times at every level."""
-    document = ezdxf.new("R2010", units=6)
-    document.blocks.new("B0").add_line((0, 0), (1, 0), dxfattribs={"layer": "JOINTS"})
-    for k in range(1, levels):
-        grid = {"row_count": copies, "column_count": copies, "row_spacing": 1, "column_spacing": 1}
-        document.blocks.new(f"B{k}").add_blockref(f"B{k - 1}", (0, 0), dxfattribs=grid)
-    document.modelspace().add_blockref(f"B{levels - 1}", (0, 0))
-    document.saveas(path)
-
-
-@pytest.mark.parametrize(("levels", "copies"), [(4, 40), (20, 3), (20, 30000), (2, 30000)])
-def test_copies_of_copies_are_counted_before_they_are_drawn(tmp_path, levels, copies):
-    nested(levels, copies, tmp_path / "n.dxf")
-    began = time.process_time()
-    with pytest.raises(CaseError, match="entities"):
-        read_dxf(tmp_path / "n.dxf")
-    assert time.process_time() - began < 3.0
-    result = clast_command("import", tmp_path / "n.dxf", "-o", tmp_path / "n.toml")
-    assert result.exit_code == 2
-
-
 PARTS = "id,part,x,y\n1,0,0.2,0\n1,0,0.2,2\n1,1,0.8,0\n1,1,0.8,2\n"
 CASE = """
 schema = 1
@@ -131,7 +93,7 @@ def test_parts_of_one_id_are_lines_of_their_own(tmp_path):
     assert report["blocks"] == 3
     swapped = "\n".join(PARTS.splitlines()[k] for k in (0, 1, 3, 2, 4))
     (tmp_path / "lines.csv").write_text(swapped)
-    assert len(read_traces(tmp_path / "lines.csv")) == 2
+    assert len(read_traces(tmp_path / "lines.csv")[0]) == 2
 
 
 def test_columns_that_are_not_read_are_named(tmp_path):
@@ -140,7 +102,7 @@ def test_columns_that_are_not_read_are_named(tmp_path):
     notes = " ".join(json.loads(good("cut", tmp_path / "case.toml", "--json"))["notes"])
     assert "aperture" in notes
     assert "filling" in notes
-    assert len(noted_traces(tmp_path / "lines.csv")[1]) == 2
+    assert len(read_traces(tmp_path / "lines.csv")[1]) == 2
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -163,23 +162,6 @@ def test_traces_outside_and_traces_that_are_none():
     )
     refused("trace 1", "at least 2 points", traces=[Trace(points=[(1, 1)])])
     refused("trace 1", "not finite", traces=[Trace(points=[(1, 1), (math.nan, 2)])])
-
-
-@pytest.mark.parametrize("kind", ["persistent", "traces", "lines"])
-def test_too_many_blocks_are_refused_at_once(kind):
-    made = {
-        "persistent": [replace(BEDDING, spacing=1e-5), replace(BEDDING, name="b", angle=90.0)],
-        "traces": [JointSet(name="bedding", model=Baecher(), intensity=1e4, trace_length=1.0)],
-        "lines": [JointSet(name="bedding", model=PoissonLines(), intensity=1e5)],
-    }
-    start = time.perf_counter()
-    with pytest.raises(
-        ModelError, match="blocks are expected, more than the 200000 allowed"
-    ) as caught:
-        cut(SQUARE, made[kind])
-    assert time.perf_counter() - start < 5.0
-    assert "would do" in caught.value.remedy
-    assert "most_blocks" in caught.value.remedy
 
 
 def test_the_spacing_that_would_do_does():

@@ -31,7 +31,6 @@ from clast.rockmass.drawings.drawing import (
     Drawing,
     Floats,
     LeftOut,
-    with_analysis,
 )
 from clast.rockmass.drawings.drawing_files import checked_file
 from clast.rockmass.drawings.drawn_loops import without_repeats
@@ -63,11 +62,8 @@ def read_blocks(path: str | Path, reading: BlockReading | None = None) -> Blocks
     blocks, naming the line or the entity.
     """
     path, how = Path(path), reading or BlockReading()
-    return counter_clockwise(BLOCK_READERS.get(path.suffix.casefold(), _shi_blocks)(path, how))
-
-
-def _shi_blocks(path: Path, _: BlockReading) -> Blocks:
-    return read_shi_blocks(path)
+    reader = BLOCK_READERS.get(path.suffix.casefold())
+    return counter_clockwise(reader(path, how) if reader else read_shi_blocks(path))
 
 
 def has_blocks(path: Path) -> bool:
@@ -234,19 +230,19 @@ def read_drawing(
     to a legacy geometry.  Raises CaseError for files that cannot be read.
     """
     path, how = Path(path), reading or Reading()
-    reader = DRAWING_READERS.get(path.suffix.casefold(), _shi_drawing)
-    drawing = reader(path, how)
+    reader = DRAWING_READERS.get(path.suffix.casefold())
+    drawing = reader(path, how) if reader else read_shi_geometry(path, how.mass_unit)
     return drawing if analysis is None else _analysed(drawing, Path(analysis), how)
 
 
 def _analysed(drawing: Drawing, path: Path, how: Reading) -> Drawing:
     """Return a drawing with the materials of an analysis file."""
     if path.suffix.casefold() != ".xml":
-        return with_analysis(drawing, read_shi_analysis(path, how.mass_unit))
+        return replace(drawing, analysis=read_shi_analysis(path, how.mass_unit))
     other = read_dda_xml(path, how.mass_unit)
     if not other.analysis.rocks:
         raise CaseError("has no materials", where=str(path), remedy="give the analysis file")
-    return with_analysis(drawing, other.analysis)
+    return replace(drawing, analysis=other.analysis)
 
 
 def _dxf(path: Path, how: Reading) -> Drawing:
@@ -267,18 +263,6 @@ def _dxf(path: Path, how: Reading) -> Drawing:
     raise refused
 
 
-def _csv(path: Path, how: Reading) -> Drawing:
-    return read_csv(path)
-
-
-def _xml(path: Path, how: Reading) -> Drawing:
-    return read_dda_xml(path, how.mass_unit)
-
-
-def _shi_drawing(path: Path, how: Reading) -> Drawing:
-    return read_shi_geometry(path, how.mass_unit)
-
-
 def _not_read(path: Path, how: Reading) -> Drawing:
     """Refuse kinds of file that are known not to be drawings."""
     checked_file(path)
@@ -291,8 +275,8 @@ def _not_read(path: Path, how: Reading) -> Drawing:
 
 DRAWING_READERS: dict[str, Callable[[Path, Reading], Drawing]] = {
     ".dxf": _dxf,
-    ".csv": _csv,
-    ".xml": _xml,
+    ".csv": lambda path, _: read_csv(path),
+    ".xml": lambda path, how: read_dda_xml(path, how.mass_unit),
     **dict.fromkeys((".dwg", ".svg", ".pdf", ".png", ".toml", ".xlsx", ".xls", ".npz"), _not_read),
 }
 """Ending of a file's name -> who reads it; any other is a text geometry of Shi."""

@@ -316,37 +316,36 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
     """Return the corners that a table gives itself or names a file of, m, (k, 2)."""
     if not isinstance(source, FileTable):
         return source
-    from clast.rockmass.drawings.csv_lines import noted_outline
-    from clast.rockmass.drawings.dxf import noted_outline_of_layer
+    from clast.rockmass.drawings.csv_lines import read_outline
+    from clast.rockmass.drawings.dxf import outline_of_layer
 
     path, layer = folder / source.file, _layer(source, where)
     with _asked_by(where):
         if layer is None:
-            found, said = noted_outline(path)
+            found, said = read_outline(path)
         else:
-            found, said = noted_outline_of_layer(path, layer, _reading(source))
+            found, said = outline_of_layer(path, layer, _reading(source))
     notes += [f"{where}: {note}" for note in said]
     return found
 
 
 def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:
     """Return the traces of the file that a table names."""
-    from clast.rockmass.drawings.csv_lines import noted_traces
+    from clast.rockmass.drawings.csv_lines import read_traces
     from clast.rockmass.drawings.dxf import lines_of_layer
 
     path, layer = folder / str(table.file), _layer(table, where)
     with _asked_by(where):
         if layer is None:
-            traces, said = noted_traces(path)
-            notes += [f"{where}: {note}" for note in said]
-            return traces
-        found = lines_of_layer(path, layer, reading=_reading(table))
-        if not found:
+            traces, said = read_traces(path)
+        else:
+            traces, said = lines_of_layer(path, layer, _reading(table))
+        if not traces:
             raise CaseError(
                 "has no lines", where=str(path), remedy="name the layer that has the joints"
             )
-        notes += _notes(path, layer, table, where)
-        return found
+    notes += [f"{where}: {note}" for note in said]
+    return traces
 
 
 def _layer(source: FileTable | TraceTable, where: str) -> str | None:
@@ -377,13 +376,6 @@ def _reading(source: FileTable | TraceTable) -> Any:
     from clast.rockmass.drawings.dxf import DxfReading
 
     return DxfReading(unit=source.unit)
-
-
-def _notes(path: Path, layer: str, source: FileTable | TraceTable, where: str) -> list[str]:
-    """Return the notes on changes to the drawing."""
-    from clast.rockmass.drawings.dxf import notes_of_layer
-
-    return [f"{where}: {note}" for note in notes_of_layer(path, layer, _reading(source))]
 
 
 # Messages ----------------------------------------------------------------------------------------

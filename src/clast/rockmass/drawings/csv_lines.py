@@ -115,53 +115,34 @@ def read_csv(path: str | Path) -> Drawing:
     )
 
 
-def read_traces(path: str | Path, joint: str = "") -> tuple[Polyline, ...]:
-    """Return the traces of a CSV file, m; ``joint`` is the joint of those that name none.
+def read_traces(path: str | Path) -> tuple[tuple[Polyline, ...], tuple[str, ...]]:
+    """Return the traces of a CSV file, m, and the notes on omissions and changes.
 
     Raises CaseError where the file is not a table of traces.
     """
-    return noted_traces(path, joint)[0]
-
-
-def noted_traces(path: str | Path, joint: str = "") -> tuple[tuple[Polyline, ...], tuple[str, ...]]:
-    """Return the traces of a CSV file, and the notes on omissions and changes."""
     drawing = read_csv(path)
     if not drawing.traces:
         needed = "a heading x1,y1,x2,y2 or id,x,y"
         raise CaseError("has no traces", where=str(path), remedy=f"a table of traces has {needed}")
-    traces = tuple(
-        Polyline(
-            points=trace.points,
-            joint=joint if joint and trace.joint == DEFAULT_JOINT else trace.joint,
-            joint_set=trace.joint_set,
-            place=trace.place,
-        )
-        for trace in drawing.traces
-    )
-    return traces, _said(drawing)
+    return drawing.traces, _notes(drawing)
 
 
-def _said(drawing: Drawing) -> tuple[str, ...]:
+def _notes(drawing: Drawing) -> tuple[str, ...]:
     """Return the notes on a table: omissions and changes."""
     left = (f"left out: {one.what}, {one.reason}" for one in drawing.left_out)
     return (*drawing.notes, *left)
 
 
-def read_outline(path: str | Path) -> Floats:
-    """Return the outline of a CSV file, m, counter-clockwise, shape (n, 2).
+def read_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
+    """Return the outline of a CSV file, m, counter-clockwise, shape (n, 2), and notes on changes.
 
     Raises CaseError where the file is not an outline, or where it crosses itself.
     """
-    return noted_outline(path)[0]
-
-
-def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
-    """Return the outline of a CSV file, and the notes on changes."""
     drawing = read_csv(path)
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
         raise CaseError("is not an outline", where=str(path), remedy=remedy)
-    return drawing.boundary, _said(drawing)
+    return drawing.boundary, _notes(drawing)
 
 
 # The table ---------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ cannot hold are not dropped: they stand in ``left_out`` with place and reason; c
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -222,6 +222,7 @@ class Drawing:
     """The block with such a point in it is removed."""
     orientations: Orientations | None = None
     analysis: Analysis = field(default_factory=Analysis)
+    """Strengths by number: type-1 of the drawing has that of the first joint material."""
     unit: float = 1.0
     """Metres in a unit of the file."""
     unit_source: str = "the file's coordinates are metres"
@@ -239,12 +240,3 @@ class Drawing:
         if self.boundary is None:
             return None
         return 0.5 * float(np.ptp(self.boundary[:, 1]))
-
-
-def with_analysis(drawing: Drawing, analysis: Analysis) -> Drawing:
-    """Return a drawing with the materials, loads and times of an analysis file.
-
-    The numbers of joint types and materials in both belong together: type-1 of the drawing has the
-    strength of the first joint material.
-    """
-    return replace(drawing, analysis=analysis)

@@ -116,37 +116,32 @@ def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
 
 
 def lines_of_layer(
-    path: str | Path, layer: str, joint: str = "", reading: DxfReading | None = None
-) -> tuple[Polyline, ...]:
-    """Return the lines of one layer, case-blind, m, as joints with that name (else the layer's).
+    path: str | Path, layer: str, reading: DxfReading | None = None
+) -> tuple[tuple[Polyline, ...], tuple[str, ...]]:
+    """Return the lines of one layer, case-blind, m, as joints, and the notes on changes.
 
     Raises CaseError where there is no such layer, and for entities that are not lines.
     """
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
-        collected.trace(piece, joint or role_of(piece.layer)[1])
+        collected.trace(piece, role_of(piece.layer)[1])
     _refuse_left_out(collected)
-    return tuple(collected.traces)
+    return tuple(collected.traces), tuple(collected.notes)
 
 
-def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = None) -> Floats:
-    """Return the one closed outline of a layer, case-blind, m, counter-clockwise, shape (n, 2).
-
-    Raises CaseError where there is no such layer, or where it has not one outline.
-    """
-    return noted_outline_of_layer(path, layer, reading)[0]
-
-
-def noted_outline_of_layer(
+def outline_of_layer(
     path: str | Path, layer: str, reading: DxfReading | None = None
 ) -> tuple[Floats, tuple[str, ...]]:
-    """Return the one closed outline of a layer, and the notes on changes."""
+    """Return the one closed outline of a layer, case-blind, m, (n, 2), and the notes on changes.
+
+    It runs counter-clockwise.  Raises CaseError where there is no such layer, or where it has not
+    one outline.
+    """
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
         collected.outlined(piece, layer, "")
     _refuse_left_out(collected)
-    outlines = collected.outlines()
-    rings = [one for group in outlines.values() for one in group]
+    rings = [one for group in collected.outlines().values() for one in group]
     if len(rings) != 1:
         raise CaseError(
             f"the layer {layer} has {len(rings)} outlines, not one",
@@ -154,13 +149,6 @@ def noted_outline_of_layer(
             remedy="put each on its own layer",
         )
     return rings[0].points, tuple(collected.notes)
-
-
-def notes_of_layer(
-    path: str | Path, layer: str, reading: DxfReading | None = None
-) -> tuple[str, ...]:
-    """Return the notes on changes where that layer is read: units, heights."""
-    return tuple(_one_layer(Path(path), layer, reading or DxfReading()).notes)
 
 
 def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
