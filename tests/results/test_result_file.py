@@ -16,8 +16,8 @@ import pytest
 from clast.contact.laws import AugmentedLagrangian
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
-from clast.results.provenance import texts
 from clast.results.result_writer import _Column
+from clast.results.run_report import texts
 from clast.results.schema import BLOCK_FIELDS, ENERGY
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

@@ -13,7 +13,7 @@ from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Checkpoint, belongs
 from clast.results.checkpoints.checkpoint_files import checkpoint_path, damaged, read_checkpoint
 from clast.results.checkpoints.fingerprints import SHAPE, digest
-from clast.results.checkpoints.record_checks import is_file_name
+from clast.results.checkpoints.reopen import is_file_name
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule

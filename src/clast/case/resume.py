@@ -26,8 +26,7 @@ from clast.results.checkpoints.checkpoint_files import (
 )
 from clast.results.checkpoints.encode import classes_near
 from clast.results.checkpoints.fingerprints import digest, fingerprints, print_of_text_in
-from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
-from clast.results.checkpoints.reopen import taken_over
+from clast.results.checkpoints.reopen import rows_in_all, taken_over, wrong_record
 
 if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
@@ -216,7 +215,7 @@ def _warnings(
 
 def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
     """Say where another clast has written the checkpoint."""
-    from clast.results.provenance import version_of
+    from clast.results.run_report import version_of
 
     here = version_of("clast")
     if checkpoint.version != here:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Show the contents of a result file."""
     from clast.results import read_results, summary
-    from clast.results.provenance import texts
+    from clast.results.run_report import texts
 
     results = read_results(file, whole=sys.maxsize)
     content = summary(results)

@@ -117,7 +117,7 @@ class RunRecorder:
     def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
         """Record the state at the start of the run and begin the file with it.
 
-        ``about`` says how the run is simulated (``clast.results.provenance``).
+        ``about`` says how the run is simulated (``clast.results.run_report``).
         """
         about = about or {}
         self._stages = list(about.get("stages", ()))

@@ -21,7 +21,6 @@ from clast.model.state import State
 from clast.model.supports import LiningJoints, LinkLines
 from clast.model.water import Water
 from clast.results.frames import ABSENT, VERTICES, FrameStore
-from clast.results.provenance import version_of
 from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
@@ -33,7 +32,7 @@ from clast.results.result_tables import (
     PointHistory,
     ReactionHistory,
 )
-from clast.results.run_report import Report
+from clast.results.run_report import Report, version_of
 from clast.results.schema import (
     BOLT_TABLE,
     COMPONENTS,

@@ -16,8 +16,8 @@ from clast.model.model import Floats
 from clast.results import validate
 from clast.results.frames import VERTICES, FrameStore, absent_in_frame
 from clast.results.open_file import AGAIN, ask, check_ours
-from clast.results.provenance import main_parameters
 from clast.results.recording import Recording
+from clast.results.run_report import main_parameters
 from clast.results.schema import (
     BOLT_STATES,
     BOLTS,

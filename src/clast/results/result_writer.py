@@ -22,9 +22,8 @@ from clast.results.checkpoints.checkpoint import Recorded, extended, read_lineag
 from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
-from clast.results.provenance import about_model, version_of
 from clast.results.result_tables import GrowingTable
-from clast.results.run_report import Report
+from clast.results.run_report import Report, about_model, version_of
 from clast.results.schema import (
     BOLT_POINTS,
     BOLT_TABLE,

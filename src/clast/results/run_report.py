@@ -1,14 +1,19 @@
-"""How a run went: counts, ledger, warnings, and how it ended."""
+"""How a run was made (process, law, parameters, rocks) and how it went."""
 
 from __future__ import annotations
 
 import dataclasses
+import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from clast.model.model import Model
 from clast.model.stage_records import Event, StageRecord, events_from, records_from
 from clast.model.state import Ledger, Overlap
+from clast.step.method import Method
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -91,3 +96,137 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     entries["stages"] = records_from(plain.get("stages", ()))
     entries["events"] = events_from(plain.get("events", ()))
     return Report(**entries)
+
+
+PARTS = ("process", "contact_law", "corner_rule", "integrator", "solver", "damping")
+"""Parts of a method that are recorded by name, each with its parameters."""
+MOST_ROCKS = 8
+"""Rocks that a table lists, at most."""
+PARAMETERS = ("fixed_point_stiffness", "critdis", "max_displacement", "dynamic_ratio")
+"""Parameters of the method itself."""
+
+
+def version_of(package: str) -> str:
+    """Return the version of an installed package, "unknown" where it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def about_method(method: Method, step: float, end: float) -> dict[str, Any]:
+    """Return how a run is simulated, ready for JSON; ``step`` and ``end`` in s."""
+    parts = {name: _part(getattr(method, name)) for name in PARTS}
+    numbers = {name: getattr(method, name) for name in PARAMETERS}
+    return {**parts, "step": float(step), "end": float(end), **numbers}
+
+
+def about_model(model: Model) -> dict[str, Any]:
+    """Return the materials of a model, ready for JSON."""
+    return {
+        "rocks": [dataclasses.asdict(rock) for rock in model.rocks],
+        "joints": [dataclasses.asdict(joint) for joint in model.joint_table.joints],
+    }
+
+
+def about_in(text: str) -> dict[str, Any]:
+    """Return how a file was made; raises ValueError where the text is no such record."""
+    about = json.loads(text)
+    known = isinstance(about, dict) and all(
+        isinstance(about.get(key, kind()), kind) for key, kind in SHAPES.items()
+    )
+    if not known or not all(_is_rock(rock) for rock in about.get("rocks", ())):
+        raise ValueError("/model/about does not say how the run was made")
+    if not all(isinstance(name, str) for name in about.get("stages", ())):
+        raise ValueError("/model/about has a stage without a name")
+    if not all(isinstance(name, str) for name in about.get("begins", {}).values()):
+        raise ValueError("/model/about has a load that begins with no stage")
+    parts = (about[key] for key in ("process", "contact_law") if key in about)
+    if not all(isinstance(part.get("name"), str) for part in parts):
+        raise ValueError("/model/about has a part without a name")
+    return dict(about)
+
+
+def _is_rock(rock: Any) -> bool:
+    """Return whether an entry has the parameters of a rock that tables show."""
+    if not isinstance(rock, dict) or not isinstance(rock.get("name"), str):
+        return False
+    return all(isinstance(rock.get(key), int | float) for key in ("young", "poisson", "density"))
+
+
+SHAPES: dict[str, type] = {
+    "process": dict,
+    "contact_law": dict,
+    "rocks": list,
+    "stages": list,
+    "begins": dict,
+    "step": float,
+    "end": float,
+}
+"""Types of the entries that readers rely on."""
+
+
+def main_parameters(about: dict[str, Any]) -> dict[str, Any]:
+    """Return process, law, p, h and E by plain keys; None where an older file lacks them."""
+    law = about.get("contact_law", {})
+    return {
+        "process": about.get("process", {}).get("name"),
+        "contact_law": law.get("name"),
+        "normal_stiffness": law.get("normal_stiffness"),
+        "step": about.get("step"),
+        "end": about.get("end"),
+        "young": {rock["name"]: rock["young"] for rock in about.get("rocks", ())},
+    }
+
+
+def texts(about: dict[str, Any]) -> dict[str, str]:
+    """Return the parameters in words, one table row each; none where an older file lacks them."""
+    if not {"process", "contact_law", "step", "end", "rocks"} <= set(about):
+        return {}
+    rocks = (
+        f"{rock['name']}: E = {rock['young']:.4g} Pa, nu = {rock['poisson']:g}, "
+        f"rho = {rock['density']:g} kg/m3"
+        for rock in about["rocks"][:MOST_ROCKS]
+    )
+    more = (
+        "" if len(about["rocks"]) <= MOST_ROCKS else f"and {len(about['rocks']) - MOST_ROCKS} more"
+    )
+    return {
+        "process": _numbers_text(about["process"]),
+        "contact law": _numbers_text(about["contact_law"]),
+        "p": f"{_number(about['contact_law'].get('normal_stiffness'))} N/m per m",
+        "h": f"{about['step']:g} s, to {about['end']:g} s",
+        **({"stages": ", ".join(about["stages"])} if about.get("stages") else {}),
+        "rocks": "\n".join((*rocks, *((more,) if more else ()))),
+    }
+
+
+def _number(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, int | float) else "?"
+
+
+def _numbers_text(part: dict[str, Any]) -> str:
+    """Return the name of a part and its numbers: ``convex (tolerance 1e-07)``."""
+    numbers = ", ".join(
+        f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
+        for key, value in part.items()
+        if key != "name"
+    )
+    return f"{part['name']} ({numbers})" if numbers else part["name"]
+
+
+def _part(part: Any) -> dict[str, Any]:
+    """Return the name of a part, as in case files where it is clast's own, and its numbers."""
+    kind = type(part)
+    name = kind.__name__
+    if kind.__module__.startswith("clast."):
+        name = re.sub(r"(?<=[a-z])(?=[A-Z])", "-", name).lower()
+    if not dataclasses.is_dataclass(part):
+        return {"name": name}
+    values = ((field.name, getattr(part, field.name)) for field in dataclasses.fields(part))
+    inner = {
+        key: _part(value)["name"] if dataclasses.is_dataclass(value) else value
+        for key, value in values
+    }
+    plain = {key: value for key, value in inner.items() if isinstance(value, int | float | str)}
+    return {**plain, "name": name}

@@ -21,9 +21,8 @@ from clast.model.state import Ledger
 from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
 from clast.model.water import Water
 from clast.results.open_file import MalformedError
-from clast.results.provenance import about_in
 from clast.results.recording import BoltLines, EdgeJoints, SupportsRecord
-from clast.results.run_report import Report, report_from_dict
+from clast.results.run_report import Report, about_in, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
     FRAME_ROW,

@@ -25,8 +25,8 @@ from clast.results.checkpoints.checkpoint_files import (
     checkpoint_path,
     write_checkpoint,
 )
-from clast.results.provenance import version_of
 from clast.results.recorder import RecordMark
+from clast.results.run_report import version_of
 from clast.run.progress import Warner, Watch, shown
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule

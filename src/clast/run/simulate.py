@@ -22,7 +22,7 @@ from clast.model.stages import Stage
 from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
-from clast.results.provenance import about_method
+from clast.results.run_report import about_method
 from clast.run import law_check
 from clast.run.events import Listener, bonds_break, joints_wear
 from clast.run.interrupts import held_back

@@ -21,7 +21,6 @@ from clast.model.stage_records import (
 from clast.model.stages import EQUILIBRIUM, TIME, Stage
 from clast.model.state import State, here
 from clast.run.stages.equilibrium import EquilibriumCheck
-from clast.run.stages.spraying import events_of_linings
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.run.stages.static_path import OnPath
@@ -31,6 +30,7 @@ from clast.run.stages.transition import (
     entered,
     entered_again,
     events_at_start,
+    events_of_linings,
 )
 from clast.step.method import is_stable_for_any_step
 
