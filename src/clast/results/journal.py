@@ -219,10 +219,10 @@ def read_journal(file: BinaryIO) -> tuple[int, list[Piece]] | None:
 
 def _complete(file: BinaryIO) -> int:
     """Apply the journal at the end of the file, and cut it off; return the end."""
-    found = read_journal(file)
-    if found is None:
+    journal = read_journal(file)
+    if journal is None:
         return file.seek(0, os.SEEK_END)
-    end, pieces = found
+    end, pieces = journal
     with locks.changing(file):
         for start, new in pieces:
             file.seek(start)

@@ -16,7 +16,7 @@ import errno
 import os
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import BinaryIO
 
 import numpy as np
@@ -59,11 +59,6 @@ def unpacked(content: bytes, end: int) -> Sums | None:
     if SUM.unpack(content[-SUM.size :])[0] != zlib.crc32(content[: -SUM.size]):
         return None
     return np.frombuffer(content[HEAD.size : -SUM.size], "<u4").astype(np.uint32)
-
-
-def page_sum(read: Callable[[int, int], bytes], page: int, end: int) -> int:
-    """Return the checksum of a page; ``read`` gives the bytes of a place and a length."""
-    return zlib.crc32(read(page * PAGE, min(PAGE, end - page * PAGE)))
 
 
 class DamagedPageError(Exception):
@@ -155,8 +150,8 @@ class CheckedFile(FileObject):
         if self.sums is None or first >= last:
             return
         for page in set(range(first // PAGE, page_count(last))) - self._sound:
-            if page_sum(self._content, page, self._end) != self.sums[page]:
-                first = page * PAGE
+            first = page * PAGE
+            if zlib.crc32(self._content(first, min(PAGE, self._end - first))) != self.sums[page]:
                 raise DamagedPageError(
                     f"bytes {first} to {first + PAGE - 1} differ from those written"
                 )

@@ -32,8 +32,9 @@ from clast.results.schema import (
     REACTIONS,
     TableSchema,
 )
+from clast.results.water_record import waters_in
 
-LARGEST = 1e150
+VALUE_MAX = 1e150
 """No place and no force is that large."""
 QUICKLY_CHECKED = 2**28
 """Size of a file that is checked from end to end in less than half a second, bytes."""
@@ -115,7 +116,7 @@ class Results(Recording):
 
     def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
         """Raise CaseError where values (frames, ...) are not numbers, or cannot be squared."""
-        sound = (np.abs(values) < LARGEST).reshape(len(values), -1).all(axis=1)
+        sound = (np.abs(values) < VALUE_MAX).reshape(len(values), -1).all(axis=1)
         if not sound.all():
             frame = frames[int(np.argmin(sound))]
             raise self._damaged(f"frame {frame} has {what} that are not numbers")
@@ -200,7 +201,7 @@ def _results(path: Path, file: Any) -> Results:
         measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),
-        water=validate.water_of(file, blocks),
+        water=waters_in(file["model"], int(blocks.start[-1])),
         point_name=points[0],
         point_start=points[1],
         report=validate.report_of(file),

@@ -112,8 +112,8 @@ class Columns(dict[str, NDArray[Any]]):
         rows = self.__dict__.get("rows")
         if rows is None or name not in (rows.dtype.names or ()):
             raise AttributeError(f"{type(self).__name__} has no column '{name}'")
-        found: NDArray[Any] = rows[name]
-        return found
+        column: NDArray[Any] = rows[name]
+        return column
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -19,7 +19,6 @@ from clast.model.model import Bools, Floats, Ints
 from clast.model.stage_records import Event, Mover, StageRecord
 from clast.model.state import Ledger
 from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
-from clast.model.water import Water
 from clast.results.open_file import MalformedError
 from clast.results.recording import BoltLines, EdgeJoints, SupportsRecord
 from clast.results.run_report import Report, about_in, report_from_dict
@@ -35,7 +34,6 @@ from clast.results.schema import (
     TABLES,
     Things,
 )
-from clast.results.water_record import waters_in
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,14 +258,6 @@ def about_of(file: Any) -> dict[str, Any]:
         return about_in(text(file, "model/about"))
     except (TypeError, ValueError, RecursionError) as error:
         raise MalformedError(f"{error}") from error
-
-
-def water_of(file: Any, blocks: StoredBlocks) -> tuple[Water, ...]:
-    """Return the water of a file; raises MalformedError."""
-    waters = waters_in(file["model"], int(blocks.start[-1]))
-    if waters is None:
-        raise MalformedError("/model/water does not hold the expected data")
-    return waters
 
 
 def names(file: Any, place: str) -> tuple[str, ...]:

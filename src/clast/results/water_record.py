@@ -12,6 +12,7 @@ import numpy as np
 
 from clast.model.factors import Factor
 from clast.model.water import Water, WetFaces, WetJoints
+from clast.results.open_file import MalformedError
 
 SHAPES: dict[str, tuple[str, tuple[int, ...]]] = {
     "surface": ("f8", (2,)),
@@ -47,18 +48,19 @@ def write_water(group: Any, waters: tuple[Water, ...]) -> None:
                 place.create_dataset(name, data=values, compression="gzip", fletcher32=True)
 
 
-def waters_in(group: Any, edges: int) -> tuple[Water, ...] | None:
-    """Return the waters in the group of a model with so many edges; None where they are damaged."""
-    found = []
+def waters_in(group: Any, edges: int) -> tuple[Water, ...]:
+    """Return the waters in the group of a model with so many edges; raises MalformedError."""
+    damaged = MalformedError("/model/water does not hold the expected data")
+    waters = []
     for number in range(len(group["water"]) if "water" in group else 0):
         place = group.get(f"water/{number}")
         if place is None:
-            return None
+            raise damaged
         arrays = {}
         for name, (kind, shape) in SHAPES.items():
             values = np.asarray(place[name]) if name in place else np.zeros((0, *shape), kind)
             if values.dtype.kind != np.dtype(kind).kind or values.shape[1:] != shape:
-                return None
+                raise damaged
             arrays[name] = values
         counts = {name.split("_")[0]: len(values) for name, values in arrays.items()}
         whole = all(len(values) == counts[name.split("_")[0]] for name, values in arrays.items())
@@ -69,11 +71,11 @@ def waters_in(group: Any, edges: int) -> tuple[Water, ...] | None:
             or not len(arrays["surface"])
             or any(key not in place.attrs for key in numbers)
         ):
-            return None
+            raise damaged
         if len(touched) and not (0 <= touched.min() and touched.max() < edges):
-            return None
-        found.append(_water(place.attrs, arrays))
-    return tuple(found)
+            raise damaged
+        waters.append(_water(place.attrs, arrays))
+    return tuple(waters)
 
 
 def _water(attributes: Any, arrays: dict[str, Any]) -> Water:

@@ -99,10 +99,10 @@ def _malformed(trial: _Trial) -> Iterator[str]:
             yield f"evaluating the law changes {name}; it must not change its arguments"
     count = len(trial.gap)
     for field in fields(ContactResponse):
-        found = np.asarray(getattr(response, field.name))
-        if found.shape != (count,):
-            yield f"{field.name} has shape {found.shape}; it must be ({count},), as gap is"
-        elif not np.isfinite(found).all():
+        values = np.asarray(getattr(response, field.name))
+        if values.shape != (count,):
+            yield f"{field.name} has shape {values.shape}; it must be ({count},), as gap is"
+        elif not np.isfinite(values).all():
             yield f"{field.name} is not finite everywhere"
 
 

@@ -50,14 +50,14 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     box = polygon.boxes(vertices, block_start)
     outlines = (vertices, direction, block_start)
     limits, carried = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
-    found = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, carried)
+    crossed = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, carried)
     inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
     np.maximum.at(deepest, pair, -contacts[2])
     give = np.zeros(model.block_count)
     np.maximum.at(give, pairs, deepest[:, None])
     result = []
-    for q in np.unique(np.concatenate((found[3], np.flatnonzero(inside)))):
+    for q in np.unique(np.concatenate((crossed[3], np.flatnonzero(inside)))):
         explained = max(KNOWN * deepest[q], give[pairs[q]].sum(), NOTABLE * critdis)
         if widest_circle(*_loops(model, vertices, pairs[q])) <= explained:
             continue
@@ -149,17 +149,17 @@ def widest_circle(one: Floats, other: Floats) -> float:
         if not shared:
             return 0.0
     ends = np.array(shared)
-    ways = np.roll(ends, -1, axis=0) - ends
-    area = 0.5 * float(np.sum(ends[:, 0] * ways[:, 1] - ends[:, 1] * ways[:, 0]))
-    perimeter = float(np.hypot(*ways.T).sum())
+    sides = np.roll(ends, -1, axis=0) - ends
+    area = 0.5 * float(np.sum(ends[:, 0] * sides[:, 1] - ends[:, 1] * sides[:, 0]))
+    perimeter = float(np.hypot(*sides.T).sum())
     return 4.0 * area / perimeter if perimeter > 0.0 else 0.0
 
 
 def _is_convex(loop: Floats) -> bool:
     """Return whether an outline (k, 2) turns left everywhere."""
-    ways = np.roll(loop, -1, axis=0) - loop
-    on = np.roll(ways, -1, axis=0)
-    return bool(np.all(ways[:, 0] * on[:, 1] - ways[:, 1] * on[:, 0] >= 0.0))
+    sides = np.roll(loop, -1, axis=0) - loop
+    on = np.roll(sides, -1, axis=0)
+    return bool(np.all(sides[:, 0] * on[:, 1] - sides[:, 1] * on[:, 0] >= 0.0))
 
 
 def _tips(loop: Floats, radius: float) -> Floats:

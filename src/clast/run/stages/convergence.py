@@ -71,36 +71,38 @@ class Convergence:
     coming: float = 0.0
     """Movement of this block still to come, m: 0 where it is little, inf where there is no end."""
 
-    def restarted(self, way: Floats, step: float) -> Convergence:
-        """Return the movements with a ``way`` (n, 3), m, in a step of ``step``, s, by new loads."""
-        total = self.total + way if len(self.total) else way
-        return Convergence(total=total, last=way, step=step, moved=float(_sizes(way).max()))
+    def restarted(self, movement: Floats, step: float) -> Convergence:
+        """Return the movements with another (n, 3), m, in a step of ``step``, s, by new loads."""
+        total = self.total + movement if len(self.total) else movement
+        return Convergence(
+            total=total, last=movement, step=step, moved=float(_sizes(movement).max())
+        )
 
-    def gone_ahead(self, way: Floats, step: float) -> Convergence:
-        """Return the movements with a ``way`` (n, 3), m, against forces still to come."""
-        now = self.restarted(way, step)
+    def gone_ahead(self, movement: Floats, step: float) -> Convergence:
+        """Return the movements with another (n, 3), m, against forces still to come."""
+        now = self.restarted(movement, step)
         return replace(now, last=_no_motion(), known=float(self.ratios[-1]), coming=now.moved)
 
-    def followed(self, way: Floats, step: float, size: Floats, pushed: Bools) -> Convergence:
-        """Return the movements with a ``way`` (n, 3), m, that only earlier movements have caused.
+    def followed(self, movement: Floats, step: float, size: Floats, pushed: Bools) -> Convergence:
+        """Return the movements with another (n, 3), m, that only earlier ones have caused.
 
         ``size`` (n,), m, is that of the blocks, ``pushed`` (n,) True where forces are out of
         balance.
         """
-        far = _sizes(way)
+        far = _sizes(movement)
         most = int(far.argmax())
         chosen = far >= TOGETHER * far[most]
-        now = replace(self.restarted(way, step), known=self.known, ratios=self.ratios)
+        now = replace(self.restarted(movement, step), known=self.known, ratios=self.ratios)
         ratio, shorter, trembles = self.known, 1.0, False
         if len(self.last):
-            cosine, ratio = _compared(self.last[chosen], way[chosen])
+            cosine, ratio = _compared(self.last[chosen], movement[chosen])
             ratios = np.append(self.ratios[-1:], ratio)
             trembles = len(self.ratios) > 0 and cosine < STEADY
             now = replace(
                 now,
                 ratios=ratios,
                 known=self.known if len(ratios) < 2 else 0.0,
-                steady=_compared(self.last, way)[0] >= STEADY,
+                steady=_compared(self.last, movement)[0] >= STEADY,
             )
             # in a shorter step the mass held blocks back
             ratio, shorter = max(ratio, now.known), max(1.0, (self.step / step) ** 2)
@@ -109,7 +111,9 @@ class Convergence:
             return now
         held = ratio * shorter
         coming = now.moved * (shorter / (1.0 - held) - 1.0) if held < 1.0 else np.inf
-        covered = float(np.sum(now.total[chosen] * way[chosen])) / float(np.sum(way[chosen] ** 2))
+        covered = float(np.sum(now.total[chosen] * movement[chosen])) / float(
+            np.sum(movement[chosen] ** 2)
+        )
         return replace(now, coming=coming if coming > ENOUGH * covered * now.moved else 0.0)
 
     def series(self, reach: float) -> float:
@@ -129,9 +133,9 @@ class Convergence:
         return most if most > WORTH else 1.0
 
 
-def _sizes(way: Floats) -> Floats:
+def _sizes(movement: Floats) -> Floats:
     """Return how far each block moves, m, (n,), by movements (n, 3)."""
-    return np.sqrt(np.add.reduce(way**2, axis=1))
+    return np.sqrt(np.add.reduce(movement**2, axis=1))
 
 
 def _compared(before: Floats, after: Floats) -> tuple[float, float]:

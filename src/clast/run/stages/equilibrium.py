@@ -40,9 +40,9 @@ from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Positi
 from clast.step.method import Method, StepResult
 
 STRAIGHT = 0.9
-"""Net movement, as a share of the way, above which a block moves on and does not tremble."""
+"""Net movement, in units of its path, above which a block moves on and does not tremble."""
 DYING = 0.5
-"""Way in the second half of the steps, as a share of that in the first, that slows down."""
+"""Movement in the second half of the steps, as a share of that in the first, that slows down."""
 CREEPING = 1e-3
 """Speed of a sliding block, as a share of the limit of equilibrium, that counts as rest."""
 CREEPING_FORCE = 1e-5
@@ -67,11 +67,11 @@ class EquilibriumCheck:
         """Return the position after an accepted step of length ``step``, s, from ``before``."""
         still = replace(self.method, clock=0.0) if self.is_static else self.method
         sums = forces_of(self.model, still, (before, result), step)
-        way = result.state.vertices - before.vertices
-        judged = self._judged((before, result), sums, way, step)
+        movement = result.state.vertices - before.vertices
+        judged = self._judged((before, result), sums, movement, step)
         held = EquilibriumStreak()
         if not judged.hindrance:
-            held = self._held(position.held, result, sums, way, step)
+            held = self._held(position.held, result, sums, movement, step)
             if not self.is_static and held.steps >= self.hold and (name := self._creeping(held)):
                 judged = replace(judged, hindrance=f"block '{name}' slides and does not slow down")
                 held = EquilibriumStreak()
@@ -108,17 +108,17 @@ class EquilibriumCheck:
         self,
         states: tuple[State, StepResult],
         sums: ForceSums,
-        way: Floats,
+        movement: Floats,
         step: float,
     ) -> Judgement:
         """Return how far from equilibrium a step ended."""
         stage, result = self.stage, states[1]
         least = self._noise / stage.force_ratio
         ratio = np.where(self._free, sums.unbalanced / np.maximum(sums.size, least), 0.0)
-        speed = np.where(self._free, self._speeds(result.state, way, step), 0.0)
+        speed = np.where(self._free, self._speeds(result.state, movement, step), 0.0)
         share = speed / self._limit
         fastest = int(share.argmax())
-        mover = self._mover(fastest, float(speed[fastest]), way)
+        mover = self._mover(fastest, float(speed[fastest]), movement)
         worst = int(ratio.argmax())
         judged = Judgement(
             force_ratio=float(ratio[worst]),
@@ -126,7 +126,7 @@ class EquilibriumCheck:
             speed=float(share[fastest]) * stage.speed,
             mover=mover,
         )
-        why = self._unrest(judged, states, sums, (way, step))
+        why = self._unrest(judged, states, sums, (movement, step))
         idle = sums.unbalanced <= np.maximum(
             CREEPING_FORCE * np.minimum(self.model.mass * self.model.usual_gravity, sums.size),
             self._noise,
@@ -147,7 +147,7 @@ class EquilibriumCheck:
     ) -> str:
         """Return why a step did not end in balance, "" where it did.
 
-        ``motion`` is the way of each vertex, m, and the length of the step, s.
+        ``motion`` is the movement of each vertex, m, and the length of the step, s.
         """
         stage, (before, result) = self.stage, states
         if not judged.force_ratio < stage.force_ratio:
@@ -164,10 +164,10 @@ class EquilibriumCheck:
             )
         return self._changes(before.memory, result.state.memory, sums)
 
-    def _moves_on(self, way: Floats, step: float) -> str:
+    def _moves_on(self, movement: Floats, step: float) -> str:
         """Return which block a step without inertia to speak of would take along, "" for none."""
         model, gravity = self.model, self.model.usual_gravity
-        far = np.where(self._free, polygon.farthest(way, model.block_start), 0.0)
+        far = np.where(self._free, polygon.farthest(movement, model.block_start), 0.0)
         force = model.mass * far / (self.method.integrator.theta * step**2)
         share = force / np.maximum(CREEPING_FORCE * model.mass * gravity, self._noise)
         worst = int(share.argmax())
@@ -176,16 +176,16 @@ class EquilibriumCheck:
         accelerated = force[worst] / (model.mass[worst] * gravity)
         return (
             f"block '{model.block_name[worst]}' moves by {far[worst]:.3g} m a step, "
-            f"{towards(self._mover(worst, 1.0, way).direction)}, with {accelerated:.2g} g"
+            f"{towards(self._mover(worst, 1.0, movement).direction)}, with {accelerated:.2g} g"
         )
 
-    def _slides_on(self, memory: ContactMemory, sums: ForceSums, way: Floats) -> str:
+    def _slides_on(self, memory: ContactMemory, sums: ForceSums, movement: Floats) -> str:
         """Return that contacts slide in a step as long as blocks move much, "" where not.
 
         Their friction is bound by normal forces from before they slid.  A contact at its limit may
         go to and fro between slide and lock for ever, and nothing moves.
         """
-        farthest = float(np.hypot(*way.T).max(initial=0.0))
+        farthest = float(np.hypot(*movement.T).max(initial=0.0))
         slides = self._carries(memory, sums) & (memory.mode == SLIDE)
         if farthest <= QUIET * self.method.max_displacement or not slides.any():
             return ""
@@ -217,24 +217,24 @@ class EquilibriumCheck:
             return "blocks are still moved"
         return ""
 
-    def _speeds(self, state: State, way: Floats, step: float) -> Floats:
+    def _speeds(self, state: State, movement: Floats, step: float) -> Floats:
         """Return the largest speed of a point of each block, m/s, shape (n,).
 
         That of the step, and where velocity is carried on that at its end, too.
         """
-        speed = polygon.farthest(way, self.model.block_start) / step
+        speed = polygon.farthest(movement, self.model.block_start) / step
         if self.method.dynamic_ratio == 0.0:
             return speed
         u, v, spin = state.velocity[:, :3].T
         at_end = np.hypot(u, v) + np.abs(spin) * np.sqrt(self.model.area)
         return np.maximum(speed, at_end)
 
-    def _mover(self, block: int, speed: float, way: Floats) -> Mover:
+    def _mover(self, block: int, speed: float, movement: Floats) -> Mover:
         """Return the block as the one that moves most."""
         if not self._free.any():
             return Mover()
         first, past = self.model.block_start[block : block + 2]
-        own = way[first:past]
+        own = movement[first:past]
         x, y = own[int(np.hypot(*own.T).argmax())]
         angle = float(np.degrees(np.arctan2(y, x)))
         return Mover(block=self.model.block_name[block], speed=speed, direction=angle)
@@ -309,12 +309,17 @@ class EquilibriumCheck:
         )
 
     def _held(
-        self, held: EquilibriumStreak, result: StepResult, sums: ForceSums, way: Floats, step: float
+        self,
+        held: EquilibriumStreak,
+        result: StepResult,
+        sums: ForceSums,
+        movement: Floats,
+        step: float,
     ) -> EquilibriumStreak:
         """Return the steps in equilibrium with one more."""
         model, memory = self.model, result.state.memory
         start = model.block_start
-        moved = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+        moved = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
         slides = self._carries(memory, sums) & (memory.mode == SLIDE)
         sliding = np.zeros(model.block_count, np.bool_)
         sliding[model.vertex_block[memory.vertex[slides]]] = True

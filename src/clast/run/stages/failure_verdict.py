@@ -1,12 +1,12 @@
 """Whether a static run that is out of balance fails, or is on its way to an equilibrium.
 
 Each step begins at rest and moves blocks by w, as a force m w/(theta tau^2) would.  Weighted by the
-motion, all blocks together have in a step the way and the acceleration
+motion, all blocks together have in a step the movement and the acceleration
 
     u = sum m w^2 / sum m w,    a = u/(theta tau^2).
 
 A system that fails is driven on: a stays as it is, or grows.  A system on its way to an
-equilibrium, however far, is driven less and less: where a falls from a1 to a2 on a way u12, it
+equilibrium, however far, is driven less and less: where a falls from a1 to a2 on a movement u12, it
 vanishes about a2 u12/(a1 - a2) further on.  So the verdict does not depend on how far a step may
 go.
 """
@@ -52,30 +52,30 @@ class Scales:
 
 
 def driven(model: Model, before: State, after: State, inertia: float) -> Floats:
-    """Return way, m, and acceleration, m/s2, of a step with M times ``inertia``, 1/s2, (1, 2)."""
+    """Return movement, m, and acceleration, m/s2, of a step with M ``inertia``, 1/s2, (1, 2)."""
     start = model.block_start
-    way = after.vertices - before.vertices
-    mean = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+    movement = after.vertices - before.vertices
+    mean = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
     far = np.where(model.fixed, 0.0, np.hypot(*mean.T))
     momentum = float(np.sum(model.mass * far))
-    mean_way = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
-    return np.array([[mean_way, inertia * mean_way]])
+    mean_movement = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
+    return np.array([[mean_movement, inertia * mean_movement]])
 
 
 def nears(steps: Floats, within: float) -> bool:
-    """Return whether way and acceleration of steps (k, 2) lead to a balance ``within`` m more.
+    """Return whether movement and acceleration of steps (k, 2) lead to a balance ``within`` m more.
 
-    The second half of the way counts, in FAR_STEPS at least: friction and supports are mobilised in
-    the first, in which the acceleration goes up and down.
+    The second half of the movement counts, in FAR_STEPS at least: friction and supports are
+    mobilised in the first, in which the acceleration goes up and down.
     """
     gone = np.cumsum(steps[:, 0])
     first = min(int(np.searchsorted(gone, 0.5 * gone[-1])), len(steps) - FAR_STEPS)
     recent = steps[max(0, first) :]
-    way, acceleration = recent.T
-    middle = np.searchsorted(np.cumsum(way), 0.5 * way.sum(), side="right")
+    movement, acceleration = recent.T
+    middle = np.searchsorted(np.cumsum(movement), 0.5 * movement.sum(), side="right")
     middle = int(np.clip(middle, 1, len(recent) - 1))
     before, now = (
-        float(np.average(acceleration[part], weights=way[part]))
+        float(np.average(acceleration[part], weights=movement[part]))
         for part in (slice(middle), slice(middle, None))
     )
-    return now < before and 0.5 * now * float(way.sum()) <= within * (before - now)
+    return now < before and 0.5 * now * float(movement.sum()) <= within * (before - now)

@@ -146,10 +146,10 @@ def _check_joints(stage: Stage, model: Model) -> None:
             )
     for joint in with_strengths(model.joint_table, stage.joints).joints:
         is_small = 0.0 < joints[joint.name].friction_angle < SMALL_ANGLE
-        found = contradiction(joint, is_small_meant=is_small)
-        if joint.name in stage.joints and found is not None:
-            where = f"{_where(stage)}, joint '{shortened(joint.name)}', {found.key}"
-            raise ModelError(found.what, where=where, remedy=found.remedy)
+        fault = contradiction(joint, is_small_meant=is_small)
+        if joint.name in stage.joints and fault is not None:
+            where = f"{_where(stage)}, joint '{shortened(joint.name)}', {fault.key}"
+            raise ModelError(fault.what, where=where, remedy=fault.remedy)
 
 
 def _check_ground_motion(stage: Stage, model: Model) -> None:

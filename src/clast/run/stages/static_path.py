@@ -97,7 +97,7 @@ class OnPath:
     far: int = 0
     """Those of them that went as far as max_displacement lets blocks go."""
     driven: Floats = field(default_factory=_not_driven)
-    """Way, m, and acceleration, m/s2, of each of these, shape (k, 2)."""
+    """Movement, m, and acceleration, m/s2, of each of these, shape (k, 2)."""
     moved: Floats = field(default_factory=_no_motion)
     """Movement of each block since then, m, shape (n, 2)."""
     balanced: bool = False
@@ -252,8 +252,8 @@ class StaticPath:
         pushed = np.asarray(judged.left.any(axis=1))
         convergence = self._converging(now, before, result, taken[0], pushed)
         judged = self._with_more_to_come(judged, convergence)
-        way, restarts = self._way(before, result.state)[:, :2], now.begins
-        moved = way if restarts else now.moved + way
+        movement, restarts = self._movement(before, result.state)[:, :2], now.begins
+        moved = movement if restarts else now.moved + movement
         driven, far = (_not_driven(), 0) if restarts else (now.driven, now.far)
         if result.travel > FAR * self.method.max_displacement:
             inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
@@ -304,13 +304,13 @@ class StaticPath:
         self, now: OnPath, before: State, result: StepResult, step: float, pushed: Bools
     ) -> Convergence:
         """Return how movements come to an end, with a step that ``pushed`` (n,) blocks."""
-        way, past = self._way(before, result.state), now.convergence
+        movement, past = self._movement(before, result.state), now.convergence
         if len(now.ahead):
-            return past.gone_ahead(way, step)
+            return past.gone_ahead(movement, step)
         grows = now.steps == 0 or now.reached < 1.0 or self.is_under_way(before)
         if not len(past.total) or len(result.broken) or (now.begins and grows):
-            return past.restarted(way, step)
-        return past.followed(way, step, np.sqrt(self.model.area), pushed)
+            return past.restarted(movement, step)
+        return past.followed(movement, step, np.sqrt(self.model.area), pushed)
 
     def _with_more_to_come(self, judged: Judgement, now: Convergence) -> Judgement:
         """Return the judgement of a step, which is no balance where movements are to come."""
@@ -390,11 +390,11 @@ class StaticPath:
         """Time in which a free block falls by max_displacement, s."""
         return float(np.sqrt(2.0 * self.method.max_displacement / self.model.usual_gravity))
 
-    def _way(self, before: State, after: State) -> Floats:
+    def _movement(self, before: State, after: State) -> Floats:
         """Return the movement of each block as ``Convergence`` has it, m, shape (n, 3)."""
         start, size = self.model.block_start, np.sqrt(self.model.area)
-        way = after.vertices - before.vertices
-        mean = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+        movement = after.vertices - before.vertices
+        mean = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
         moved = np.column_stack([mean, size * (after.rotation - before.rotation)])
         return np.where(self.model.fixed[:, None], 0.0, moved)
 
