@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.drawn_blocks import MOST, blocks_text, put_together
+from clast.case.drawn_case import MOST, blocks_text, put_together
 from clast.errors import CaseError, ModelError
 from clast.inputs.builder import InputBuilder
 from clast.rockmass import BlockRepair

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
 from clast import spelling
-from clast.errors import ModelError
+from clast.errors import ClastError, ModelError
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import InputBuilder
@@ -476,9 +476,24 @@ class Case(BaseModel):
         return launch(what, progress, warn)
 
     def _repr_html_(self) -> str:
-        from clast.case.thumbnail import thumbnail_of
+        from clast import thumbnails
 
-        return thumbnail_of(self)
+        chosen = self.method_.chosen
+        rows: list[tuple[str, object]] = [
+            ("process", chosen("process").name),
+            ("contact law", chosen("contact_law").name),
+            ("step", f"{self.time.step:.6g} s"),
+            ("end", f"{self.time.end:.6g} s"),
+            ("stages", ", ".join(stage.name for stage in self.stage) or "none"),
+        ]
+        drawing = ""
+        try:
+            model = self.model()
+            drawing = thumbnails.blocks(model.vertices, model.block_start, model.fixed)
+            rows.insert(0, ("blocks", f"{model.block_count} ({int(model.fixed.sum())} fixed)"))
+        except ClastError as error:
+            rows.append(("cannot be built", str(error)))
+        return thumbnails.side_by_side(self.title or self.name, drawing, rows)
 
     def __repr__(self) -> str:
         numbered = len(self.geometry.blocks) if self.geometry else 0

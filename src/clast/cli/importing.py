@@ -158,7 +158,7 @@ def _blocks(
     file: Path, reading: BlockReading, tolerance: float | None, targets: tuple[Path, Path]
 ) -> Imported:
     """Make a case of finished blocks, which are put together and kept beside it."""
-    from clast.case.drawn_blocks import blocks_text, put_together
+    from clast.case.drawn_case import blocks_text, put_together
     from clast.rockmass.readers import read_blocks
 
     output, blocks = targets
@@ -193,7 +193,7 @@ def _blocks(
 
 def _next(text: str, output: Path) -> str:
     """Return the next steps for a case that was imported."""
-    from clast.case.comments import TO_BE_GIVEN
+    from clast.case.drawn_case import TO_BE_GIVEN
 
     if f'"{TO_BE_GIVEN}"' in text.partition("[")[2]:
         return f'fill in the values marked "{TO_BE_GIVEN}" there, then clast check {output}'

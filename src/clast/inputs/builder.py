@@ -49,10 +49,8 @@ from clast.inputs.loads import (
     LineLoad,
     PointLoad,
     Pressure,
-    line_loads_of,
     located,
     places_of,
-    point_loads_of,
     pressed_edges,
 )
 from clast.inputs.materials import joint_table, joints_of_edges
@@ -96,9 +94,11 @@ from clast.model.model import (
     Bools,
     Floats,
     Ints,
+    LineLoads,
     MaterialPoints,
     MeasuredPoints,
     Model,
+    PointLoads,
 )
 from clast.model.ranges import check_names
 from clast.model.surroundings import InSituStress
@@ -338,8 +338,21 @@ class InputBuilder(Inputs):
             viscous_edges=viscous,
             area=outlines.area,
             fixed_points=ground.points,
-            point_loads=point_loads_of(points),
-            line_loads=line_loads_of(lines),
+            point_loads=PointLoads(
+                block=points.block,
+                at=points.at,
+                force=points.load,
+                factor=points.factor,
+                name=points.name,
+            ),
+            line_loads=LineLoads(
+                block=lines.block,
+                start=lines.at,
+                end=lines.end,
+                traction=lines.load,
+                factor=lines.factor,
+                name=lines.name,
+            ),
             pressures=pressures,
             bolts=bolts,
             water=water,

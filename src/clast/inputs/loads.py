@@ -20,7 +20,7 @@ from clast.inputs.measurements import MeasuredPoint
 from clast.model import ranges
 from clast.model.checks import TOUCHING, BlockOutlines, Geometries, locate, point_text
 from clast.model.factors import NO_FACTOR, Factor
-from clast.model.model import EdgePressures, Floats, Ints, LineLoads, PointLoads
+from clast.model.model import EdgePressures, Floats, Ints
 from clast.model.ranges import check_text
 
 
@@ -226,29 +226,6 @@ def located(
 
     block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
     return LoadPlaces(block, at, end, load, factor, tuple(entry.name for entry in entries))
-
-
-def point_loads_of(places: LoadPlaces) -> PointLoads:
-    """Return the point loads of a model, by where they are."""
-    return PointLoads(
-        block=places.block,
-        at=places.at,
-        force=places.load,
-        factor=places.factor,
-        name=places.name,
-    )
-
-
-def line_loads_of(places: LoadPlaces) -> LineLoads:
-    """Return the line loads of a model, by where they are."""
-    return LineLoads(
-        block=places.block,
-        start=places.at,
-        end=places.end,
-        traction=places.load,
-        factor=places.factor,
-        name=places.name,
-    )
 
 
 @dataclass(frozen=True)

@@ -124,30 +124,26 @@ def contacts_measured(
 
     ``origin`` (2,), m, is the origin of the model's coordinates.
     """
-    joints = [joint.name for joint in table.joints]
+    joints = {joint.name: k for k, joint in enumerate(table.joints)}
     names: list[str] = []
-    for number, one in enumerate(given, 1):
-        where = f"measured_contact {number}"
+    number: list[int] = []
+    for k, one in enumerate(given, 1):
+        where = f"measured_contact {k}"
         if not one.name.strip() or one.name in names:
             what = "is used twice" if one.name in names else "is not a valid name"
             raise ModelError(
                 f"'{shortened(one.name)}' {what}", where=f"{where}, name", remedy="give another"
             )
-        if one.joint is not None and one.joint not in joints:
-            raise ModelError(
-                f"there is no joint '{shortened(one.joint)}'",
-                where=f"{where}, joint",
-                remedy=spelling.advice(one.joint, joints, kind="joint"),
-            )
+        number.append(
+            -1 if one.joint is None else number_of(one.joint, joints, "joint", f"{where}, joint")
+        )
         names.append(one.name)
     nowhere = np.full(2, np.nan)
     places = [nowhere if one.at is None else np.asarray(one.at) - origin for one in given]
     return MeasuredContacts(
         name=tuple(names),
         at=np.array(places, np.float64).reshape(-1, 2),
-        joint=np.array(
-            [-1 if one.joint is None else joints.index(one.joint) for one in given], np.int64
-        ),
+        joint=np.array(number, np.int64),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,6 +15,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, Inputs, Length, Loop, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.ranges import check_text
 from clast.model.surroundings import Opening
@@ -254,7 +255,7 @@ def unknown(name: str, known: Iterable[str], kind: str, place: tuple[str | int, 
 
 def openings_of(
     entries: Sequence[OpeningTable],
-    block_number: Mapping[str, int],
+    block_number: dict[str, int],
     edge_joint: NDArray[np.str_],
 ) -> tuple[Opening, ...]:
     """Return the openings with the numbers of their blocks and welded edges.
@@ -268,21 +269,15 @@ def openings_of(
         where = f"opening '{shortened(one.name)}'"
         check_text(one.name, "opening")
         if one.name in found or one.name in block_number:
-            taken = "opening" if one.name in found else "block"
+            taken = "an opening" if one.name in found else "a block"
             raise ModelError(
-                f"there already is {_article(taken)} {taken} with this name",
+                f"there already is {taken} with this name",
                 where=where,
                 remedy="give it another name: stages excavate openings and blocks by their names",
             )
         numbers = []
         for name in one.blocks:
-            if name not in block_number:
-                raise ModelError(
-                    f"there is no block '{shortened(name)}'",
-                    where=where,
-                    remedy=spelling.advice(name, block_number, kind="block"),
-                )
-            number = block_number[name]
+            number = number_of(name, block_number, "block", where)
             if number in owner:
                 raise ModelError(
                     f"block '{shortened(name)}' already belongs to opening '{owner[number]}'",
@@ -303,7 +298,3 @@ def openings_of(
         block = np.array(sorted(numbers), np.int64)
         found[one.name] = Opening(name=one.name, block=block, welded=welded)
     return tuple(found.values())
-
-
-def _article(word: str) -> str:
-    return "an" if word[0] in "aeiou" else "a"

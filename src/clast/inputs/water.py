@@ -10,11 +10,11 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, StrictStr, model_validator
 
-from clast import spelling
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Coordinate, Inputs, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
 from clast.model.drainage import distances, lowering, parts_between
@@ -174,7 +174,16 @@ def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], 
         water, said = _water(f"water {number}", one, bed, edges, facing)
         found.append(water)
         notes += said
-    _refuse_same_names(waters)
+    names = [one.name for one in waters if one.name is not None]
+    for name in names:
+        check_text(name, "water")
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(
+                "two [[water]] tables have this name",
+                where=f"water '{shortened(name)}'",
+                remedy="rename one of them",
+            )
     return tuple(found), tuple(notes)
 
 
@@ -249,21 +258,16 @@ def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float
     """Return the share of the full head, and the amplitude that it follows."""
     name, where = given.amplitude, f"{label}, amplitude"
     if isinstance(name, str):
-        known = {factor.name: factor for factor in factors}
-        if name not in known:
-            raise ModelError(
-                f"there is no amplitude '{shortened(name)}'",
-                where=where,
-                remedy=spelling.advice(name, known, kind="amplitude"),
-            )
-        values = known[name].value
+        known = {factor.name: k for k, factor in enumerate(factors)}
+        factor = factors[number_of(name, known, "amplitude", where)]
+        values = factor.value
         if values.min() < 0.0 or values.max() > 1.0:
             raise ModelError(
                 f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
                 where=where,
                 remedy=SHARE,
             )
-        return 1.0, known[name]
+        return 1.0, factor
     return name, None
 
 
@@ -334,15 +338,7 @@ def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
     """Return which parts of edges that lie along each other belong to named joints, (k,)."""
     where = f"{label}, joints"
     number = {joint.name: index for index, joint in enumerate(bed.table.joints)}
-    wanted = []
-    for name in names:
-        if name not in number:
-            raise ModelError(
-                f"there is no joint '{shortened(name)}'",
-                where=where,
-                remedy=spelling.advice(name, number, kind="joint"),
-            )
-        wanted.append(number[name])
+    wanted = [number_of(name, number, "joint", where) for name in names]
     pairs = bed.outlines.owner[facing.edge]
     joint, named = bed.table.of_pairs(bed.block_rock, pairs)
     own = bed.edge_joint[facing.edge]
@@ -410,18 +406,3 @@ def _said(label: str, water: WetWater, edges: Edges) -> str:
         most = max(most, float(joints.head.max()))
     rises = f", times table '{water.factor.name}'" if water.factor else ""
     return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"
-
-
-def _refuse_same_names(waters: Sequence[Water]) -> None:
-    """Refuse two waters of one name."""
-    names = [one.name for one in waters if one.name is not None]
-    for number, one in enumerate(waters, 1):
-        if one.name is not None:
-            check_text(one.name, f"water {number}")
-    for name in names:
-        if names.count(name) > 1:
-            raise ModelError(
-                "two [[water]] tables have this name",
-                where=f"water '{shortened(name)}'",
-                remedy="rename one of them",
-            )

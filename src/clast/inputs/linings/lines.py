@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast import spelling
-from clast.errors import ModelError, shortened
+from clast.errors import ModelError
+from clast.inputs.declaring.values import number_of
 from clast.model.bodies import loops_round
 from clast.model.checks import point_text
 from clast.model.model import Floats, Ints
@@ -70,13 +70,8 @@ class LinesOfRock:
 
     def _opening(self, name: str, where: str) -> Floats:
         """Return the outline of an opening as its blocks have it, counter-clockwise, (c, 2)."""
-        known = {*self._openings, *self._blocks}
-        if name not in known:
-            raise ModelError(
-                f"there is no opening '{shortened(name)}'",
-                where=f"{where}, opening",
-                remedy=spelling.advice(name, sorted(known), kind="opening"),
-            )
+        known = dict.fromkeys(sorted({*self._openings, *self._blocks}), 0)
+        number_of(name, known, "opening", f"{where}, opening")
         if name in self._blocks:
             inside = self._polygons[[self._number[block] for block in self._blocks[name]]]
             return self._exterior(inside, f"{where}, opening")

@@ -10,7 +10,6 @@ import numpy as np
 import shapely
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast import spelling
 from clast.actions.linings import (
     ACROSS,
     ALONG,
@@ -25,6 +24,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.values import number_of
 from clast.inputs.linings.lines import ROUNDED, CutLine, LinesOfRock, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
@@ -346,12 +346,8 @@ def with_bonds(joints: Mapping[str, Joint], placed: Sequence[PlacedLining]) -> d
         name = one.table.joint
         if name is None:
             continue
-        if name not in found:
-            raise ModelError(
-                f"there is no joint '{shortened(name)}'",
-                where=f"lining '{shortened(one.table.name)}', joint",
-                remedy=spelling.advice(name, found, kind="joint"),
-            )
+        where = f"lining '{shortened(one.table.name)}', joint"
+        number_of(name, dict.fromkeys(found, 0), "joint", where)
         pairs = [*found[name].between, *one.beside]
         found[name] = found[name].model_copy(update={"between": pairs})
     return found

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.declaring.table import Inputs
@@ -74,12 +73,7 @@ def _outline(
                 where=f"{label}, opening",
                 remedy="give an opening with a shape in a [domain], or each bolt as a [[bolt]]",
             )
-        if given not in outlines:
-            raise ModelError(
-                f"there is no opening '{shortened(given)}'",
-                where=f"{label}, opening",
-                remedy=spelling.advice(given, outlines, kind="opening"),
-            )
+        number_of(given, dict.fromkeys(outlines, 0), "opening", f"{label}, opening")
     corners = np.array(outlines[given] if isinstance(given, str) else given, float)
     if len(corners) < 3:
         raise ModelError(

@@ -166,13 +166,10 @@ class RockMass:
     def _regions(self, folder: Path, notes: list[str]) -> list[Region]:
         from clast.rockmass import Region
 
-        found = []
-        for table in self.regions:
-            where = f"region '{table.name}', polygon"
-            polygon = _outline(table.polygon, folder, where, notes)
-            values = {**dict(table), "polygon": polygon}
-            found.append(Region(**values))
-        return found
+        def outline(one: RegionTable) -> Any:
+            return _outline(one.polygon, folder, f"region '{one.name}', polygon", notes)
+
+        return [Region(**{**dict(one), "polygon": outline(one)}) for one in self.regions]
 
     def _traces(self, folder: Path, notes: list[str]) -> tuple[list[Trace], list[str]]:
         """Return all traces, and their names in messages."""
@@ -317,14 +314,14 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
     if not isinstance(source, FileTable):
         return source
     from clast.rockmass.drawings.csv_lines import read_outline
-    from clast.rockmass.drawings.dxf import outline_of_layer
+    from clast.rockmass.drawings.dxf import DxfReading, outline_of_layer
 
     path, layer = folder / source.file, _layer(source, where)
     with _asked_by(where):
         if layer is None:
             found, said = read_outline(path)
         else:
-            found, said = outline_of_layer(path, layer, _reading(source))
+            found, said = outline_of_layer(path, layer, DxfReading(unit=source.unit))
     notes += [f"{where}: {note}" for note in said]
     return found
 
@@ -332,14 +329,14 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
 def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:
     """Return the traces of the file that a table names."""
     from clast.rockmass.drawings.csv_lines import read_traces
-    from clast.rockmass.drawings.dxf import lines_of_layer
+    from clast.rockmass.drawings.dxf import DxfReading, lines_of_layer
 
     path, layer = folder / str(table.file), _layer(table, where)
     with _asked_by(where):
         if layer is None:
             traces, said = read_traces(path)
         else:
-            traces, said = lines_of_layer(path, layer, _reading(table))
+            traces, said = lines_of_layer(path, layer, DxfReading(unit=table.unit))
         if not traces:
             raise CaseError(
                 "has no lines", where=str(path), remedy="name the layer that has the joints"
@@ -370,12 +367,6 @@ def _layer(source: FileTable | TraceTable, where: str) -> str | None:
             "the layer is missing", where=where, remedy='name it: layer = "JOINTS_bedding"'
         )
     return source.layer
-
-
-def _reading(source: FileTable | TraceTable) -> Any:
-    from clast.rockmass.drawings.dxf import DxfReading
-
-    return DxfReading(unit=source.unit)
 
 
 # Messages ----------------------------------------------------------------------------------------
