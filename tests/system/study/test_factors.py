@@ -239,7 +239,7 @@ def test_what_cannot_be_looked_for_is_refused(slab):
 @pytest.mark.slow
 def test_undecided_is_only_what_a_longer_trial_leaves_undecided(slab, monkeypatch):
     """Short trials of the modified process, which has not come to its end near the limit."""
-    by = reduction.Strengths()
+    by = reduction.ScaledStrength()
     settings = ["method.process=modified", "time.end=0.05"]
     start = trial.standing(clast.Case.from_toml(slab.file, settings), by)
     found = {}

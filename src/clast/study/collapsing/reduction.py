@@ -13,18 +13,19 @@ from typing import Any, ClassVar
 
 from clast import spelling
 from clast.errors import CaseError, shortened
+from clast.model.stages import STRENGTHS
 from clast.study.parameters import Content
 
 SETTLE, TRIAL = "settle", "trial"
 """Stages that a study adds to those of a case."""
-STRENGTHS = ("cohesion", "tensile_strength", "residual_cohesion")
-"""Strengths of a joint beside its friction angles."""
-ANGLES = ("friction_angle", "residual_friction_angle", "kinetic_friction_angle")
+ANGLES = tuple(key for key in STRENGTHS if key.endswith("friction_angle"))
 """Friction angles of a joint, whose tangents are divided."""
 DILATION = "dilation_angle"
 """Angle at which a joint opens as it slides."""
 ROUGH = "strength_reduction"
 """Key of a rough joint: divisor of the tangent of its mobilised friction angle."""
+FORCES = tuple(key for key in STRENGTHS if key not in (*ANGLES, DILATION, ROUGH))
+"""Strengths of a joint that are forces, cohesion and the like: they are divided themselves."""
 SEISMIC = "seismic_coefficient"
 """Key of a push that lasts."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
@@ -34,8 +35,11 @@ STATIC_STEPS = 300
 
 
 @dataclass(frozen=True, kw_only=True)
-class Strengths:
-    """The strengths of joints are divided by the factor: cohesion, tension, tan(phi)."""
+class ScaledStrength:
+    """The strengths of joints are divided by the factor: cohesion, tension, tan(phi).
+
+    The case of a trial is the same for all factors: its stage alone has other strengths.
+    """
 
     DIVIDES: ClassVar[bool] = True
     SYMBOL: ClassVar[str] = "F"
@@ -90,12 +94,11 @@ class Strengths:
 
     def _last(self, content: Content) -> dict[str, dict[str, float]]:
         """Return the strengths of the joints that are meant after the stages of the case."""
-        keys = (*ANGLES, *STRENGTHS, DILATION, ROUGH)
         found: dict[str, dict[str, float]] = {}
         for name, table in content.get("joint", {}).items():
             if self._is_meant(name):
                 usual = {ROUGH: 1.0} if _is_rough(table) else {"friction_angle": 0.0}
-                found[name] = {**usual, **{k: table[k] for k in keys if k in table}}
+                found[name] = {**usual, **{k: table[k] for k in STRENGTHS if k in table}}
         for stage in content.get("stage", []):
             for name, table in stage.get("joint", {}).items():
                 if name in found:
@@ -224,7 +227,7 @@ class Load:
         return {**load, key: product}
 
 
-Reduction = Strengths | ScaledGravity | Push | Load
+Reduction = ScaledStrength | ScaledGravity | Push | Load
 """The quantity that a factor multiplies or divides."""
 GRAVITY = (0.0, -9.8)
 """Gravity of a case that does not say it, m/s2."""
@@ -244,7 +247,7 @@ def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
             remedy=f"leave them out with by = '{shortened(by)}'",
         )
     if word == "strength" and not rest:
-        return Strengths(joints=tuple(joints))
+        return ScaledStrength(joints=tuple(joints))
     if word == "gravity" and not rest:
         return ScaledGravity()
     if word == "load" and rest:
@@ -303,7 +306,7 @@ def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
     if ROUGH in table:
         kept = {key: table[key] for key in ANGLES if key in table}
         return {**kept, ROUGH: table[ROUGH] * factor}
-    found = {key: table[key] / factor for key in STRENGTHS if key in table}
+    found = {key: table[key] / factor for key in FORCES if key in table}
     for key in ANGLES:
         if key in table:
             tangent = math.tan(math.radians(table[key]))
@@ -323,9 +326,7 @@ def _with_factor(table: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _has_strength(table: Mapping[str, float]) -> bool:
-    return ROUGH in table or any(
-        table.get(key, 0.0) > 0.0 for key in ("friction_angle", *STRENGTHS)
-    )
+    return ROUGH in table or any(table.get(key, 0.0) > 0.0 for key in ("friction_angle", *FORCES))
 
 
 def _weight(content: Content) -> None:

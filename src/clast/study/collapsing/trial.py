@@ -14,7 +14,7 @@ again, three times as long, and is *undecided* if that is no better.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,11 +22,13 @@ import numpy as np
 
 from clast.case.case_file import Case
 from clast.errors import CaseError, ResultsLost, RunStopped
+from clast.inputs.declaring.text import to_toml
 from clast.inputs.method import TimeTable
 from clast.model.model import Floats, Model
 from clast.model.stage_records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.results.frame_samples import bolt_states
+from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.run.stages.failure_verdict import Scales
 from clast.step.method import Method, is_stable_for_any_step
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
     from clast.run.run_state import RunState
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import field
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
 """Verdicts."""
@@ -110,6 +111,8 @@ class Settled:
     """How they did."""
     stages: tuple[StageRecord, ...] = ()
     """How the stages of the case itself ended."""
+    trials: dict[int, tuple[Model, Schedule]] = field(default_factory=dict)
+    """Parts of a trial -> model and schedule, where trials differ in strengths of joints alone."""
 
     @property
     def stands(self) -> bool:
@@ -211,17 +214,35 @@ def tried(
 
     Its result file is written to ``output``.  An undecided trial is tried again, longer.
     """
-    case = changed(start.case, trial_content(start.content, by, factor, parts))
-    model = case.model()
-    schedule = case.schedule()
+    model, schedule = trial_model(start, by, factor, parts)
     third = schedule.stages[-1].time or schedule.end
     schedule = replace(schedule, every=third / 3.0)
-    recorder = RunRecorder(model, case_text=case.text, output=output, contacts=output is not None)
+    text = "" if output is None else to_toml(trial_content(start.content, by, factor, parts))
+    recorder = RunRecorder(model, case_text=text, output=output, contacts=output is not None)
     run = _simulated(model, start.method, schedule, recorder, begin=start.run)
     trial = _judged(start, run, factor, parts)
     if trial.verdict == UNDECIDED and parts == 1:
         return tried(start, by, factor, output, parts=LONGER)
     return trial, run
+
+
+def trial_model(start: Settled, by: Reduction, factor: float, parts: int) -> tuple[Model, Schedule]:
+    """Return model and schedule of a trial.
+
+    Where the factor changes strengths of joints alone, the case is validated and built once, and
+    the first stage of the trial gets other strengths.
+    """
+    tables, extra = by.trial(start.content, factor)
+    if tables is not start.content or parts not in start.trials:
+        case = changed(start.case, staged(tables, extra, parts))
+        built = case.model(), case.schedule()
+        if tables is not start.content:
+            return built
+        start.trials[parts] = built
+    model, schedule = start.trials[parts]
+    *before, first = schedule.stages[: len(schedule.stages) - parts + 1]
+    after = schedule.stages[len(before) + 1 :]
+    return model, replace(schedule, stages=(*before, replace(first, joints=extra["joint"]), *after))
 
 
 def trial_content(content: Content, by: Reduction, factor: float, parts: int = 1) -> dict[str, Any]:
