@@ -314,10 +314,6 @@ def test_files_that_are_no_study_are_refused(text: str) -> None:
         described(text, "study.toml")
 
 
-def test_every_function_of_measures_says_what_it_is_of() -> None:
-    assert all(isinstance(one, tuple) for one in ARGUMENTS.values())
-
-
 @pytest.mark.parametrize(
     ("text", "unit"),
     [
