@@ -245,6 +245,7 @@ def test_undecided_is_only_what_a_longer_trial_leaves_undecided(slab, monkeypatc
     found = {}
     for steps in (30, 60):
         monkeypatch.setattr(reduction, "STATIC_STEPS", steps)
+        start.trials.clear()
         for share in (-0.1, -0.01, -1e-3, 1e-3, 0.01, 0.1):
             one, _ = trial.tried(start, by, float(slab.factor()) * (1.0 + share))
             truth = trial.STANDS if share < 0.0 else trial.FAILED
