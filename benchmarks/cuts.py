@@ -19,7 +19,7 @@ from time import process_time
 from typing import Any
 
 from benchmarks.memory import forget_peak, peak_memory
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import Stages
 from clast.rockmass import (
     Baecher,
     Domain,

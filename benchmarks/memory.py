@@ -18,7 +18,7 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, prange
 from clast.errors import StepRejected
-from clast.linear import pcg, single_precision
+from clast.linear import pcg
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import DIRECTION, PCG, IteratedMatrix
 from clast.linear.system import BlockSystem
@@ -141,7 +141,7 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
 
 
 def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
-    """Return K and its pattern as single_precision.multiply takes them.
+    """Return K and its pattern as pcg.multiply takes them.
 
     In the order and the precision in which conjugate gradients have it.  Raises StepRejected where
     it is singular.
@@ -174,7 +174,7 @@ def measure_product(system: BlockSystem) -> dict[str, Any] | None:
     x, y = pcg.vector(count), pcg.vector(count)
     x[:, :6] = 1.0
     size = bytes_of_product(matrix)
-    rate = size / fastest(lambda: single_precision.multiply(*matrix, x, y))
+    rate = size / fastest(lambda: pcg.multiply(*matrix, x, y))
     alone, together = triad_rate(size), triad_rate(size, threads=True)
     shared = count >= BLOCKS.many  # threads share the product
     return {

@@ -55,8 +55,8 @@ MUTATIONS = (
     Mutation("block/displacement.py", "0.5 * (byy + cxy)", "0.5 * (byy - cxy)"),
     Mutation("block/rotation.py", "* exy - sine * ey", "* exy + sine * ey"),
     Mutation("block/rotation.py", "less + ex, exy - s", "less + ex, exy + s"),
-    Mutation("block/elasticity.py", "sine**2 * yy - both", "sine**2 * yy + both"),
-    Mutation("block/elasticity.py", "cosine * sine * (xx - yy)", "cosine * sine * (yy - xx)"),
+    Mutation("block/equations.py", "sine**2 * yy - both", "sine**2 * yy + both"),
+    Mutation("block/equations.py", "cosine * sine * (xx - yy)", "cosine * sine * (yy - xx)"),
     Mutation("block/polygon.py", "(2.0 * x1 * y1 + x1 * y2", "(x1 * y1 + x1 * y2"),
     Mutation("block/polygon.py", "triangle * (x1 + x2) / 3.0", "triangle * (x1 + x2) / 2.0"),
     Mutation("block/equations.py", "-= area[b] * stress[b, i]", "+= area[b] * stress[b, i]"),
@@ -84,7 +84,7 @@ MUTATIONS = (
         "linear/assembly.py", "left0 = kn * (n[0, a] + cross", "left0 = kn * (n[0, a] - cross"
     ),
     Mutation(
-        "linear/residual.py",
+        "linear/assembly.py",
         "s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))",
         "s = plus_scaled(row(load, i), 1.0, times(base, i, d, i))",
     ),

@@ -1,6 +1,5 @@
 """Bolts against closed forms: stretch, yield, rupture, pretension, rotation, late installation."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -95,28 +94,6 @@ def test_it_swings_and_the_energy_is_explained(process: str, stiffness: float):
     sag = 10.0 * MASS / STIFFNESS * (1.0 - np.cos(rate * time))
     # forces as they are at the end of a step damp by w^2 h t/4
     assert -height(run) == pytest.approx(sag, abs=2.0 * rate**2 * 1e-4 * time / 4.0 * 0.0125)
-    assert_closed(run)
-
-
-@pytest.mark.slow
-@every_process
-@pytest.mark.one_in(3)
-def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: float):
-    """Thrown down with v the box is stopped by a force Fy at last; then it swings elastically."""
-    strength = 2e4
-    builder = with_bolt(hung(gravity=0.0, yield_force=strength))
-    builder.point_load((0, 0), (0.0, -1.5 * strength), block="box", amplitude="pull")
-    builder.add_amplitude("pull", time=[0.0, 0.02, 0.04], value=[1.0, 1.0, 0.0])
-    run = clast.simulate(
-        builder, end=0.1, step=1e-4, process=process, contact_law=law("penalty", stiffness)
-    )
-    own = states_of(run)
-    length = float(np.hypot(*(run.final.vertices[4:].mean(axis=0) - [0.0, 1.0])))
-    assert own.plastic[0] > 2e-3
-    straight = STIFFNESS * (length - 1.0 - own.plastic[0])
-    assert own.force[0] == pytest.approx(np.clip(straight, 0.0, strength), abs=1e-6 * strength)
-    assert own.yielded_at[0] == pytest.approx(run.energy["time"][run.energy["yielding"] > 0.0][0])
-    assert run.report.ledger.yielding == pytest.approx(strength * own.plastic[0], rel=1e-9)
     assert_closed(run)
 
 
@@ -285,9 +262,6 @@ def test_a_grouted_bolt_resists_where_joints_open(process: str, stiffness: float
     assert_closed(run)
 
 
-Make = Callable[[], clast.ModelBuilder]
-
-
 @every_process
 def test_a_cable_bears_no_compression_a_bar_does(process: str, stiffness: float):
     """A box pushed up slackens a cable; a bar holds it at F/s."""
@@ -306,38 +280,3 @@ def test_a_cable_bears_no_compression_a_bar_does(process: str, stiffness: float)
         expected = 0.5 * 2e4 / MASS * 0.02**2 if way is None else way
         assert height(run) == pytest.approx(expected, rel=1e-4)  # the first step holds the cable
         assert_closed(run)
-
-
-@pytest.mark.slow
-def test_the_same_bits_by_one_and_by_two_threads():
-    """900 blocks in a wall, so many that threads share them, with a bolt along every fifth row."""
-    import numba
-
-    def run_by(threads: int) -> clast.Run:
-        before = numba.get_num_threads()
-        numba.set_num_threads(threads)
-        try:
-            return clast.simulate(wall(), end=5e-3, step=1e-3)
-        finally:
-            numba.set_num_threads(before)
-
-    one, two = run_by(1), run_by(min(2, numba.config.NUMBA_NUM_THREADS))
-    np.testing.assert_array_equal(states_of(one).force, states_of(two).force)
-    np.testing.assert_array_equal(one.final.vertices, two.final.vertices)
-    assert_closed(one)
-    assert np.abs(states_of(one).force - 1e4).max() > 1.0
-
-
-def wall(count: int = 30) -> clast.ModelBuilder:
-    builder = clast.ModelBuilder()
-    builder.add_rock("rock", young=1e9, poisson=0.2, density=MASS)
-    builder.add_joint(friction_angle=30.0)
-    x, y = (one.reshape(-1) for one in np.meshgrid(np.arange(count), np.arange(count)))
-    corner = np.stack([x, y], axis=1).astype(float)
-    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
-    builder.blocks(vertices=corner[:, None] + square, fixed=y == 0)
-    builder.add_bolt_kind("bar", stiffness=1e8, pretension=1e4)
-    for row in range(2, count, 5):
-        choices: Any = {"anchorage": "grouted", "free_length": 0.2}
-        builder.bolt((0.5, row + 0.4), (count - 0.5, row + 0.6), kind="bar", **choices)
-    return builder

@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.scenes.systems import box, by_convex, finish, system, voussoirs
+from tests.scenes.systems import box, by_convex, finish, system
 
 import clast
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh, Undamped
 from clast.contact.laws import AugmentedLagrangian, Penalty
-from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results import Run
 from clast.run.schedule import Schedule
@@ -130,20 +129,6 @@ def test_a_stack_comes_to_rest_sooner_and_where_it_belongs(damping: object):
     assert np.abs(off).max() < 4e-6 * sag.max()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("damping", [Adaptive(), Kinetic()])
-def test_an_arch_comes_to_rest_sooner(damping: object):
-    feet = [box(1.5, -1, 1.6, 1), box(-3.1, -1, 1.6, 1)]
-    model = system([*feet, *voussoirs(7)], fixed=[0, 1], friction_angle=45.0)
-    late, _ = rest(model, Undamped(), 1e9, 0.12)
-    soon, run = rest(model, damping, 1e9, 0.06)
-    assert soon < late / 3.0
-    static = finish(model, by_convex(1e9, dynamic_ratio=0.0), 2e-2, 0.6).run
-    sag = np.abs(static.state.vertices - model.vertices).max()
-    # friction leaves a choice: 0.7 % here
-    assert np.abs(run.state.vertices - static.state.vertices).max() < 0.02 * sag
-
-
 def test_stages_may_change_the_damping():
     """The own states of all kinds fit each other, whichever comes first."""
     first = run_of(stack(), 5e-4, 0.01, damping=Adaptive())
@@ -152,48 +137,6 @@ def test_stages_may_change_the_damping():
         how = by_convex(1e8, damping=damping)
         state = how.process.step(first.model, how, state, 5e-4).state
     assert len(state.actions) == len(first.state.actions)
-
-
-def test_cases_and_scripts_choose_damping():
-    builder = clast.ModelBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    builder.block(vertices=box(0, 0), fixed=True)
-    chosen = {
-        "adaptive": Adaptive(),
-        "kinetic": Kinetic(),
-        "none": Undamped(),
-    }
-    for name, damping in chosen.items():
-        assert builder.case(damping=name).method().damping == damping
-    table = builder.case(damping={"mass": 2.0, "stiffness": 1e-4})
-    assert table.method().damping == Rayleigh(2.0, 1e-4)
-    again = clast.Case.from_toml(table.to_toml())
-    assert again.method().damping == Rayleigh(2.0, 1e-4)
-    assert builder.case().method().damping == Undamped()
-    given = builder.case(damping=Adaptive(0.5))
-    assert given.method().damping == Adaptive(0.5)
-    again = clast.Case.from_toml(given.to_toml())
-    assert again.method().damping == Adaptive(0.5)
-
-
-@pytest.mark.parametrize(
-    ("damping", "said"),
-    [
-        ({"mass": -1.0}, "mass"),
-        ({"name": "adaptive", "ratio": 0.0}, "ratio"),
-        ({"name": "adaptive", "mass": 1.0}, "mass"),
-        ("adaptiv", "did you mean 'adaptive'"),
-        ({"mas": 1.0}, "did you mean 'mass'"),
-    ],
-)
-def test_what_is_no_damping_is_refused(damping: object, said: str):
-    builder = clast.ModelBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    builder.block(vertices=box(0, 0), fixed=True)
-    with pytest.raises(CaseError) as refused:
-        builder.case(damping=damping)
-    assert "damping" in str(refused.value)
-    assert said in str(refused.value)
 
 
 def test_doubtful_damping_is_warned_of():

@@ -86,19 +86,6 @@ def test_fixed_points_bear_the_ramp(way: tuple[str, str]):
     assert run.report.ledger.unaccounted == pytest.approx(0.0, abs=1e-6 * energy["loads"].max())
 
 
-@pytest.mark.parametrize("kind", ["point", "line", "pressure"])
-def test_a_factor_of_one_changes_no_bit(kind: str):
-    plain, times_one = block(), block()
-    times_one.add_amplitude("one", [0.0, 1.0], [1.0, 1.0])
-    push(plain, kind, factor=None)
-    push(times_one, kind, factor="one")
-    runs = [clast.simulate(builder, end=0.05, step=1e-3) for builder in (plain, times_one)]
-    one, other = (run.final for run in runs)
-    assert one.vertices.tobytes() == other.vertices.tobytes()
-    assert one.velocity.tobytes() == other.velocity.tobytes()
-    assert one.ledger == other.ledger
-
-
 def test_a_table_is_constant_outside_its_instants():
     builder = block()
     (factor,) = builder.build().factors

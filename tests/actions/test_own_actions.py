@@ -158,24 +158,6 @@ def test_a_spring_of_ones_own_swings(process: str, stiffness: float):
     assert run.report.ledger.actions == pytest.approx(held, rel=1e-3)
 
 
-@pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
-def test_a_force_of_ones_own_pushes(process: str, stiffness: float):
-    """Against friction and momentum: m v = m v0 + sum of slope t h - mu m g t, as impulses are."""
-    run = clast.simulate(
-        swinging(Thrust("box", (9e5, 0.0)), friction_angle=20.0),
-        end=0.1,
-        step=1e-3,
-        process=process,
-        contact_law={"name": "penalty", "normal_stiffness": stiffness},
-    )
-    mu = np.tan(np.radians(20.0))
-    impulse = 9e5 * 0.5 * 0.1 * (0.1 + 1e-3) - mu * 25e3 * 0.1
-    assert run.final.velocity[1, 0] == pytest.approx(2.0 + impulse / 2500.0, rel=2e-3)
-    assert_closed(run)
-    (done,) = [state for state in run.final.actions if state is not None]
-    assert done == pytest.approx(run.report.ledger.loads, rel=1e-12)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
 @pytest.mark.one_in(3)

@@ -180,14 +180,6 @@ def test_a_pressure_on_a_part_of_an_edge_stays_there():
     assert run.final.velocity[0, 1] == pytest.approx(1e3 / (DENSITY * 9.0) * 0.1, rel=1e-4)
 
 
-def test_a_block_given_clockwise_is_pressed_from_outside():
-    builder = free([(0, 1), (2, 1), (2, 0), (0, 0)])
-    builder.pressure((0, 1), (0, 0), [5e4, 0.0])
-    run = run_of(builder, WAYS[0], end=0.02, step=2e-3)
-    assert run.final.velocity[0, 0] == pytest.approx(0.5 * 5e4 / (DENSITY * 2.0) * 0.02, rel=1e-4)
-    assert run.final.velocity[0, 2] < 0.0  # it is pushed above its middle, to the right
-
-
 def test_several_blocks_along_a_line_have_their_parts_of_it():
     """The pressure is linear along the line from 0 at its start, over edges of both directions."""
     builder = clast.ModelBuilder()

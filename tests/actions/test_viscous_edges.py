@@ -187,18 +187,6 @@ REFUSED: dict[str, tuple[Callable[[clast.ModelBuilder], None], str]] = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_viscous_boundary_is_refused(name: str):
-    give, said = REFUSED[name]
-    builder = two_columns()
-    with pytest.raises(ModelError) as refused:
-        give(builder)
-        builder.build()
-    assert "viscous boundary" in refused.value.where.replace("_", " ")
-    assert said in str(refused.value)
-    assert refused.value.remedy
-
-
 def test_fixed_blocks_and_corners_have_no_viscous_edges():
     builder = two_columns()
     builder.block(name="held", vertices=[(2, 0), (3, 0), (3, 1), (2, 1)], fixed=True)
@@ -229,18 +217,6 @@ def test_a_polygon_takes_the_outer_edges_within():
     model = builder.build()
     middle = model.vertices[model.viscous_edges.edge] + model.origin
     assert sorted(map(tuple, middle.tolist())) == [(0.0, 0.0), (0.0, 1.0)]
-
-
-def test_a_script_writes_its_viscous_boundaries():
-    builder = two_columns()
-    builder.viscous_boundary(side="bottom", tangential=0.5)
-    builder.viscous_boundary(edges=[((0, 0), (0, 1))], static="none", begins=0.2)
-    time = np.array([0.0, 1.0])
-    builder.ground_motion = clast.IncomingWave(clast.Accelerogram(time, np.ones((2, 2))))
-    again = clast.Case.from_toml(builder.to_toml(end=1.0)).model()
-    for name, values in vars(builder.build().viscous_edges).items():
-        np.testing.assert_array_equal(getattr(again.viscous_edges, name), values)
-    assert isinstance(again.ground_motion, clast.IncomingWave)
 
 
 def test_doubtful_viscous_boundaries_are_warned_of():
@@ -276,18 +252,3 @@ def test_dashpots_may_begin_with_a_stage(tmp_path):
     assert (one.state.vertices == other.state.vertices).all()
     assert (one.state.velocity == other.state.velocity).all()
     assert other.report.ledger.boundary == one.report.ledger.boundary != 0.0
-
-
-@pytest.mark.parametrize(
-    ("key", "what"),
-    [
-        ({"stage": "quke"}, "did you mean 'quake'"),
-        ({"stage": "quake", "begins": 1.0}, "begins or stage"),
-        ({"stage": ""}, "not the name of a stage"),
-    ],
-)
-def test_a_stage_that_does_not_come_is_refused(key: dict[str, object], what: str):
-    builder = column(rock(10.0))
-    with pytest.raises(clast.ClastError, match=what):
-        builder.viscous_boundary(side="bottom", **key)
-        clast.simulate(builder.build(), stages=[clast.Stage(name="quake", time=0.1)], step=0.01)

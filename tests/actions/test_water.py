@@ -233,20 +233,6 @@ def test_water_rises_by_a_table(way: tuple[str, str]):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.one_in(3)
-def test_a_block_falls_through_water_at_its_reduced_weight(way: tuple[str, str]):
-    builder = builder_of()
-    builder.block(vertices=[(0.0, 0.0), (1.0, 0.2), (0.4, 1.0)])
-    builder.water(50.0, acts_on="faces")
-    run = clast.simulate(builder, process=way[0], contact_law=way[1], end=0.5, step=1e-3)
-    fall = -GRAVITY * (1.0 - WATER / ROCK)
-    # it is compressed by what lies above, 5e5 Pa/1e10 Pa
-    assert run.final.velocity[0, 1] == pytest.approx(0.5 * fall, rel=1e-4)
-    assert_closed(run)
-
-
-@pytest.mark.slow
 def test_a_floating_block_bobs_with_its_period():
     """w2 = rho_w g B/m; the force of a step is that of its start, which adds h w2/4 a second."""
     builder = clast.ModelBuilder(gravity=(0.0, -GRAVITY))

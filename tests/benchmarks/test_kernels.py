@@ -17,9 +17,9 @@ from benchmarks.memory import system_of_step
 from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast.block import polygon
 from clast.contact import broad_phase
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
-from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
 from clast.linear import pcg
 from clast.linear.block_matrix import coupled_pairs

@@ -7,14 +7,15 @@ from clast.block import polygon
 from clast.block.displacement import (
     basis,
     displacements,
+    displacements_of,
+    moved_to,
     movements,
     plus_transposed,
     powers_at,
     weighted_squares,
 )
-from clast.block.elasticity import turned as turned_tensor
+from clast.block.equations import turned as turned_tensor
 from clast.block.inertia import mass_matrices
-from clast.block.positions import displacements_of, moved_to
 from clast.block.rotation import Exact, Linear, Sine
 from clast.compute.jit import kernel
 from clast.compute.vec6 import plus_scaled, put_row, row, zeros

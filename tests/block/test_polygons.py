@@ -46,16 +46,6 @@ def test_second_moments_about_the_centroid(seed):
         assert found[3:] == pytest.approx([0.0, 0.0], abs=1e-11 * size**3)
 
 
-def test_rectangle_and_right_triangle_in_closed_form():
-    flats = flat([box(2, 3, 4.0, 1.0), np.array([[1, 1], [4, 1], [1, 3]], float)])
-    area, centroid, second = polygon.moments(flats.vertices, flats.start)
-    assert area == pytest.approx([4.0, 3.0])
-    assert centroid == pytest.approx(np.array([[4.0, 3.5], [2.0, 5.0 / 3.0]]))
-    b, h = 3.0, 2.0
-    assert second[0] == pytest.approx([64.0 / 12.0, 4.0 / 12.0, 0.0])
-    assert second[1] == pytest.approx([h * b**3 / 36, b * h**3 / 36, -(b**2) * h**2 / 72])
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_is_lost_far_from_the_origin(seed):
     """At 1e6 m coordinates are exact to 1e-10 m; the moments to as many digits of the size."""

@@ -73,24 +73,3 @@ def test_kernels_are_kept_there_and_numbas_own_setting_is_left_alone():
 @pytest.mark.slow
 def test_the_users_folder_comes_first(tmp_path):
     assert cache_path(NUMBA_CACHE_DIR=str(tmp_path)).startswith(str(tmp_path))
-
-
-LOADED = """
-import sys
-import numba
-import numpy as np
-from clast.block import polygon
-
-polygon.travel(np.zeros((3, 2)), np.ones((3, 2)))
-assert "scipy.linalg" not in sys.modules, "numba has asked scipy for a BLAS"
-product = numba.njit(lambda a, b: np.dot(a, b))(np.eye(2), np.array([[1.0, 2.0], [3.0, 4.0]]))
-assert product.tolist() == [[1.0, 2.0], [3.0, 4.0]]
-assert "scipy.linalg" in sys.modules
-"""
-
-
-@pytest.mark.slow
-def test_scipy_is_asked_for_a_blas_only_by_kernels_that_need_one():
-    """It takes a quarter of a second to import; a plugin's np.dot must work all the same."""
-    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr

@@ -7,12 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
 from clast.compute.jit import kernel
-from clast.compute.linking import Uncalled
 
 SCRIPT = '''
 import numpy as np
@@ -108,38 +106,6 @@ def test_a_kernel_may_be_called_by_python_and_by_kernels() -> None:
 def test_errors_of_linked_kernels_reach_python() -> None:
     with pytest.raises(ValueError, match="a root of a negative number"):
         sum_of_roots(np.array([1.0, -1.0]))
-
-
-def test_functions_of_others_are_compiled_as_ever() -> None:
-    @numba.njit
-    def inner(x):
-        return 2.0 * x
-
-    @numba.njit
-    def outer(values):
-        return sum([inner(x) for x in values])
-
-    assert outer(np.arange(4.0)) == 12.0
-    assert inner(3.0) == 6.0
-
-
-def test_numba_knows_a_kernel_once_it_is_called() -> None:
-    @kernel()
-    def inner(x):
-        return 2.0 * x
-
-    @kernel()
-    def outer(values):
-        """Return a sum."""
-        return inner(values[0]) + inner(values[1])
-
-    assert type(inner) is type(outer) is Uncalled
-    assert (outer.__name__, outer.__doc__) == ("outer", "Return a sum.")
-    assert outer(np.arange(2.0)) == 2.0
-    assert type(outer) is not Uncalled
-    assert inner.signatures == []
-    assert inner(3.0) == 6.0
-    assert len(inner.signatures) == 1
 
 
 LOADING = """

@@ -6,7 +6,6 @@ import inspect
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from numba.core import types
 
@@ -78,36 +77,9 @@ def test_types_are_read_as_they_are_written(given):
     assert types_of(text_of(given)) == given
 
 
-@pytest.mark.parametrize("text", ["float64", "(complex, )", "(float64[2](), )"])
-def test_what_is_no_type_is_refused(text: str):
-    with pytest.raises(ValueError, match="no type"):
-        types_of(text)
-
-
-def test_types_that_cannot_be_written_are_said():
-    with pytest.raises(TypeError, match="no way to be written"):
-        text_of((types.unicode_type,))
-
-
 @kernel()
 def own(x):
     return x[0]
-
-
-@kernel(inline="always")
-def taken_in(x):
-    return x[0]
-
-
-@kernel()
-def calls(x):
-    y = own(x) + own(x)
-    return y + taken_in(x) + taken_in(x)
-
-
-def test_statements_of_kernels_that_are_called_count():
-    assert statements(own, calls) == [3, 3 + 3 + 2 * 3]  # own: def, return, x[0]
-    assert calls(np.ones(1)) == 4.0
 
 
 def test_work_is_shared_out_the_largest_first_and_nothing_is_lost():

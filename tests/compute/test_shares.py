@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.compute import chunks as shares
+from clast.compute import reductions as shares
 from clast.linear import assembly
 
 

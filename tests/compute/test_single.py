@@ -10,8 +10,7 @@ from clast.compute import vec6 as six
 from clast.compute import vec6_single as single
 from clast.linear import block_matrix as block_rows
 from clast.linear.pattern import without_fill
-from clast.linear.pcg import vector
-from clast.linear.single_precision import multiply
+from clast.linear.pcg import multiply, vector
 
 
 @numba.njit

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from clast.contact import broad_phase
 from clast.contact.broad_phase import overlapping_pairs
 
 
@@ -96,36 +95,3 @@ def test_few_boxes():
 def test_more_pairs_than_room_was_made_for():
     box = identical(None, 120)
     assert len(overlapping_pairs(box, np.zeros(120, np.bool_))) == 120 * 119 // 2
-
-
-def looked_at(box):
-    """Return how many boxes stand in the cells that are searched: the work of the broad phase."""
-    low = box[:, :2].min(axis=0)
-    (smallest, *corner), level, cell = broad_phase.cells_of(box)
-    assert corner == list(low)
-    total = 0
-    for k in np.unique(level):
-        size = smallest * 2.0**k
-        there = np.unique(cell[level == k], axis=0, return_counts=True)
-        filed = {tuple(at): int(n) for at, n in zip(*there, strict=True)}
-        for b in np.flatnonzero(level <= k):
-            left, bottom = np.floor((box[b, :2] - low) / size).astype(int) - 1
-            right, top = np.floor((box[b, 2:] - low) / size).astype(int)
-            total += sum(
-                filed.get((x, y), 0) for x in range(left, right + 1) for y in range(bottom, top + 1)
-            )
-    return total
-
-
-@pytest.mark.parametrize("ratio", [1.0, 1e3])
-def test_work_is_linear(ratio):
-    """Four times the boxes at the same density: four times the work, not sixteen."""
-
-    def work(count):
-        rng = np.random.default_rng(5)
-        size = 10.0 ** rng.uniform(-np.log10(ratio), 0.0, (count, 1)) * np.ones((1, 2))
-        return looked_at(boxes(rng.uniform(0.0, 1.5 * np.sqrt(count), (count, 2)), size))
-
-    few, many = work(500), work(2000)
-    print(f"size ratio {ratio:g}: {few / 500:.1f} and {many / 2000:.1f} boxes looked at per box")
-    assert many < 5.0 * few

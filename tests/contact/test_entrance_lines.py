@@ -5,21 +5,15 @@ its outline is made of the entrance lines.  The sum is formed as a convex hull h
 """
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import shapely
 
-from clast.case.case_file import Case
-from clast.case.templates import INCLINE
 from clast.contact.corner_rules import Bisector, EntranceLines
-from clast.contact.laws import Penalty
-from clast.step.convex import Convex
-from clast.step.open_close import OpenClose
 from scenes.corners import TOP, remembering
-from scenes.joints import SYSTEMS, crown_drop, faces_in_common, held
-from scenes.systems import REACH, box, contacts_of, finish, method, system, touches_of, wall
+from scenes.joints import SYSTEMS, faces_in_common, held
+from scenes.systems import REACH, box, contacts_of, system, touches_of
 
 RULES = {"bisector": Bisector(), "shi": EntranceLines()}
 
@@ -123,36 +117,3 @@ def test_contacts_of_two_faces_stand_for_their_common_length(rule):
     contacts = contacts_of(pile, rule=RULES[rule])
     between = [contacts.length[contacts.pair == q].sum() for q in range(2)]
     assert between == pytest.approx([1.0, 0.7])
-
-
-PROCESSES = {
-    "convex": method(process=Convex()),
-    "open-close": method(process=OpenClose(), contact_law=Penalty(normal_stiffness=1e10)),
-}
-
-
-@pytest.mark.parametrize("process", PROCESSES)
-def test_wall_stands(process):
-    """Five courses of five bricks: no failed step, no brick slides."""
-    how = replace(PROCESSES[process], corner_rule=RULES["shi"], fixed_point_stiffness=1e13)
-    run = finish(wall(5, 5), how, 1e-3, 0.2)
-    assert run.failed_steps == 0
-    assert run.drift < 1e-4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-7])
-def test_arch_does_not_fall_through_itself(noise):
-    how = method(process=Convex(), corner_rule=RULES["shi"])
-    drop, largest = crown_drop(SYSTEMS["arch"], noise, how)
-    assert 0.0 < drop < 4e-3
-    assert largest < 4e-3
-
-
-def test_case_files_offer_the_rule():
-    """A block slides down an incline all the same: its corners do not meet those of the base."""
-    ways = []
-    for rule in RULES:
-        settings = [f"method.corner_rule={rule}", "method.process=open-close", "time.end=0.05"]
-        ways.append(Case.from_toml(INCLINE, settings).run().state.vertices)
-    assert ways[0] == pytest.approx(ways[1], abs=1e-9)

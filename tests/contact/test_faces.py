@@ -14,7 +14,6 @@ import pytest
 
 import clast
 from clast.contact.joints.faces import PLACES
-from scenes.restarts import differences, pressed_at
 from scenes.systems import REACH, box, contacts_of, turned
 
 K, YOUNG = 1e10, 1e15
@@ -238,22 +237,6 @@ def test_a_wall_is_as_stiff_as_its_corners_were_where_the_law_has_the_springs():
 
 
 # --- what a run does with them ---------------------------------------------------------------
-
-
-def test_a_run_goes_on_from_its_checkpoint_to_the_bit(tmp_path):
-    builder = clast.ModelBuilder(gravity=(0.0, -9.8))
-    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
-    builder.add_joint("default", friction_angle=30.0, cohesion=1e4, tensile_strength=5e3)
-    builder.block(vertices=box(-1, -1, 5.0), fixed=True)
-    builder.block(name="low", vertices=box(0, 0, 2.0, 0.5), velocity=(2.0, 0.0, 0.0))
-    builder.block(name="top", vertices=box(0.3, 0.5, 1.0, 1.0))
-    case = builder.case(step=1e-3, end=0.03, every=0.01)
-    whole = case.run(output=tmp_path / "whole.vtkhdf", progress=False)
-    part = case.run(output=tmp_path / "part.vtkhdf", progress=pressed_at(13))
-    again = clast.resume(part.checkpoint)
-    assert whole.state.memory.point.any()
-    assert not differences(whole.output, again.output)
-    assert abs(whole.state.ledger.unaccounted) < 1e-6 * whole.state.ledger.kinetic
 
 
 def test_contacts_in_results_stand_where_they_bear():

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from clast.inputs.builder import InputBuilder
-from scenes.encounters import FAMILIES, encounters
 from scenes.systems import (
-    REACH,
     box,
     bricks,
     contacts_of,
@@ -17,9 +15,6 @@ from scenes.systems import (
     turned,
     voussoirs,
 )
-
-FAR = (1e6 + 0.1, -3e6 - 0.7)
-"""A place, m, whose coordinates keep only ten digits after the point."""
 
 
 def crowd(rng, side=7, spacing=0.1):
@@ -90,21 +85,6 @@ def test_mirroring_a_crowd(seed):
         for one in touches_of(mirrored)
     }
     same(found, as_set(touches_of(outlines)), 1e-14)
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_kernels_far_from_the_origin(family):
-    """Coordinates near 1e6 m are round to 1e-9 m: so are the gaps, and no contact is lost."""
-    for outlines in encounters(family, 60):
-        here = as_set(touches_of([np.round(one, 6) for one in outlines]))
-        there = as_set(touches_of([np.round(one, 6) + FAR for one in outlines]))
-        for key in set(here) ^ set(there):
-            # only where round-off decides: at the very limit of the reach, or a tie
-            gap = here.get(key, there.get(key))
-            limits = np.array([REACH.front, -REACH.depth, 0.0])
-            assert np.abs(limits - gap).min() < 3e-9
-        for key in set(here) & set(there):
-            assert there[key] == pytest.approx(here[key], abs=3e-9)
 
 
 @pytest.mark.parametrize("outlines", [bricks(4, 4), voussoirs(11)], ids=["wall", "arch"])

@@ -8,7 +8,6 @@ import pytest
 import clast
 from clast.contact.joints.faces import END
 from clast.contact.laws import Penalty, normal_stiffness_of
-from clast.errors import ModelError
 from scenes.systems import box, contacts_of, turned
 
 NORMAL, SHEAR = 4e9, 1e9
@@ -201,24 +200,6 @@ def test_the_ledger_stays_closed_where_lengths_of_contact_change(process):
 def test_the_ledger_stays_closed_where_a_block_lands_on_a_soft_corner(process):
     """The corner has 2.4 % of a face's springs; the others come in as the block turns flat (94)."""
     is_closed(over_a_ledge(process, end=1.3))
-
-
-def test_a_run_with_joint_stiffness_reads_back_from_its_text(tmp_path):
-    builder = builder_of(normal_stiffness=NORMAL, shear_stiffness=SHEAR)
-    builder.blocks(vertices=[box(0, 0), box(0, 1)])
-    path = tmp_path / "case.toml"
-    path.write_text(builder.case(step=1e-3, end=1e-3).to_toml())
-    joint = clast.load(path).model().joint_table.joints[0]
-    assert (joint.normal_stiffness, joint.shear_stiffness) == (NORMAL, SHEAR)
-
-
-@pytest.mark.parametrize("key", ["normal_stiffness", "shear_stiffness"])
-@pytest.mark.parametrize("value", [0.0, -1.0, 1e40, float("nan"), "stiff"])
-def test_what_is_no_stiffness_is_refused(key, value):
-    with pytest.raises(ModelError, match=key):
-        builder = builder_of(**{key: value})
-        builder.blocks(vertices=[box(0, 0)])
-        builder.build()
 
 
 def test_warnings_tell_of_units_and_of_half_a_stiffness():

@@ -271,13 +271,6 @@ def test_cohesion_counts_where_the_joint_is_pressed():
     assert LAW.respond(one, np.zeros(1), np.zeros(1)).shear_force[0] == pytest.approx(1e4)
 
 
-def test_contact_without_bond_bears_no_tension():
-    answer = LAW.respond(contacts(2), np.array([1e-3, 1e-9]), np.array([1.0, 1.0]))
-    for name in ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness", "energy"):
-        assert np.array_equal(getattr(answer, name), np.zeros(2))
-    assert np.array_equal(answer.mode, [OPEN, OPEN])
-
-
 def test_shear_stiffness_equals_the_normal_one_unless_given():
     one = contacts(1)
     answer = Penalty(normal_stiffness=3e7).respond(one, np.array([-1.0]), np.array([1e-6]))

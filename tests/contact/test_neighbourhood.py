@@ -5,8 +5,7 @@ import pytest
 
 from clast.block import polygon
 from clast.compute.parallel import CONTACTS
-from clast.contact.broad_phase import all_within, overlapping_pairs
-from clast.contact.verlet_list import SPARE, VerletList
+from clast.contact.broad_phase import SPARE, VerletList, all_within, overlapping_pairs
 from scenes.systems import box
 
 

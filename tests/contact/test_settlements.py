@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from benchmarks.scenes import SCENES, BenchSettings, method_for
-from clast.block.elasticity import strains
+from clast.block.equations import strains
 from clast.contact import flush_faces
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.candidates import SearchDistance, find_candidates
-from clast.contact.verlet_list import VerletList, near_pairs
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 

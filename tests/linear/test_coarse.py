@@ -2,18 +2,16 @@
 
 from dataclasses import replace
 
-import numba
 import numpy as np
 import pytest
 
-from clast.compute.parallel import BLOCKS
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import coarse_space, pcg
 from clast.linear.block_matrix import coupled_pairs
-from clast.linear.coarse_space import aggregates_of, number_of_aggregates
+from clast.linear.coarse_space import number_of_aggregates
 from clast.linear.pattern import Patterns
-from clast.linear.single_precision import substitute
-from clast.linear.solvers import PCG, SHIFT, Attempt, Direct, solve
+from clast.linear.pcg import substitute
+from clast.linear.solvers import PCG, SHIFT, Attempt
 from scenes.block_matrices import PATTERNS, dense, elastic_grid, grid, random_system
 
 
@@ -133,36 +131,6 @@ def test_iterations_grow_far_less_than_the_width_of_a_sheet():
     some, more = (iterations(one, False) for one in sheets)
     assert more >= 2.5 * some
     assert many < 0.25 * more
-
-
-def test_aggregates_are_found_once_for_all_systems_of_a_step():
-    one, patterns = elastic_grid(10, 10), Patterns()
-    first = patterns.of(one, aggregates_of)
-    assert patterns.of(replace(one, diagonal=2.0 * one.diagonal), aggregates_of) is first
-    moved = replace(one, centroid=one.centroid + 1.0)
-    assert patterns.of(moved, aggregates_of) is not first
-    assert np.allclose(patterns.of(moved, aggregates_of)[1], first[1])
-    fewer = replace(one, pairs=one.pairs[:-1])
-    assert patterns.of(fewer, aggregates_of) is not first
-
-
-def test_answers_do_not_depend_on_the_number_of_threads():
-    one = elastic_grid(60, 60)
-    one = replace(one, diagonal=one.diagonal + 1e3 * np.eye(6))
-    assert len(one.diagonal) >= BLOCKS.many
-    threads = numba.get_num_threads()
-    try:
-        answers = []
-        for number in (1, numba.config.NUMBA_NUM_THREADS):
-            numba.set_num_threads(number)
-            matrix = PCG(tolerance=1e-5, plain=0).factor(one, Patterns())
-            answers.append(matrix.solve(one.force))
-            assert matrix.next_solver is None
-    finally:
-        numba.set_num_threads(threads)
-    assert np.array_equal(*answers)
-    wanted = solve(Direct(), one)
-    assert np.abs(answers[0] - wanted).max() < 1e-3 * np.abs(wanted).max()
 
 
 def test_a_block_without_stiffness_is_named():

@@ -10,7 +10,6 @@ from clast.linear import ldlt, ordering
 from clast.linear.block_matrix import coupled_pairs, row_pointers
 from clast.linear.pattern import (
     FILL,
-    Patterns,
     exact_pattern,
     strips_of,
     with_fill,
@@ -135,20 +134,6 @@ def test_a_matrix_that_is_not_positive_definite_rejects_the_step(change):
     with pytest.raises(StepRejected) as caught:
         solve(Direct(), bad)
     assert caught.value.outcome is StepOutcome.SINGULAR
-
-
-def test_a_pattern_is_analysed_once_for_all_matrices_of_a_step():
-    one, patterns = elastic_grid(10, 10), Patterns()
-    first = patterns.of(one, exact_pattern)
-    assert patterns.of(replace(one, diagonal=2.0 * one.diagonal), exact_pattern) is first
-    assert patterns.of(replace(one, pairs=one.pairs.copy()), exact_pattern) is first
-    fixed = np.arange(100) == 3
-    assert len(patterns.of(replace(one, fixed=fixed), exact_pattern)[2]) < len(first[2])
-    for shift in range(1, 5):
-        patterns.of(replace(one, centroid=one.centroid + shift), exact_pattern)
-    again = patterns.of(one, exact_pattern)
-    assert again is not first  # only the last few are kept
-    assert all(np.array_equal(a, b) for a, b in zip(again, first, strict=True))
 
 
 # --- without fill ----------------------------------------------------------------------------
@@ -318,13 +303,6 @@ def test_pairs_are_renumbered():
         old = pairs[q] if q >= 0 else pairs[-1 - q][::-1]
         assert coupled[q if q >= 0 else -1 - q]
         assert tuple(order[[i, j]]) == tuple(old)
-
-
-def test_four_times_as_many_blocks_have_twice_as_many_strips():
-    """Whatever the threads: the sums depend on it."""
-    found = {n: ordering.number_of_strips(n) for n in (100, 799, 800, 3199, 3200, 12800)}
-    assert found == {100: 1, 799: 1, 800: 2, 3199: 2, 3200: 4, 12800: 8}
-    assert ordering.number_of_strips(10_000_000) == ordering.MOST
 
 
 def test_blocks_in_one_line_are_ordered_along_it():

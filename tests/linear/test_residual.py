@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.linear.residual import unbalanced
+from clast.linear.assembly import unbalanced
 
 PAIRS = np.array([[0, 1], [0, 3], [1, 2]])
 CONTACTS_OF_PAIRS = [2, 1, 3]

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
 from clast.inputs.builder import InputBuilder
-from clast.linear.factor import Factorisation
 from clast.linear.pattern import Patterns
-from clast.linear.solvers import Direct
+from clast.linear.solvers import Direct, Factorisation
 from clast.linear.system import BlockSystem
 from clast.model.model import Model
 from clast.model.state import State

@@ -11,8 +11,7 @@ from numba.extending import overload
 from rich.console import Console
 from rich.progress import Progress
 
-from clast.compute.compilation import COMPILATION, working_time
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import COMPILATION, Stages, working_time
 from clast.run.progress import WAITING, ProgressLine, compilation_told
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from benchmarks.scenes import SCENES
 from clast.actions.active import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import Stages
 from clast.read_only import changed
 
 

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import Stages
 from clast.contact.clipped_spring import Clipped
-from clast.linear.factor import LinearSolver
 from clast.linear.factor_cache import FactorOfStep
-from clast.linear.solvers import Direct
+from clast.linear.solvers import Direct, LinearSolver
 from clast.minimise.newton import Newton, SolverContext
 from clast.minimise.potential import Point, Potential
 from clast.minimise.strategy import MinimisationStrategy, NonlinearElimination, SmallIslands

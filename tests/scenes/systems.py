@@ -13,12 +13,12 @@ import shapely
 from clast.block import polygon
 from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.candidates import Candidates, SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import Bisector, CornerRule
 from clast.contact.detection import detect
 from clast.contact.laws import Penalty
-from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.inputs.builder import InputBuilder
 from clast.linear.solvers import Automatic, Direct

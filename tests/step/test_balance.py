@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.scenes import wall
-from clast.compute.chunks import SHARED
+from clast.compute.reductions import SHARED
 from clast.contact.jacobian import rows_of
 from scenes.potentials import caught
 

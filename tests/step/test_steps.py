@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from clast.contact.broad_phase import VerletList
 from clast.contact.candidates import SearchDistance
 from clast.contact.laws import Penalty
-from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome, StepRejected
 from clast.model.state import ContactMemory
 from clast.step.convex import Convex

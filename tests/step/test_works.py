@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from clast.block import elasticity as tensors
 from clast.block import equations as block_terms
-from clast.compute.chunks import SHARED
+from clast.block import equations as tensors
+from clast.compute.reductions import SHARED
 from clast.step import energy_balance as works
 from clast.step.energy_balance import CHUNK, PART
 

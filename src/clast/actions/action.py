@@ -24,7 +24,7 @@ from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 
-INSTANT = 1e-5
+INSTANT_DURATION = 1e-5
 """Time over which a mean is taken as the value of an instant, s."""
 
 
@@ -60,7 +60,7 @@ class StepStart:
         """Start and end of the time over which loads are averaged, s; of a static step, its end."""
         if self.clock is None:
             return self.state.time, self.end
-        return self.end - INSTANT, self.end
+        return self.end - INSTANT_DURATION, self.end
 
     @property
     def time_of_forces(self) -> float:

@@ -56,10 +56,10 @@ class BoltStates:
 
         The names are ``clast.results.schema.BOLT_STATES``.
         """
-        found = np.where(np.isnan(self.rest), 0, 1)
-        found = np.where(np.isnan(self.yielded_at), found, 2)
-        found = np.where(np.isnan(self.broken_at), found, 3)
-        return np.where(self.lost, 4, found).astype(np.int64)
+        number = np.where(np.isnan(self.rest), 0, 1)
+        number = np.where(np.isnan(self.yielded_at), number, 2)
+        number = np.where(np.isnan(self.broken_at), number, 3)
+        return np.where(self.lost, 4, number).astype(np.int64)
 
     def elongation(self, bolts: Bolts) -> Floats:
         """Return F/s + p: the elongation since the state without force, m, shape (m,)."""
@@ -212,9 +212,9 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
     points = start.state.points[model.point_slices.bolts][bolts.ends[acts]]
     block = bolts.blocks[acts]
     offset = points - start.frames.centroid[block]
-    way, size = points[:, 0] - points[:, 1], length[acts]
+    apart_by, size = points[:, 0] - points[:, 1], length[acts]
     apart = size > 0.0
-    line = np.where(apart[:, None], way / np.where(apart, size, 1.0)[:, None], [1.0, 0.0])
+    line = np.where(apart[:, None], apart_by / np.where(apart, size, 1.0)[:, None], [1.0, 0.0])
     tension, strength = bolts.pretension[acts], bolts.yield_force[acts]
     held, none = ~state.locked[acts], np.zeros(len(acts))
     stretch = np.where(held, 0.0, size - state.rest[acts] - state.plastic[acts])
@@ -241,7 +241,7 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
     return found
 
 
-MOST = 20
+EVENTS_SHOWN_MAX = 20
 """Events that are said one by one, at most."""
 
 
@@ -254,29 +254,31 @@ def happened(
     the action on bolts (``State.actions``); a block is lost between steps, and has no time.
     """
     names = model.bolts.name
-    found = []
+    events = []
     for kind, was, now in (
         ("yielded", before.yielded_at, after.yielded_at),
         ("broke", before.broken_at, after.broken_at),
     ):
         first = _first(model, np.where(np.isnan(was), now, np.nan))
         known = ~np.isnan(_first(model, was))
-        found += [
+        events += [
             (float(first[k]), kind, names[k], f"bolt '{names[k]}' {kind} at t = {first[k]:.6g} s")
             for k in np.flatnonzero(~np.isnan(first) & ~known)
         ]
     lost = np.unique(model.bolts.of_spring[after.lost & ~before.lost])
     said = "lost its anchor with its block"
-    found += [(np.inf, "lost", names[k], f"bolt '{names[k]}' {said}") for k in lost]
-    return sorted(found)
+    events += [(np.inf, "lost", names[k], f"bolt '{names[k]}' {said}") for k in lost]
+    return sorted(events)
 
 
 def story_of(state: BoltStates, model: Model) -> tuple[str, ...]:
     """Return all that has happened to bolts since the start of a run; of many, how many more."""
     events = [text for *_, text in happened(model, untouched(len(state.rest)), state)]
-    if len(events) <= MOST:
+    if len(events) <= EVENTS_SHOWN_MAX:
         return tuple(events)
-    return *events[:MOST], f"bolts: {len(events) - MOST} more events after these"
+    return *events[
+        :EVENTS_SHOWN_MAX
+    ], f"bolts: {len(events) - EVENTS_SHOWN_MAX} more events after these"
 
 
 def _first(model: Model, times: Floats) -> Floats:

@@ -20,7 +20,7 @@ from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.surroundings import InSituStress
 
-NOTHING = 1e-9
+TRACTION_SHARE_MIN = 1e-9
 """Share of the largest traction below which an edge is free: the ground surface."""
 
 
@@ -52,7 +52,7 @@ class InSituBoundary:
         length, normal, sigma = along_outline(model, self.stress, edge, share)
         traction = tractions(sigma, normal)
         size = np.hypot(*traction.T)
-        carries = size > NOTHING * size.max(initial=0.0)
+        carries = size > TRACTION_SHARE_MIN * size.max(initial=0.0)
         carries &= ~model.fixed[model.vertex_block[edge]]
         edge, share, length = edge[carries], share[carries], length[carries]
         normal, traction = normal[carries], traction[carries]
@@ -124,7 +124,7 @@ def _is_deep(model: Model, stress: InSituStress) -> bool:
     """Return whether the top of the model carries stress."""
     height = model.vertices[:, 1] + model.origin[1]
     top, bottom = np.abs(stress.at(np.array([height.max(), height.min()]))).max(axis=1)
-    return bool(top > NOTHING * bottom)
+    return bool(top > TRACTION_SHARE_MIN * bottom)
 
 
 def along_outline(
@@ -135,10 +135,10 @@ def along_outline(
     The stress in Pa, (k, 3).
     """
     first, last = model.vertices[edge], model.vertices[model.vertex_after[edge]]
-    way = last - first
-    length = np.hypot(*way.T)
-    normal = np.stack([way[:, 1], -way[:, 0]], axis=1) / length[:, None]
-    middle = first[:, 1] + share.mean(axis=1) * way[:, 1] + model.origin[1]
+    along = last - first
+    length = np.hypot(*along.T)
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
+    middle = first[:, 1] + share.mean(axis=1) * along[:, 1] + model.origin[1]
     return length * np.diff(share, axis=1)[:, 0], normal, stress.at(middle)
 
 

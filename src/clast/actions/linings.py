@@ -38,9 +38,9 @@ from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.supports import LiningJoints
 
-STEEP = 0.02
+MOMENT_SHARE_MIN = 0.02
 """Moment, in units of the largest, below which the curve is near one of its ends."""
-CORNERS = 33
+CURVE_CORNERS = 33
 """Corners of the polygon on each side, denser towards its ends: 64 sides in all."""
 
 
@@ -72,13 +72,13 @@ class InteractionCurve:
         pressed = np.where(normal < 0.0, normal / least, 0.0)
         pulled = np.where(normal > 0.0, normal / max(most, np.finfo(float).tiny), 0.0)
         # at its ends the curve is steep, and the normal force says how near it is
-        carries = np.maximum(self.moment_at(normal), STEEP * self.largest)
+        carries = np.maximum(self.moment_at(normal), MOMENT_SHARE_MIN * self.largest)
         return np.maximum(np.abs(moment) / carries, np.maximum(pressed, pulled))
 
 
 def interaction_curve(thickness: float, tension: float, compression: float) -> InteractionCurve:
     """Return the curve of a rectangular section, m, with strengths in Pa, all above 0."""
-    pressed = 0.5 * thickness * (1.0 + np.cos(np.linspace(0.0, np.pi, CORNERS)))
+    pressed = 0.5 * thickness * (1.0 + np.cos(np.linspace(0.0, np.pi, CURVE_CORNERS)))
     pulled = thickness - pressed
     return InteractionCurve(
         normal=tension * pulled - compression * pressed,
@@ -168,9 +168,9 @@ class LiningStates:
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
-BEYOND = 0.02
+MOMENT_EXCESS_MAX = 0.02
 """Moment beyond its strength, in units of the largest, with which no step is kept."""
-AGREES = 1e-6
+STRENGTH_TOLERANCE = 1e-6
 """Difference of a moment from its strength that is none, in units of the largest strength."""
 
 
@@ -241,7 +241,9 @@ class Linings:
                 normal, _, moment = forces[one.joints].T
                 allowed = one.curve.moment_at(normal)
                 # what yields goes on to yield; from others the solution is awaited
-                yields = (np.abs(moment) >= allowed - AGREES * one.curve.largest) & (moment != 0.0)
+                yields = (np.abs(moment) >= allowed - STRENGTH_TOLERANCE * one.curve.largest) & (
+                    moment != 0.0
+                )
                 bending[one.joints] = np.where(yields, allowed, np.inf)
         return self._share(start, state, bending)
 
@@ -264,7 +266,7 @@ class Linings:
             if one.curve is None:
                 continue
             normal, _, moment = forces[one.joints].T
-            allowed, close = one.curve.moment_at(normal), AGREES * one.curve.largest
+            allowed, close = one.curve.moment_at(normal), STRENGTH_TOLERANCE * one.curve.largest
             had, size = bending[one.joints], np.abs(moment)
             off = (size > allowed + close) | (
                 (size >= had - close) & (np.abs(had - allowed) > close)
@@ -281,10 +283,10 @@ class Linings:
         bending = (
             contribution.bending if isinstance(contribution, LiningContribution) else np.zeros(0)
         )
-        found = self._within(bending).finish(start, state.joints, contribution, solution)
-        ended = self._judged(state, found.state)
+        result = self._within(bending).finish(start, state.joints, contribution, solution)
+        ended = self._judged(state, result.state)
         self._reject_beyond(start.model, ended)
-        return replace(found, state=ended)
+        return replace(result, state=ended)
 
     def settled(
         self,
@@ -309,7 +311,7 @@ class Linings:
             normal, _, moment = forces[one.joints].T
             beyond = (np.abs(moment) - one.curve.moment_at(normal)) / one.curve.largest
             worst = int(beyond.argmax())
-            if beyond[worst] > BEYOND:
+            if beyond[worst] > MOMENT_EXCESS_MAX:
                 x, y = one.at[worst] + model.origin
                 raise StepRejected(
                     StepOutcome.NOT_CONVERGED,
@@ -327,13 +329,19 @@ class Linings:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
                 # the strength is reached where it is, or was taken as, the bound
-                close, size = AGREES * one.curve.largest, np.abs(moment)
+                close, size = STRENGTH_TOLERANCE * one.curve.largest, np.abs(moment)
                 yielded[one.joints] |= (size > close) & (
                     size >= one.curve.moment_at(normal) - close
                 )
-                yielded[one.joints] |= one.curve.utilisation(normal, moment) >= 1.0 - AGREES
+                yielded[one.joints] |= (
+                    one.curve.utilisation(normal, moment) >= 1.0 - STRENGTH_TOLERANCE
+                )
                 stress = edge_stress(normal, moment, one.thickness)
-                pulled = stress > one.tension * (1.0 + AGREES) + AGREES * -one.curve.normal[0]
+                pulled = (
+                    stress
+                    > one.tension * (1.0 + STRENGTH_TOLERANCE)
+                    + STRENGTH_TOLERANCE * -one.curve.normal[0]
+                )
                 cracked[one.joints] |= pulled
         return replace(ended, cracked=cracked, yielded=yielded)
 
@@ -386,12 +394,12 @@ class Linings:
 
     def utilisation(self, state: LiningStates) -> Floats:
         """Return the share of the strength that each joint uses, NaN without strengths, (k,)."""
-        forces, found = self.forces(state), np.full(len(state.cracked), np.nan)
+        forces, used = self.forces(state), np.full(len(state.cracked), np.nan)
         for one in self.each:
             if one.curve is not None:
                 normal, _, moment = forces[one.joints].T
-                found[one.joints] = one.curve.utilisation(normal, moment)
-        return found
+                used[one.joints] = one.curve.utilisation(normal, moment)
+        return used
 
     def condition(self, state: LiningStates) -> Ints:
         """Return 0 not installed, 1 intact, 2 cracked, 3 yielded, 4 lost of each joint, (k,)."""
@@ -399,10 +407,10 @@ class Linings:
         rows = self.springs.rows
         there[rows.link[~np.isnan(state.joints.rest)]] = True
         lost[rows.link[state.joints.broken]] = True
-        found = np.where(there, 1, 0)
-        found = np.where(state.cracked, 2, found)
-        found = np.where(state.yielded, 3, found)
-        return np.where(lost, 4, found)
+        number = np.where(there, 1, 0)
+        number = np.where(state.cracked, 2, number)
+        number = np.where(state.yielded, 3, number)
+        return np.where(lost, 4, number)
 
     # --- springs
 
@@ -422,10 +430,10 @@ class Linings:
     def _by_joint(self, force: Floats) -> Floats:
         """Return N, Q and M of each joint, (k, 3), from the forces of the rows, (m,)."""
         rows = self.springs.rows
-        found = np.zeros((len(rows.name), 3))
-        found[rows.link, rows.component] = force
-        found[:, TURNING] *= -1.0
-        return found
+        of_joints = np.zeros((len(rows.name), 3))
+        of_joints[rows.link, rows.component] = force
+        of_joints[:, TURNING] *= -1.0
+        return of_joints
 
 
 def linings_of(model: Model) -> tuple[Linings | None, int]:
@@ -438,9 +446,9 @@ def linings_of(model: Model) -> tuple[Linings | None, int]:
 
 def waiting_in(actions: tuple[Any, ...], count: int) -> Bools:
     """Return which of ``count`` blocks are segments that wait for a stage, shape (n,)."""
-    found = np.zeros(count, np.bool_)
+    waits = np.zeros(count, np.bool_)
     for action in actions:
         for one in action.each if isinstance(action, Linings) else ():
             if one.stage:
-                found[one.segments] = True
-    return found
+                waits[one.segments] = True
+    return waits

@@ -128,9 +128,9 @@ class YieldForces:
         return -rows.strength, rows.strength
 
 
-NEAR = 1e-5
+FORCE_MISS_MAX = 1e-5
 """Force that rows may miss in a static step, as a share of the largest of them."""
-ARM = 1e7
+ARM_LENGTH = 1e7
 """Length of the arms of rows against rotation, in units of the system."""
 ROTATION = COMPONENTS.index("rotation")
 
@@ -213,7 +213,7 @@ class Links:
         stretch = self._stretch(at, turn, active.state.angle + self._turned(moved))
         missed = np.abs(active.stiffness * (stretch - active.stretch - moved))[active.row]
         force = self._stretched(active, active.state, active.stretch + moved).force
-        if float(missed.max()) <= NEAR * float(np.abs(force).max()):
+        if float(missed.max()) <= FORCE_MISS_MAX * float(np.abs(force).max()):
             return None
         active = replace(active, stretch=stretch - moved)
         return LinkContribution(springs=self._springs(start, active)[0], active=active)
@@ -292,18 +292,18 @@ class Links:
 
     def borne(self, state: LinkStates) -> Floats:
         """Return force along and across, N/m, and moment, N, on the first blocks, (k, 3)."""
-        found = np.zeros((len(self.rows.name), 3))
-        found[self.rows.link, self.rows.component] = state.force + state.drag
-        return found
+        forces = np.zeros((len(self.rows.name), 3))
+        forces[self.rows.link, self.rows.component] = state.force + state.drag
+        return forces
 
     def condition(self, state: LinkStates) -> Ints:
         """Return 0 not installed, 1 intact, 2 yielded, 3 broken: the worst of each link, (k,)."""
         rows = np.where(np.isnan(state.rest), 0, 1)
         rows = np.where(state.yielded, 2, rows)
         rows = np.where(state.broken, 3, rows)
-        found = np.zeros(len(self.rows.name), np.int64)
-        np.maximum.at(found, self.rows.link, rows)
-        return found
+        worst = np.zeros(len(self.rows.name), np.int64)
+        np.maximum.at(worst, self.rows.link, rows)
+        return worst
 
     # --- rows
 
@@ -333,7 +333,7 @@ class Links:
             offset=offset,
             stretch=stretch,
             stiffness=np.where(np.isinf(rows.stiffness), rigid, rows.stiffness),
-            arm=ARM * size,
+            arm=ARM_LENGTH * size,
         )
 
     def _stretch(self, at: Floats, rotation: Floats, angle: Floats) -> Floats:
@@ -410,10 +410,10 @@ class Links:
         link, turns = rows.link[row], rows.component[row] == ROTATION
         along = active.along[link]
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        way = np.where((rows.component[row] == 1)[:, None], across, along)
+        normal = np.where((rows.component[row] == 1)[:, None], across, along)
         reach = np.where(turns, active.arm, 0.0)[:, None] * across
         offset = active.offset[link] + reach[:, None]
-        arms = np.concatenate([way, offset[:, 0], offset[:, 1]], axis=1)
+        arms = np.concatenate([normal, offset[:, 0], offset[:, 1]], axis=1)
         return arms, np.where(turns, -active.arm, 1.0)
 
     def _each_spring(
@@ -459,10 +459,10 @@ class Links:
 
     def _turned(self, moved: Floats) -> Floats:
         """Return the angles (k,) of rows that were stretched (m,)."""
-        found = np.zeros(len(self.rows.name))
+        angles = np.zeros(len(self.rows.name))
         turns = self.rows.component == ROTATION
-        found[self.rows.link[turns]] = moved[turns]
-        return found
+        angles[self.rows.link[turns]] = moved[turns]
+        return angles
 
     def _stretched(self, active: _Active, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the rows at their stretches (m,): their forces, and which yield."""

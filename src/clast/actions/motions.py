@@ -44,7 +44,7 @@ class Course:
 
     time: Floats
     """Start of each piece, s, increasing from 0, shape (k,); the last one has no end."""
-    way: Floats
+    displacement: Floats
     """x at the start of each, m or rad, shape (k,)."""
     velocity: Floats
     """Velocity at the start of each, per s, shape (k,)."""
@@ -76,23 +76,28 @@ class Course:
     def _until(self, last: float, time: float) -> tuple[float, float, float]:
         """Return x, its velocity and its integral at a time, s, where it rests from ``last`` on."""
         if time < last:
-            return self._way(time)
-        x, _, area = self._way(last)
+            return self._at(time)
+        x, _, area = self._at(last)
         return x, 0.0, area + (time - last) * x
 
-    def _way(self, time: float) -> tuple[float, float, float]:
+    def _at(self, time: float) -> tuple[float, float, float]:
         """Return x, its velocity and its integral from 0 at a time, s; 0 before 0."""
         if time <= 0.0:
             return 0.0, 0.0, 0.0
         k = int(np.searchsorted(self.time, time, side="right")) - 1
-        x, v, a, since = self.way[k], self.velocity[k], self.acceleration[k], time - self.time[k]
+        x, v, a, since = (
+            self.displacement[k],
+            self.velocity[k],
+            self.acceleration[k],
+            time - self.time[k],
+        )
         area = self._areas[k] + since * (x + since * (v / 2.0 + since * a / 6.0))
         return float(x + since * (v + since * a / 2.0)), float(v + since * a), float(area)
 
     @property
     def _areas(self) -> Floats:
         """Integral of x from 0 to where each piece begins."""
-        since, x = np.diff(self.time), self.way[:-1]
+        since, x = np.diff(self.time), self.displacement[:-1]
         v, a = self.velocity[:-1], self.acceleration[:-1]
         pieces = since * (x + since * (v / 2.0 + since * a / 6.0))
         return np.concatenate([[0.0], np.cumsum(pieces)])
@@ -101,17 +106,24 @@ class Course:
 def at_constant_speed(velocity: float, ease: float) -> Course:
     """Return a course with a constant velocity."""
     none = np.zeros(1)
-    return Course(time=none, way=none, velocity=np.array([velocity]), acceleration=none, ease=ease)
+    return Course(
+        time=none, displacement=none, velocity=np.array([velocity]), acceleration=none, ease=ease
+    )
 
 
 def along_displacements(table: Factor, scale: float, ease: float) -> Course:
-    """Return a course whose way is ``scale`` times a table."""
+    """Return a course whose displacement is ``scale`` times a table."""
     time, value = _from_zero(table)
-    way = scale * value
-    velocity = np.append(np.diff(way) / np.diff(time), 0.0)
+    displacement = scale * value
+    velocity = np.append(np.diff(displacement) / np.diff(time), 0.0)
     none = np.zeros(len(time))
     return Course(
-        time=time, way=way, velocity=velocity, acceleration=none, ease=ease, table=table.name
+        time=time,
+        displacement=displacement,
+        velocity=velocity,
+        acceleration=none,
+        ease=ease,
+        table=table.name,
     )
 
 
@@ -121,10 +133,10 @@ def along_velocities(table: Factor, scale: float, ease: float) -> Course:
     velocity, since = scale * value, np.diff(time)
     acceleration = np.append(np.diff(velocity) / since, 0.0)
     pieces = since * (velocity[:-1] + velocity[1:]) / 2.0
-    way = np.concatenate([[0.0], np.cumsum(pieces)])
+    displacement = np.concatenate([[0.0], np.cumsum(pieces)])
     return Course(
         time=time,
-        way=way,
+        displacement=displacement,
         velocity=velocity,
         acceleration=acceleration,
         ease=ease,
@@ -140,7 +152,7 @@ def _from_zero(table: Factor) -> tuple[Floats, Floats]:
 
 FREE = -1.0
 """Start time of a motion that has not begun."""
-ROUNDING = 1e-9
+DURATION_TOLERANCE = 1e-9
 """Share of the duration of a motion by which a step may miss its end."""
 
 
@@ -259,14 +271,14 @@ class Motions:
 
     def anchors(self, model: Model, time: float) -> tuple[Ints, Floats]:
         """Return which fixed points are moved at a time, s, and how far, m, (k,) and (k, 2)."""
-        found = [one for one in self.each if one.point is not None and one.begins(model) != FREE]
-        way = []
-        for one in found:
+        moving = [one for one in self.each if one.point is not None and one.begins(model) != FREE]
+        displacement = []
+        for one in moving:
             courses = [c for c in one.courses[:2] if c is not None]
             since, last = time - one.begins(model), one.lasts(model)
-            way.append([course.at(since, last)[0] for course in courses])
-        points = np.array([one.point for one in found], np.int64)
-        return points, np.array(way, float).reshape(-1, 2)
+            displacement.append([course.at(since, last)[0] for course in courses])
+        points = np.array([one.point for one in moving], np.int64)
+        return points, np.array(displacement, float).reshape(-1, 2)
 
     @property
     def waits(self) -> tuple[tuple[str, str], ...]:
@@ -300,7 +312,7 @@ class Motions:
             begun = one.begins(model)
             if begun == FREE:
                 continue
-            left = one.lasts(model) * (1.0 - ROUNDING) - (start.state.time - begun)
+            left = one.lasts(model) * (1.0 - DURATION_TOLERANCE) - (start.state.time - begun)
             fixed = model.fixed[one.block]
             # a fixed one that has come to the end with a velocity is brought to rest there
             rests = (left + one.ease <= 0.0) & (start.state.velocity[one.block] == 0.0).all(axis=1)
@@ -314,11 +326,11 @@ class Motions:
                     rows.append(_prescribed(one, start, state.origin[first:past], some))
             if one.servo is not None and left > 0.0:
                 pushed.append(_pushed(one, start, begun))
-        found = _joined(rows)
+        prescribed = _joined(rows)
         if not pushed:
-            return Contribution(prescribed=found)
+            return Contribution(prescribed=prescribed)
         block, force, stiffness = (np.concatenate(column) for column in zip(*pushed, strict=True))
-        return Contribution(block=block, force=force, stiffness=stiffness, prescribed=found)
+        return Contribution(block=block, force=force, stiffness=stiffness, prescribed=prescribed)
 
     def finish(
         self, start: StepStart, state: MotionState, contribution: Contribution, solution: Solution
@@ -363,18 +375,18 @@ def _prescribed(one: OneMotion, start: StepStart, origin: Floats, some: Bools) -
     count, since, last = len(block), start.end - one.begins(start.model), one.lasts(start.model)
     at = [(0.0, 0.0) if c is None else c.at(since, last) for c in one.courses]
     free = not start.model.fixed[block[0]] and start.clock is None
-    if since >= last * (1.0 - ROUNDING) and free:
+    if since >= last * (1.0 - DURATION_TOLERANCE) and free:
         ends = [(0.0, 0.0) if c is None else c.at(last) for c in one.courses]
-        at = [(way + (since - last) * speed, speed) for way, speed in ends]
+        at = [(there + (since - last) * speed, speed) for there, speed in ends]
     (x, u), (y, v), (angle, spin) = at
     centre = origin[:, :2] if one.about is None else np.array([one.about])
     arm = origin[:, :2] - centre
     sine, less = np.sin(angle), -2.0 * np.sin(0.5 * angle) ** 2
     turned = arm @ np.array([[less, sine], [-sine, less]])  # (R - I) (x_c - P)
-    way = np.array([x, y]) + turned + origin[:, :2] - start.frames.centroid[block]
+    shift = np.array([x, y]) + turned + origin[:, :2] - start.frames.centroid[block]
     swung = arm + turned
     displacement, velocity = np.zeros((count, 6)), np.zeros((count, 6))
-    displacement[:, :2] = way
+    displacement[:, :2] = shift
     left = origin[:, 2] + angle - start.state.rotation[block]
     displacement[:, 2] = [start.rotation.unknown(float(turn)) for turn in left]
     velocity[:, 0] = u - spin * swung[:, 1]

@@ -13,8 +13,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
-from clast.block.displacement import basis
+from clast.actions.action import (
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_linear,
+    forces_at_points,
+)
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 
@@ -97,11 +103,9 @@ class Relaxation:
             return Contribution()
         first, second = start.midway.vertices[state.vertex.T]
         at = first + state.share[:, None] * (second - first)
-        rows = basis(at - start.midway.centroid[state.block])
         left = np.clip(1.0 - (start.time_of_forces - state.since) / state.duration, 0.0, 1.0)
-        return Contribution(
-            block=state.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * state.force)
-        )
+        offset = at - start.midway.centroid[state.block]
+        return forces_at_points(state.block, offset, left[:, None] * state.force)
 
     def finish(
         self, start: StepStart, state: SupportForces, contribution: Contribution, solution: Solution

@@ -26,7 +26,7 @@ from clast.model.ground_motion import Still
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
 
-THERE = 1e-13
+ANCHOR_TOLERANCE = 1e-13
 """Tolerance of the position of a point with a prescribed motion, as a share of the system."""
 
 
@@ -74,7 +74,10 @@ class Supports:
         rows, drift, prescribed = self._rows(start)
         missed = drift + self._followed(rows, contribution, displacement)
         size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
-        if not prescribed.any() or float(np.abs(missed[prescribed]).max()) <= THERE * size:
+        if (
+            not prescribed.any()
+            or float(np.abs(missed[prescribed]).max()) <= ANCHOR_TOLERANCE * size
+        ):
             return None
         more = np.where(prescribed[:, None], -self.stiffness * missed, 0.0)
         return replace(
@@ -140,9 +143,9 @@ class Supports:
             anchor = anchor + ((1.0 - share) * before + share * after)
         for action in start.model.actions:
             if hasattr(action, "anchors"):
-                number, way = action.anchors(start.model, start.end)
+                number, displacement = action.anchors(start.model, start.end)
                 anchor = anchor.copy()
-                anchor[number] = points.at[number] + way
+                anchor[number] = points.at[number] + displacement
                 prescribed[number] = True
         return basis(at - start.frames.centroid[points.block]), at - anchor, prescribed
 

@@ -24,7 +24,7 @@ from clast.model.surroundings import DOWNWARDS
 
 GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 """Places along an edge, as shares of its length; each stands for half of it."""
-ROUNDING = 1e-9
+TIME_TOLERANCE = 1e-9
 """Share of a step by which times may differ and be the same."""
 
 
@@ -124,7 +124,7 @@ class BoundaryDashpots:
         """Return the forces of a step."""
         model, edges = start.model, start.model.viscous_edges
         at, length, normal = gauss_points(model, start.state.vertices)
-        held = start.state.time < edges.begins - ROUNDING * start.step
+        held = start.state.time < edges.begins - TIME_TOLERANCE * start.step
         going = state.held & ~held
         hold = self._hold(model)
         away = at - gauss_points(model, model.vertices)[0]

@@ -72,7 +72,7 @@ def pressed_by(water: Water, model: Any, vertices: Floats, time: float) -> Press
     sides = water.joints.edge[joint[joints.line]]
     edge = np.concatenate([water.faces.edge[faces.line], sides[:, 0]])
     pair, single = owner[sides], owner[water.faces.edge[faces.line]]
-    found = Pressed(
+    pressed = Pressed(
         edge,
         np.concatenate([single, pair[:, 0]]),
         np.concatenate([np.full(len(single), -1), pair[:, 1]]),
@@ -81,9 +81,9 @@ def pressed_by(water: Water, model: Any, vertices: Floats, time: float) -> Press
     )
     absent = model.absent
     if not absent.any():
-        return found
-    there = ~absent[found.block] & ((found.other < 0) | ~absent[found.other])
-    return Pressed(*(getattr(found, one.name)[there] for one in fields(Pressed)))
+        return pressed
+    there = ~absent[pressed.block] & ((pressed.other < 0) | ~absent[pressed.other])
+    return Pressed(*(getattr(pressed, one.name)[there] for one in fields(Pressed)))
 
 
 @dataclass(frozen=True)
@@ -98,10 +98,10 @@ class WaterPressure(Action):
         for water in model.water:
             if not water.pressure_of_head(start.time_of_forces):
                 continue
-            found = pressed_by(water, model, midway.vertices, start.time_of_forces)
-            left, right = found.forces(midway.centroid)
-            paired = found.other >= 0
-            block += [found.block, found.other[paired]]
+            pressed = pressed_by(water, model, midway.vertices, start.time_of_forces)
+            left, right = pressed.forces(midway.centroid)
+            paired = pressed.other >= 0
+            block += [pressed.block, pressed.other[paired]]
             force += [left, right[paired]]
         if not block:
             return Contribution()

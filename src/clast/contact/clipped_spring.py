@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from clast.compute.chunks import in_part
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
+from clast.compute.reductions import in_part
 from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints

@@ -12,24 +12,22 @@ from typing import Any
 import numpy as np
 
 from clast.block import polygon
+from clast.block.displacement import displacements_of
 from clast.block.edge_lists import FEW, edges_around, first_at_least
-from clast.block.elasticity import strains
+from clast.block.equations import strains
 from clast.block.polygon import depth_inside, vertex_after
-from clast.block.positions import displacements_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.candidates import Candidates, SearchDistance, find_candidates
-from clast.contact.carried import carried_by, taken_along
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.edge_intersections import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.barton_bandis import with_roughness
-from clast.contact.joints.bonded_corners import without_points_in_bonds
-from clast.contact.joints.bonds import Bonds, bonded_at_start, bonds_of
+from clast.contact.joints.bonds import Bonds, bonded_at_start, bonds_of, without_points_in_bonds
 from clast.contact.joints.faces import Places, with_faces
-from clast.contact.memory import first_rows, pair_penetration, recall
-from clast.contact.verlet_list import VerletList, near_pairs
+from clast.contact.memory import carried_by, first_rows, pair_penetration, recall, taken_along
 from clast.model.bodies import Outlines
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State

@@ -18,8 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clast.block.crossing_edges import behind, cross, crossing_point, sideways
-from clast.block.edge_lists import edges_within, left_to_right
+from clast.block.edge_lists import (
+    behind,
+    cross,
+    crossing_point,
+    edges_within,
+    left_to_right,
+    sideways,
+)
 from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.reductions import is_any

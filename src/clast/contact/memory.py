@@ -6,16 +6,20 @@ has slid round to the next edge takes the memory of the old one along.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.compute.reductions import is_any
 from clast.contact.contacts import OPEN, ContactResponse, Contacts
-from clast.contact.joints.bonds import torn
+from clast.contact.joints.bonds import had_by_faces, torn
+from clast.contact.joints.faces import Places
 from clast.contact.joints.wear import Wear
-from clast.model.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
+from clast.read_only import read_only
 
 
 @kernel()
@@ -231,84 +235,33 @@ def renew(
     that has opened forgets its shear force, and its force at the start; one that is open further
     than critdis loses its bond and all cohesion.
     """
-    count = len(gap)
-    cohesive = contacts.cohesive & ~torn(contacts, response)
+    mode, bonded, rest = response.mode, response.bonded, contacts.rest_force
+    is_open, is_near = mode == OPEN, gap <= critdis
+    made = ~is_open | (contacts.mode != OPEN) | contacts.bonded | (contacts.slip != 0.0)
+    # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
+    # that carries tension as long as its bond
+    ends = np.where((rest < 0.0) & ~bonded, gap >= 0.0, is_open)
+    fields = {
+        "vertex": contacts.vertex,
+        "block": contacts.edge_block,
+        "edge": contacts.edge,
+        "point": contacts.point,
+        "mode": mode,
+        "bonded": bonded & is_near,
+        "cohesive": contacts.cohesive & ~torn(contacts, response) & is_near,
+        "gap": gap + contacts.rest_gap,  # from the edge, not from the rest of the spring
+        "normal_force": response.normal_force,
+        "shear_force": np.where(is_open, 0.0, response.shear_force),
+        "multiplier": contacts.multiplier,
+        "rest_force": np.where(ends, 0.0, rest),
+        "slip": np.where(made, contacts.slip + slip, 0.0),
+        "slide_length": contacts.slide_length + wear.way,
+        "slide": contacts.slide + wear.slid,
+        "slide_speed": wear.speed,
+        "dilation": wear.dilation,
+    }
     order = _order_of(contacts)
-    bonds = response.bonded, cohesive
-    keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, *bonds
-    forces = (
-        gap,
-        response.normal_force,
-        response.shear_force,
-        contacts.multiplier,
-        contacts.rest_force,
-    )
-    numbers, bonds_left, values = (
-        np.empty((5, count), np.int64),
-        np.empty((2, count), np.bool_),
-        np.empty((10, count)),
-    )
-    # nobody writes into a state; kernels fill what they are given
-    for one in (numbers, bonds_left, values):
-        one.flags.writeable = False
-    vertex, block, edge, mode, point = numbers
-    bonded, holding = bonds_left
-    new_gap, normal, shear, multiplier, rest, slips, ways, slides, speeds, dilation = values
-    new_keys = vertex, block, edge, mode, bonded, holding
-    new_forces = new_gap, normal, shear, multiplier, rest
-    _renew(count, order, keys, forces, critdis, new_keys, new_forces)
-    before = contacts.slip, contacts.slide_length, contacts.slide, contacts.mode, contacts.bonded
-    step = slip, response.mode, wear.way, wear.slid
-    _add_ways(count, order, before, step, (slips, ways, slides))
-    taken = contacts.point, contacts.rest_gap, wear.speed, wear.dilation
-    _take_along(count, order, taken, (point, new_gap, speeds, dilation))
-    return ContactMemory(
-        vertex=vertex,
-        block=block,
-        edge=edge,
-        point=point,
-        mode=mode,
-        bonded=bonded,
-        cohesive=holding,
-        gap=new_gap,
-        normal_force=normal,
-        shear_force=shear,
-        multiplier=multiplier,
-        rest_force=rest,
-        slip=slips,
-        slide_length=ways,
-        slide=slides,
-        slide_speed=speeds,
-        dilation=dilation,
-    )
-
-
-@shared(CONTACTS)
-def _add_ways(first, last, order, before, step, ways):
-    """Write slip, length of sliding and slide of rows ``first`` to ``last`` - 1, m."""
-    slip_before, length_before, slide_before, mode_before, bonded = before
-    slip, mode, way, slid = step
-    slips, lengths, slides = ways
-    for row in range(first, last):
-        c = order[row]
-        made = mode[c] != OPEN or mode_before[c] != OPEN or bonded[c] or slip_before[c] != 0.0
-        slips[row] = slip_before[c] + slip[c] if made else 0.0
-        lengths[row] = length_before[c] + way[c]
-        slides[row] = slide_before[c] + slid[c]
-
-
-@shared(CONTACTS)
-def _take_along(first, last, order, taken, rows):
-    """Write points, speeds and openings of rows ``first`` to ``last`` - 1; count gaps from edges.
-
-    A gap counts from the rest of its spring before.
-    """
-    point, rest_gap, speed, dilation = taken
-    points, gaps, speeds, dilations = rows
-    for row in range(first, last):
-        c = order[row]
-        points[row], speeds[row], dilations[row] = point[c], speed[c], dilation[c]
-        gaps[row] += rest_gap[c]
+    return ContactMemory(**{name: read_only(one.take(order)) for name, one in fields.items()})
 
 
 def _order_of(contacts: Contacts) -> Ints:
@@ -347,21 +300,86 @@ def _order(vertex, block, edge):
     return order
 
 
+CARRIED = (
+    "bonded",
+    "cohesive",
+    "mode",
+    "shear_force",
+    "normal_force",
+    "multiplier",
+    "rest_force",
+    "slip",
+    "slide_length",
+    "slide",
+    "slide_speed",
+    "dilation",
+)
+"""Fields of the memory that a contact takes over as they are."""
+
+
+def carried_by(
+    row: Ints,
+    memory: ContactMemory,
+    turns: tuple[Ints, Floats],
+) -> dict[str, Any]:
+    """Return the memory of contacts, (m,) each by its name.
+
+    ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and has
+    no bond.  ``turns`` are the edge of each contact (m,) and the directions of all edges (nv, 2).
+    """
+    known = row >= 0
+    at = row[known]
+    fields: dict[str, Any] = {}
+    for name in CARRIED:
+        values = getattr(memory, name)
+        fields[name] = np.zeros(len(row), values.dtype)
+        fields[name][known] = values[at]
+    forces = fields["shear_force"], fields["normal_force"], fields["rest_force"]
+    _turn_rest_forces(len(row), row, memory.edge, turns, forces)
+    return {**fields, "known": known, "friction_base": np.full(len(row), np.nan)}
+
+
+def taken_along(
+    carried: dict[str, Any],
+    speed: Floats,
+    places: Places,
+    memory: ContactMemory,
+    direction: Floats,
+    model: Model,
+) -> tuple[dict[str, Any], Floats]:
+    """Return the memory of contacts, and speeds of sliding (m,), with those of new ones.
+
+    Where a face slides on, a contact that comes up has slid, opens and slides as the face does.
+    """
+    new = np.flatnonzero(places.row < 0)
+    if not len(new) or not len(memory):
+        return carried, speed
+    ends = places.vertex[new], places.edge[new]
+    kept = memory.slide, memory.dilation, memory.slide_speed
+    found = had_by_faces(kept, memory, ends, direction, model.block_start)
+    taken = [one.copy() for one in (carried["slide"], carried["dilation"], speed)]
+    for values, of_faces in zip(taken, found, strict=True):
+        values[new] = np.nan_to_num(of_faces)
+    return {**carried, "slide": taken[0], "dilation": taken[1]}, taken[2]
+
+
 @shared(CONTACTS)
-def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
-    """Write rows ``first`` to ``last`` - 1 of the new memory."""
-    vertex, block, edge, mode, bonded, cohesive = keys
-    gap, normal, shear, multiplier, rest = forces
-    vertices, blocks, edges, modes, intact, holding = new_keys
-    gaps, normals, shears, multipliers, rests = new_forces
-    for row in range(first, last):
-        c = order[row]
-        vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
-        gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
-        shears[row] = shear[c] if mode[c] != OPEN else 0.0
-        # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
-        # that carries tension as long as its bond
-        ends = gap[c] >= 0.0 if rest[c] < 0.0 and not bonded[c] else mode[c] == OPEN
-        rests[row] = 0.0 if ends else rest[c]
-        intact[row] = bonded[c] and gap[c] <= critdis
-        holding[row] = cohesive[c] and gap[c] <= critdis
+def _turn_rest_forces(first, last, row, before, ways, forces):
+    """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
+
+    A rest force belongs to the face that carried it before the run.  Where its vertex has passed to
+    the next edge of the block, the same force has other shares along normal and edge.  ``before``
+    are the edges in the memory.
+    """
+    edge, direction = ways
+    shear, normal, rest = forces
+    for c in range(first, last):
+        if row[c] < 0 or rest[c] <= 0.0 or before[row[c]] == edge[c]:
+            continue
+        old, new = before[row[c]], edge[c]
+        cosine = direction[old, 0] * direction[new, 0] + direction[old, 1] * direction[new, 1]
+        sine = direction[old, 0] * direction[new, 1] - direction[old, 1] * direction[new, 0]
+        along = shear[c]
+        shear[c] = along * cosine - rest[c] * sine
+        rest[c] = max(0.0, rest[c] * cosine + along * sine)
+        normal[c] = max(0.0, normal[c] * cosine + along * sine)

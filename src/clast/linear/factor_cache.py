@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.compute import chunks as shares
-from clast.linear.factor import Factorisation, LinearSolver
+from clast.compute.reductions import alike
 from clast.linear.pattern import Patterns
-from clast.linear.solvers import Automatic, IteratedMatrix
+from clast.linear.solvers import Automatic, Factorisation, IteratedMatrix, LinearSolver
 from clast.linear.system import BlockSystem, LinearisedForces
 from clast.model.model import Floats, Ints
 
@@ -55,7 +54,7 @@ class FactorOfStep:
         """Return the matrix made ready, or the last one where no stiffness has changed."""
         stiffness = (response.normal_stiffness, response.shear_stiffness)
         same = len(self._stiffness) == len(stiffness) and all(
-            one is other or bool(shares.alike(one, other))
+            one is other or bool(alike(one, other))
             for one, other in zip(stiffness, self._stiffness, strict=True)
         )
         same = same and (system.pairs is self._pairs or np.array_equal(system.pairs, self._pairs))

@@ -6,20 +6,262 @@ system is added, which costs a fifth more (linear/coarse_space.py).
 
 All is in single precision.  Greater accuracy is reached by iterative refinement (Wilkinson 1963):
 the residual of the solution is computed in double precision, and solved for again.
+
+Products and substitutions of an iteration, in single precision (compute/vec6_single.py).
+
+K and its factor without fill are read over and over, block by block, and each block is read once:
+row i takes K_ij x_j from it and hands K_ij^T x_i on to row j.  It may do so within its stretch of
+rows; where j lies in a later one, row j reads the block again, and no stretch writes to another
+one.  So no digit depends on the number of threads.
+
+The substitutions with a factor, (L D L^T)^-1 r, go strip by strip (linear/ordering.py).  Upwards,
+L z = r, the seam comes last, and downwards, D L^T z = z, first.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from clast.compute import vec6 as six
+from clast.compute import vec6_single as single
 from clast.compute.jit import kernel
-from clast.compute.parallel import BLOCKS, shared
+from clast.compute.parallel import BLOCKS, EACH, shared, summed
 from clast.compute.vec6 import plus_scaled, put_row, row
 from clast.compute.vec6_single import WIDTH
 from clast.linear.coarse_space import restrict, turn_with
-from clast.linear.single_precision import multiply, substitute
 
-SHORTEST = 0.01
+STRETCHES_MAX, ROWS_OF_STRETCH_MIN = 8, 256
+"""Stretches of rows that threads share, and rows of one at least."""
+AHEAD = 24
+"""Blocks that are asked for before they are needed: memory is read page by page otherwise."""
+
+
+@kernel(forceinline=True)
+def times(blocks, i, x):
+    """Return symmetric block i of (n, 6, 6) times six numbers."""
+    k0, k1, k2, k3, k4, k5 = single.lines(blocks, i)
+    x0, x1, x2, x3, x4, x5 = single.spread(x)
+    s0 = single.plus_product(single.zeros(), x0, k0)
+    s1 = single.plus_product(single.zeros(), x1, k1)
+    s0 = single.plus_product(s0, x2, k2)
+    s1 = single.plus_product(s1, x3, k3)
+    s0 = single.plus_product(s0, x4, k4)
+    s1 = single.plus_product(s1, x5, k5)
+    return single.plus(s0, s1)
+
+
+@kernel(forceinline=True)
+def _right_of(low, high, upper, pairs, x):
+    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1, those of a row i.
+
+    Rows are taken from the last to the first.
+    """
+    t0, t1, t2 = single.zeros(), single.zeros(), single.zeros()
+    t3, t4, t5 = single.zeros(), single.zeros(), single.zeros()
+    for q in range(low, high):
+        single.fetch(upper, q, -AHEAD)
+        other = single.row(x, pairs[q, 1])
+        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
+        t0 = single.plus_product(t0, k0, other)
+        t1 = single.plus_product(t1, k1, other)
+        t2 = single.plus_product(t2, k2, other)
+        t3 = single.plus_product(t3, k3, other)
+        t4 = single.plus_product(t4, k4, other)
+        t5 = single.plus_product(t5, k5, other)
+    return single.totals(t0, t1, t2, t3, t4, t5)
+
+
+@kernel(forceinline=True)
+def _left_of(low, high, before, listed, upper, pairs, x):
+    """Return the sum of K_ji^T x_j over the pairs listed ``low`` to ``high`` - 1 of a row i.
+
+    Of those before pair ``before`` alone; they are listed in ascending order.
+    """
+    s0, s1 = single.zeros(), single.zeros()
+    for at in range(low, high):
+        q = listed[at]
+        if q >= before:
+            break
+        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
+        x0, x1, x2, x3, x4, x5 = single.spread(single.row(x, pairs[q, 0]))
+        s0 = single.plus_product(s0, x0, k0)
+        s1 = single.plus_product(s1, x1, k1)
+        s0 = single.plus_product(s0, x2, k2)
+        s1 = single.plus_product(s1, x3, k3)
+        s0 = single.plus_product(s0, x4, k4)
+        s1 = single.plus_product(s1, x5, k5)
+    return single.plus(s0, s1)
+
+
+@kernel(forceinline=True)
+def _both_sides(low, high, end, x_i, upper, pairs, x, y):
+    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1; add K_ij^T x_i to y_j.
+
+    To rows j < end alone.
+    """
+    t0, t1, t2 = single.zeros(), single.zeros(), single.zeros()
+    t3, t4, t5 = single.zeros(), single.zeros(), single.zeros()
+    x0, x1, x2, x3, x4, x5 = single.spread(x_i)
+    for q in range(low, high):
+        j = pairs[q, 1]
+        single.fetch(upper, q, AHEAD)
+        other = single.row(x, j)
+        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
+        t0 = single.plus_product(t0, k0, other)
+        t1 = single.plus_product(t1, k1, other)
+        t2 = single.plus_product(t2, k2, other)
+        t3 = single.plus_product(t3, k3, other)
+        t4 = single.plus_product(t4, k4, other)
+        t5 = single.plus_product(t5, k5, other)
+        if j < end:
+            s0 = single.plus_product(single.row(y, j), x0, k0)
+            s1 = single.plus_product(single.zeros(), x1, k1)
+            s0 = single.plus_product(s0, x2, k2)
+            s1 = single.plus_product(s1, x3, k3)
+            s0 = single.plus_product(s0, x4, k4)
+            s1 = single.plus_product(s1, x5, k5)
+            single.put_row(y, j, single.plus(s0, s1))
+    return single.totals(t0, t1, t2, t3, t4, t5)
+
+
+@kernel()
+def _begin_stretch(first, last, upper, pattern, x, y):
+    """Write into rows ``first`` to ``last`` - 1 of y the contribution of the pairs of earlier rows.
+
+    By itself, for in one loop with the rest registers would not suffice.
+    """
+    _, _, pairs, right, left, listed, _ = pattern
+    before = right[first]
+    for i in range(first, last):
+        if left[i] < left[i + 1] and listed[left[i]] < before:
+            known = _left_of(left[i], left[i + 1], before, listed, upper, pairs, x)
+            single.put_row(y, i, known)
+        else:
+            single.put_row(y, i, single.zeros())
+
+
+@summed(EACH)
+def _multiply_stretches(first, last, length, matrix, pattern, x, y):
+    """Write stretches of K x, ``length`` rows each, into y; return their part of x.K x."""
+    diagonal, upper = matrix
+    _, _, pairs, right, _, _, _ = pattern
+    product = six.zeros()
+    for stretch in range(first, last):
+        low, high = stretch * length, min((stretch + 1) * length, len(x))
+        _begin_stretch(low, high, upper, pattern, x, y)
+        for i in range(low, high):
+            own = single.row(x, i)
+            begun = single.plus(single.row(y, i), times(diagonal, i, own))
+            found = _both_sides(right[i], right[i + 1], high, own, upper, pairs, x, y)
+            y_i = single.plus(begun, found)
+            single.put_row(y, i, y_i)
+            product = six.plus_product(product, single.double(own), single.double(y_i))
+    return six.total(product)
+
+
+@kernel()
+def multiply(matrix, pattern, x, y):
+    """Write K x (n, 8) into y and return x.K x, all in the order of the ``pattern``.
+
+    ``matrix`` are the diagonal blocks of K (n, 6, 6) and those of the pattern's pairs (p, 6, 6).
+    The number of stretches is a power of two, for as many threads to have as much to do.
+    """
+    number = 1
+    while number < STRETCHES_MAX and len(x) >= 2 * number * ROWS_OF_STRETCH_MIN:
+        number *= 2
+    return _multiply_stretches(number, (len(x) + number - 1) // number, matrix, pattern, x, y)
+
+
+# Substitutions -----------------------------------------------------------------------------------
+
+
+@kernel(forceinline=True)
+def _pass_up(low, high, end, z_i, scaled, pairs, z):
+    """Take K_ij^T z_i out of z_j for the pairs ``low`` to ``high`` - 1 with j < end."""
+    n0, n1, n2, n3, n4, n5 = single.spread(single.minus(single.zeros(), z_i))
+    for q in range(low, high):
+        j = pairs[q, 1]
+        if j >= end:
+            break
+        single.fetch(scaled, q, AHEAD)
+        k0, k1, k2, k3, k4, k5 = single.lines(scaled, q)
+        s0 = single.plus_product(single.row(z, j), n0, k0)
+        s1 = single.plus_product(single.zeros(), n1, k1)
+        s0 = single.plus_product(s0, n2, k2)
+        s1 = single.plus_product(s1, n3, k3)
+        s0 = single.plus_product(s0, n4, k4)
+        s1 = single.plus_product(s1, n5, k5)
+        single.put_row(z, j, single.plus(s0, s1))
+
+
+@kernel()
+def _go_up(low, high, before, factor, r, z):
+    """Write L^-1 r into rows ``low`` to ``high`` - 1 of z, after those of the pairs before one."""
+    (_, _, pairs, right, left, listed, _), _, scaled = factor
+    z[low:high] = r[low:high]
+    if before > 0:
+        for i in range(low, high):
+            known = _left_of(left[i], left[i + 1], before, listed, scaled, pairs, z)
+            single.put_row(z, i, single.minus(single.row(z, i), known))
+    for i in range(low, high):
+        _pass_up(right[i], right[i + 1], high, single.row(z, i), scaled, pairs, z)
+
+
+@kernel()
+def _come_down(low, high, factor, r, z):
+    """Turn L^-1 r into L^-T D^-1 L^-1 r, ``low`` to ``high`` - 1, in place; return r.z there."""
+    (_, _, pairs, right, _, _, _), inverse, scaled = factor
+    s = six.zeros()
+    for i in range(high - 1, low - 1, -1):
+        known = _right_of(right[i], right[i + 1], scaled, pairs, z)
+        z_i = single.minus(times(inverse, i, single.row(z, i)), known)
+        single.put_row(z, i, z_i)
+        s = six.plus_product(s, single.double(single.row(r, i)), single.double(z_i))
+    return six.total(s)
+
+
+@shared(EACH)
+def _up_strips(first, last, pattern, values, r, z):
+    """Write L^-1 r into the rows of strips of z."""
+    begin, factor = pattern[1], (pattern, *values)
+    for c in range(first, last):
+        _go_up(begin[c], begin[c + 1], 0, factor, r, z)
+
+
+@summed(EACH)
+def _round_segments(first, last, pattern, values, r, z):
+    """Solve for segments of the seam, whose rows are coupled to those of the strips before."""
+    begin, right, factor = pattern[1], pattern[3], (pattern, *values)
+    strips, product = len(begin) // 2, 0.0
+    for segment in range(strips + first, strips + last):
+        low, high = begin[segment], begin[segment + 1]
+        _go_up(low, high, right[begin[strips]], factor, r, z)
+        product += _come_down(low, high, factor, r, z)
+    return product
+
+
+@summed(EACH)
+def _down_strips(first, last, pattern, values, r, z):
+    """Turn L^-1 r into the solution in strips of z, in place; return r.z there."""
+    begin, factor, product = pattern[1], (pattern, *values), 0.0
+    for c in range(first, last):
+        product += _come_down(begin[c], begin[c + 1], factor, r, z)
+    return product
+
+
+@kernel()
+def substitute(factor, r, z):
+    """Write (L D L^T)^-1 r into z and return r.z, (n, 8) each, in the order of the factor."""
+    pattern, values = factor[0], factor[1:]  # threads take no tuples of tuples
+    strips = len(pattern[1]) // 2
+    _up_strips(strips, pattern, values, r, z)
+    if strips == 1:
+        return _down_strips(1, pattern, values, r, z)
+    round_ = _round_segments(strips, pattern, values, r, z)
+    return round_ + _down_strips(strips, pattern, values, r, z)
+
+
+STEP_LENGTH_MIN = 0.01
 """Length of a step along a direction below which the preconditioner is none: it is 1 where B K is
 one, and was 0.03 and more wherever B was sound.  Where pivots of the factor are next to singular it
 was between 6e-3 and 1e-23, and the residual by the measure of r.B r tells nothing: 1e-6 after two
@@ -99,7 +341,7 @@ def _iterate(ready, vectors, of_coarse, wanted, limits):
     rz, iterations = start, 0
     while iterations < limit and rz > wanted:
         curvature = multiply(matrix, factor[0], p, kp)
-        if not (curvature > 0.0 and rz >= SHORTEST * curvature):
+        if not (curvature > 0.0 and rz >= STEP_LENGTH_MIN * curvature):
             return iterations, np.inf
         _advance(len(p), rz / curvature, p, kp, x, r)
         iterations += 1

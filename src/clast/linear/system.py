@@ -10,9 +10,7 @@ import numpy as np
 from clast.contact.clipped_spring import Forces, Springs
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
-from clast.linear import assembly
-from clast.linear import block_matrix as block_rows
-from clast.linear import residual as balance
+from clast.linear import assembly, block_matrix
 from clast.model.model import Bools, Floats, Ints
 
 Rows = tuple[Ints, Ints, Ints]
@@ -73,7 +71,7 @@ def graph_of(contacts: PairedLinks, count: int) -> Graph:
 def inverse_of_blocks(diagonal: Floats) -> Floats:
     """Return the inverses of positive definite blocks (n, 6, 6); raises StepRejected for others."""
     inverse: Floats
-    inverse, bad = block_rows.inverse_blocks(diagonal)
+    inverse, bad = block_matrix.inverse_blocks(diagonal)
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
     return inverse
@@ -122,7 +120,7 @@ def with_contact_forces(
     if count == contacts.ground:
         force, fixed = with_ground(force), with_ground(fixed, True)
     links = graph, contacts.vertex_block, contacts.arms, normal, shear
-    return np.asarray(balance.loaded(force, fixed, *links)[:count])
+    return np.asarray(assembly.loaded(force, fixed, *links)[:count])
 
 
 def with_ground_for(

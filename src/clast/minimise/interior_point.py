@@ -28,9 +28,9 @@ from typing import Any
 
 import numpy as np
 
-from clast.compute.chunks import PART, sum_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
+from clast.compute.reductions import PART, sum_of
 from clast.contact.clipped_spring import Forces, in_piece
 from clast.linear.system import BlockSystem, contact_motions, symmetric_system
 from clast.minimise.newton import SolverContext

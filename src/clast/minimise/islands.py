@@ -18,16 +18,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clast.compute.chunks import MANY, SHARED, sum_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import EACH, shared
+from clast.compute.reductions import MANY, SHARED, sum_of
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
 from clast.contact.clipped_spring import Springs
 from clast.linear import ldlt
-from clast.linear.assembly import assemble, contact_motions, form
+from clast.linear.assembly import assemble, contact_motions, form, unbalanced
 from clast.linear.block_matrix import dot, row_pointers
 from clast.linear.pattern import with_fill
-from clast.linear.residual import unbalanced
 from clast.minimise.line_search import island_sums, lengths_along, links_along
 from clast.model.model import Bools, Floats, Ints
 

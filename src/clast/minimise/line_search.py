@@ -11,10 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clast.compute.chunks import CHUNK, PART, in_part, sum_of
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, CONTACTS, shared
+from clast.compute.reductions import CHUNK, PART, in_part, sum_of
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.clipped_spring import clipped, forces_at, in_piece
 

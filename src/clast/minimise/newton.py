@@ -13,8 +13,8 @@ from enum import Enum
 
 import numpy as np
 
+from clast.compute.compilation import Stages
 from clast.compute.reductions import is_any
-from clast.compute.stopwatch import Stages
 from clast.linear.block_matrix import dot
 from clast.linear.factor_cache import FactorOfStep
 from clast.minimise.potential import Point, Potential

@@ -16,16 +16,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from clast.compute.compilation import Stages
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, summed
-from clast.compute.stopwatch import Stages
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.clipped_spring import Forces, Springs, forces_at
-from clast.linear import block_matrix, residual
+from clast.linear import assembly, block_matrix
 from clast.linear.assembly import contact_motions as motions_of_links
+from clast.linear.assembly import left_at
 from clast.linear.factor_cache import FactorOfStep
-from clast.linear.residual import left_at
 from clast.linear.system import (
     BlockSystem,
     DiagonalTerms,
@@ -205,14 +205,14 @@ class Potential:
 
         Both are 0 for fixed blocks.
         """
-        found = residual.unbalanced(*self._balance, unknowns, normal, shear)
+        found = assembly.unbalanced(*self._balance, unknowns, normal, shear)
         return found[0], found[1]
 
     def balance_again(self, blocks: Any, point: Point) -> None:
         """Write residual and distances of a point, in place, where ``blocks`` (k,) have changed."""
         forces = point.forces.normal_force, point.forces.shear_force
         found = point.residual, point.distances
-        residual.balance_again(blocks, *self._balance, point.unknowns, *forces, found)
+        assembly.balance_again(blocks, *self._balance, point.unknowns, *forces, found)
 
     @property
     def _balance(self) -> tuple[Any, Graph, Any]:
@@ -251,7 +251,7 @@ class Potential:
         answers = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
         normal = np.array([one.normal_force for one in answers])
         shear = np.array([one.shear_force for one in answers])
-        found = residual.left_at(*self._balance, starts, normal, shear)
+        found = assembly.left_at(*self._balance, starts, normal, shear)
         return np.array([island_sums(one, *islands) for one in found])
 
     def untouched(self) -> Floats:

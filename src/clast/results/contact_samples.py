@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.coulomb import largest_forces
-from clast.contact.joints.weakening import strength_lost
+from clast.contact.joints.bonds import strength_lost
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State, contact_keys
 from clast.step.method import StepResult

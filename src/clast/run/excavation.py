@@ -18,7 +18,7 @@ from clast.actions.in_situ import LoadedEnds
 from clast.actions.relaxation import Relaxation, SupportForces, absent_in, no_forces
 from clast.block import polygon
 from clast.block.inertia import block_frames
-from clast.contact import multipliers
+from clast.contact import laws as multipliers
 from clast.contact.contacts import Contacts
 from clast.contact.detection import remembered
 from clast.errors import ModelError, shortened

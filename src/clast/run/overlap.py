@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from clast.block import polygon
 from clast.contact import edge_intersections
-from clast.contact.verlet_list import VerletList, near_pairs
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State
 

@@ -13,7 +13,6 @@ from operator import attrgetter
 
 import numpy as np
 
-from clast.actions.script_action_checks import OWN
 from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
@@ -191,7 +190,8 @@ class Watch:
 
     def _cause_of_imbalance(self) -> str:
         """Return the likely cause of energy unaccounted for, and the remedy."""
-        others = [one for one in self.model.actions if not type(one).__module__.startswith(OWN)]
+        actions = self.model.actions
+        others = [one for one in actions if not type(one).__module__.startswith("clast.")]
         if others:
             kinds = ", ".join(sorted({type(one).__name__ for one in others}))
             return (

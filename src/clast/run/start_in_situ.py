@@ -28,9 +28,9 @@ from clast.actions.active import actions_of, states_of
 from clast.actions.damping import Undamped
 from clast.actions.in_situ import InSituBoundary, tractions
 from clast.actions.viscous_edges import BoundaryDashpots
-from clast.block import elasticity, polygon
+from clast.block import equations, polygon
 from clast.block.displacement import basis
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import Stages
 from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts, chosen
@@ -317,7 +317,7 @@ def _shifted(
         contacts=_with_forces(contacts, response.normal_force, response.shear_force),
         state=replace(
             state,
-            stress=elasticity.strained(state.stress, model.elasticity, unknowns),
+            stress=equations.strained(state.stress, model.elasticity, unknowns),
             points=_stretched(model, state, unknowns),
             actions=_held(context, unknowns),
         ),

@@ -29,7 +29,7 @@ from typing import ClassVar
 import numpy as np
 
 from clast.compute.reductions import is_any
-from clast.contact import multipliers
+from clast.contact import laws as multipliers
 from clast.contact.clipped_spring import Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.asperities import Asperities, as_pressed, over_asperities

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.block import elasticity, polygon
-from clast.block.positions import moved_to
+from clast.block import equations, polygon
+from clast.block.displacement import moved_to
 from clast.compute.reductions import largest_size, least
+from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
 from clast.contact.joints.wear import (
@@ -19,10 +20,8 @@ from clast.contact.joints.wear import (
     wear_of,
     with_work_of_joints,
 )
-from clast.contact.laws import normal_stiffness_of
+from clast.contact.laws import has_multipliers, normal_stiffness_of
 from clast.contact.memory import renew
-from clast.contact.multipliers import has_multipliers
-from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
 from clast.model.model import Floats, Ints, Model
@@ -202,7 +201,7 @@ def move(
 
 def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
     """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
-    stress: Floats = elasticity.strained(state.stress, model.elasticity, unknowns)
+    stress: Floats = equations.strained(state.stress, model.elasticity, unknowns)
     return stress
 
 
@@ -235,9 +234,9 @@ def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> StepMotion:
     return StepMotion(
         vertices=vertices,
         points=points,
-        stress=elasticity.turned(end.stress, STRESS, turn, 1.0),
+        stress=equations.turned(end.stress, STRESS, turn, 1.0),
         # the strain rate turns with the block, so that its kinetic energy stays what it was
-        velocity=elasticity.turned(end.velocity, STRAIN_RATES, turn, 2.0),
+        velocity=equations.turned(end.velocity, STRAIN_RATES, turn, 2.0),
         turn=turn,
         travel=travel,
         approach=approach,

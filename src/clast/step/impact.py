@@ -34,8 +34,7 @@ from clast.compute.jit import kernel
 from clast.compute.reductions import is_any, least
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
-from clast.contact.laws import ContactLaw, normal_stiffness_of
-from clast.contact.multipliers import has_multipliers
+from clast.contact.laws import ContactLaw, has_multipliers, normal_stiffness_of
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State

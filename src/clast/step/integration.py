@@ -37,8 +37,7 @@ import numpy as np
 
 from clast.contact.clipped_spring import Clipped
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.contact.laws import ContactLaw, normal_stiffness_of
-from clast.contact.multipliers import has_multipliers
+from clast.contact.laws import ContactLaw, has_multipliers, normal_stiffness_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.step import inertia_projection
 

@@ -15,16 +15,15 @@ from clast.actions.action import Action
 from clast.actions.active import ActiveActions
 from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
-from clast.compute.stopwatch import Clock
+from clast.compute.compilation import Clock
+from clast.contact.broad_phase import VerletList
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.joints.asperities import Asperities
 from clast.contact.laws import ContactLaw
-from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
-from clast.linear.factor import LinearSolver
 from clast.linear.pattern import Patterns
-from clast.linear.solvers import DIRECTION, inexact
+from clast.linear.solvers import DIRECTION, LinearSolver, inexact
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
 from clast.step.integration import Integrator, Scheme

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from clast.block.inertia import block_frames
-from clast.contact import multipliers
+from clast.contact import laws as multipliers
 from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector

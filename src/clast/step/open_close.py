@@ -22,7 +22,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.contact import multipliers
+from clast.contact import laws as multipliers
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import slip_in_step

@@ -17,8 +17,7 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.reductions import is_any
 from clast.contact.contacts import Contacts
-from clast.contact.laws import normal_stiffness_of
-from clast.contact.multipliers import has_multipliers
+from clast.contact.laws import has_multipliers, normal_stiffness_of
 from clast.model.model import Floats, Model
 from clast.model.state import State, contact_keys
 from clast.step.method import Method

@@ -20,7 +20,7 @@ from clast.actions.action import Action, Contribution, StepStart
 from clast.actions.active import acceleration_of, add_contributions, contributions_of, states_of
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
-from clast.compute.stopwatch import Stages
+from clast.compute.compilation import Stages
 from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import Springs, merged
 from clast.contact.contacts import Contacts

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ import clast
 from clast.case.api import ModelBuilder
 from clast.errors import ModelError
 from clast.model.ground_motion import Accelerogram
-from scenes.restarts import differences, pressed_at
 from scenes.systems import turned
 
 
@@ -263,17 +261,6 @@ def test_hinges_keep_points_together_and_energy(integrator: str):
     assert float(np.asarray(first.yielding)[-1]) > 0.0
     hinge = run.vertices()[[4, 7]].mean(axis=0)
     assert np.abs(hinge - [0.0, 0.5]).max() < 1e-4
-
-
-def test_a_run_with_links_goes_on_to_the_bit(tmp_path: Path):
-    text = pendulum().to_toml(step=2e-3, end=0.3, every=0.05, max_displacement=0.05)
-    case = clast.Case.from_toml(text, ["output.checkpoint_every=1e6"])
-    whole, part = tmp_path / "whole.vtkhdf", tmp_path / "part.vtkhdf"
-    case.run(output=whole)
-    stopped = case.run(output=part, progress=pressed_at(70))
-    assert clast.resume(stopped.checkpoint).report.finished
-    assert differences(whole, part) == []
-    assert clast.read_results(whole).link_name == ("link 1", "link 2")
 
 
 def test_linked_blocks_overlap_from_the_start():

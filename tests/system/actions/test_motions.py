@@ -10,7 +10,7 @@ import pytest
 
 import clast
 from clast.case.api import ModelBuilder
-from clast.errors import CaseError, ModelError
+from clast.errors import ModelError
 from scenes.restarts import differences, pressed_at
 
 DENSITY, GRAVITY = 2500.0, 9.8
@@ -85,19 +85,6 @@ def test_a_block_that_is_drawn_resists_by_friction_and_inertia(method: str, step
     assert abs(run.state.velocity[-1, 0] - 0.5) < 1e-12
     ledger = run.state.ledger
     assert abs(ledger.unaccounted) < 1e-9 * ledger.motions
-
-
-@pytest.mark.parametrize(("angle", "mirrored"), [(90.0, False), (180.0, True), (-90.0, True)])
-def test_it_does_not_matter_how_the_block_is_turned(angle: float, mirrored: bool):
-    way = turned((-0.5 if mirrored else 0.5, 0.0), angle)
-    axis = int(np.abs(way).argmax())
-    builder = drawn(angle, mirrored)
-    builder.motion(name="winch", block="box", ease=0.1, **{"xy"[axis]: float(way[axis])})
-    run = clast.simulate(builder.build(), step=1e-3, end=0.3)
-    pull, floor = run.reaction("winch").force[-1], run.reaction("ground").force[-1]
-    assert pull @ way / 0.5 == pytest.approx(FRICTION, rel=1e-6)
-    assert turned(floor, -angle)[1] == pytest.approx(NORMAL, rel=1e-6)
-    assert np.abs(pull + floor - turned((0.0, NORMAL), angle)).max() < 1e-6 * NORMAL
 
 
 @pytest.mark.parametrize("fixed", [True, False])
@@ -253,28 +240,6 @@ def test_a_run_goes_on_to_the_bit(tmp_path: Path, step: int):
     assert stopped.report.steps == step
     assert clast.resume(stopped.checkpoint).report.finished
     assert differences(whole, part) == []
-
-
-def test_files_know_reactions(tmp_path: Path):
-    builder = drawn()
-    builder.motion(name="winch", block="box", x=0.5)
-    file = tmp_path / "run.vtkhdf"
-    run = clast.simulate(builder.build(), step=1e-3, end=0.01, output=file)
-    again = clast.read_results(file)
-    assert again.reaction_name == ("fixed blocks", "winch", "ground")
-    assert (again.reaction("winch").force == run.reaction("winch").force).all()
-    with pytest.raises(CaseError, match="there is no reaction 'winsh'"):
-        again.reaction("winsh")
-
-
-def test_a_motion_is_written_to_a_case_and_back():
-    builder = pushed()
-    builder.add_amplitude("way", time=[0.0, 1.0], value=[0.0, 0.1])
-    builder.motion(block="floor 0", y={"displacement": "way"}, about=(0.0, 0.0), rotation=0.0)
-    text = builder.to_toml(end=1.0, step=1e-3, stages=[clast.Stage(**keys) for keys in STAGES])
-    case = clast.Case.from_toml(text)
-    assert case.motion[0].until == "slide" and case.motion[1].about == (0.0, 0.0)
-    assert clast.Case.from_toml(case.to_toml()).motion == case.motion
 
 
 def test_what_cannot_be_moved_is_refused():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 
 import clast
 from clast.case.api import ModelBuilder
-from scenes.restarts import differences, pressed_at
 
 LAWS: dict[str, dict[str, Any]] = {
     "weakening": {
@@ -76,19 +74,6 @@ def test_joints_keep_their_wear_over_a_stage(law: str):
     # another state of the joint would change the force by tens of per cent
     assert np.abs(parts.force[-1] - whole.force[-1]).max() < 1e-3 * STRESS * LENGTH
     assert np.abs(parts.force[100] - whole.force[100]).max() < 1e-3 * STRESS * LENGTH
-
-
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.one_in(3)
-def test_joints_that_wear_go_on_to_the_bit(law: str, tmp_path: Path):
-    text = box(law).to_toml(step=1e-3, end=0.16, every=0.04)
-    case = clast.Case.from_toml(text, ["output.checkpoint_every=1e6"])
-    whole, part = tmp_path / "whole.vtkhdf", tmp_path / "part.vtkhdf"
-    case.run(output=whole)
-    stopped = case.run(output=part, progress=pressed_at(90))
-    assert stopped.report.steps == 90
-    assert clast.resume(stopped.checkpoint).report.finished
-    assert differences(whole, part) == []
 
 
 def test_a_worn_joint_has_its_residual_strength():

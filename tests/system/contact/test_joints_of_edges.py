@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import clast
-from clast.errors import ModelError
 from scenes.systems import contacts_of
 
 STEP = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]
@@ -116,33 +115,3 @@ def test_a_block_slides_by_the_joint_of_the_edge_that_it_stands_on(process, name
     share = math.sin(angle) - math.cos(angle) * math.tan(math.radians(20.0))
     expected = 0.5 * 9.8 * share * 0.5**2  # until it presses, nothing holds it: 0.3 to 1.1 % more
     assert moved == pytest.approx(expected, rel=0.02) if slides else moved < 0.02 * expected
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        (["tread"], "does not name a joint for each of its 4 edges"),
-        ("tread", "edge_joint: must be a list in brackets, not 'tread'"),
-        (["tread", "", "", 3], "edge_joint 4: must be a text in quotes, not 3"),
-        (["tread", "", "", "raiser"], "raiser"),
-    ],
-)
-def test_what_is_no_joint_of_edges_is_refused(given, words):
-    builder = builder_with()
-    builder.block(rock="granite", vertices=STEP, edge_joint=["tread", "riser", "", "", "", ""])
-    with pytest.raises(ModelError) as caught:
-        builder.block(name="above", rock="granite", vertices=ON_STEP, edge_joint=given)
-        builder.build()
-    assert words in str(caught.value)
-    assert caught.value.remedy
-
-
-def test_joints_of_edges_of_many_blocks_and_of_case_files():
-    builder = builder_with()
-    squares = np.array(ON_STEP) + np.array([[[0.0, 0.0]], [[0.0, 1.0]]])
-    names = ["tread", "", "", "riser", "tread", "", "", ""]
-    builder.blocks(vertices=squares, rock="granite", edge_joint=names)
-    model = builder.build()
-    assert model.edge_joint.tolist() == [1, -1, -1, 2, 1, -1, -1, -1]
-    again = clast.Case.from_toml(builder.to_toml(end=0.01)).model()
-    assert again.edge_joint.tolist() == model.edge_joint.tolist()

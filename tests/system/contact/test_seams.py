@@ -8,8 +8,6 @@ import pytest
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.model.model import Floats
 from clast.step.convex import Convex
-from clast.step.modified import Modified
-from clast.step.open_close import OpenClose
 from scenes.systems import box, by_convex, march, method, system, turned
 
 LENGTH, HEIGHT, TILE = 0.8, 0.4, 0.5
@@ -102,19 +100,6 @@ def test_seams_are_passed_at_any_speed_and_step(speed, step, mirrored):
         tiles(6), slider(start), speed=speed, step=step, end=end, mirrored=mirrored, how=how
     )
     assert moved == pytest.approx(speed * end, rel=2e-3)
-
-
-@pytest.mark.parametrize("process", [Modified(), OpenClose(), Convex()], ids=str)
-@pytest.mark.parametrize(("phi", "mirrored"), [(10.0, False), (25.0, True)])
-@pytest.mark.one_in(3)
-def test_a_slope_in_pieces_is_a_slope_in_one(process, phi, mirrored):
-    how = method(process=process, contact_law=Penalty(2e8))
-    slope = np.radians(20.0)
-    ways = [
-        way(base, slider(0.1), slope=slope, phi=phi, mirrored=mirrored, how=how)[0].mean()
-        for base in ([box(0.0, -0.5, 4 * TILE, 0.5)], tiles(4))
-    ]
-    assert ways[1] == pytest.approx(ways[0], rel=5e-3)
 
 
 @pytest.mark.parametrize(("phi", "slides"), [(24.9, True), (25.1, False)])

@@ -13,21 +13,250 @@ of its joint.
 
 Cohesion belongs to the plane, not to the corner that was there first.  A face that slides on takes
 its bonds along: a contact that comes up where faces lie on each other is bonded as they are.
+
+Corners that meet in a point of bonded rock.
+
+Around a point where several blocks meet, as in a mesh of triangles, there are blocks that share no
+face, only this point.  Where bonded faces join one to the next round the point, they hold these two
+together, or apart, as well.  A contact of the two would add nothing but impacts and friction at a
+place where the rock is whole: it would take the energy of waves.  It comes up when a bond breaks.
+
+Peak and residual strength, static and kinetic friction: strength after sliding.
+
+    tan(phi) = tan(phi_p) + s (tan(phi_r) - tan(phi_p))        s = min(1, slid / slip_weakening)
+
+and likewise cohesion, from all of it to the residual one, and tensile strength, to nothing.
+``slid`` is how far a contact has slid, to and fro, by the start of the step: within a step
+strengths are constant, so that the equations of a step stay those of Coulomb's law.
+
+Friction of a contact that slid in the last step, at a speed v, falls further, to the kinetic one:
+
+    tan(phi) = tan(phi_s) + min(1, v/v_c) (tan(phi_k) - tan(phi_s))
+
+with v_c = 0 at once.  In statics nothing has a speed.
+
+Contacts that are closed at the start of the run have their peak strength.  How far they have slid
+belongs to their faces, as bonds do (contact/joints/bonds.py): a contact that comes up where a face
+slides on, to the next piece of its plane as well, has slid as far as the face has.  Where neither
+face has carried there is the residual strength: they have never fitted each other.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
+from clast.block.polygon import SMALL_ANGLE
+from clast.compute.jit import kernel
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.joints.barton_bandis import mobilised, rough_contacts
 from clast.contact.joints.faces import Places
-from clast.contact.joints.flush import flush_edges, had_by_faces
-from clast.contact.joints.weakening import friction_of, share_lost, slide_lengths
+from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
+
+
+def flush_edges(
+    vertex: Ints, edge: Ints, direction: Floats, block_start: Ints
+) -> tuple[Ints, Ints]:
+    """Return which of its two edges each vertex (k,) has along an edge (k,), else -1, (k,) each.
+
+    Along it means within 3 degrees, the blocks on either side; ``direction`` (nv, 2) are the unit
+    vectors of edges, ``block_start`` (n + 1,) is the first vertex of each block.
+    """
+    before = np.arange(-1, len(direction) - 1)
+    before[block_start[:-1]] = block_start[1:] - 1
+    found = []
+    for own in (before[vertex], vertex):
+        one, other = direction[own], direction[edge]
+        sine = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+        opposite = np.einsum("kx,kx->k", one, other) < 0.0
+        found.append(np.where((np.abs(sine) <= SMALL_ANGLE) & opposite, own, -1))
+    return found[0], found[1]
+
+
+def had_by_faces(
+    kept: tuple[Floats, ...],
+    memory: ContactMemory,
+    ends: tuple[Ints, Ints],
+    direction: Floats,
+    block_start: Ints,
+) -> tuple[Floats, ...]:
+    """Return the earlier values of the faces of contacts, (k,) each, nan where neither has borne.
+
+    ``kept`` are numbers of the rows of the ``memory``, (r,) each; where contacts of a face differ,
+    the largest by size counts.  ``ends`` are vertex and edge of the contacts (k,).
+    """
+    vertex, edge = ends
+    along = flush_edges(memory.vertex, memory.edge, direction, block_start)
+    mine = flush_edges(vertex, edge, direction, block_start)
+    found = []
+    for values in kept:
+        # of every edge, and of -1, which is none; NaN where nothing is known of it
+        low, high = np.full((2, len(direction) + 1), np.nan)
+        for own in along:
+            flush = own >= 0
+            for face in (own[flush], memory.edge[flush]):
+                np.fmax.at(high, face, values[flush])
+                np.fmin.at(low, face, values[flush])
+        face = np.where(-low > high, low, high)
+        result = np.full(len(vertex), np.nan)
+        for own in mine:
+            for of_face in (face[own], face[edge]):
+                larger = (own >= 0) & ~(np.abs(of_face) <= np.abs(result))
+                result = np.where(larger & ~np.isnan(of_face), of_face, result)
+        found.append(result)
+    return tuple(found)
+
+
+def slide_lengths(
+    carried: Floats,
+    bonded: Bools,
+    places: Places,
+    memory: ContactMemory,
+    direction: Floats,
+    model: Model,
+) -> Floats:
+    """Return how far contacts have slid, m, (m,), given their memory.
+
+    ``carried`` (m,) is 0 and ``bonded`` (m,) False for contacts that come up after the start;
+    ``direction`` (nv, 2) are the unit vectors of edges.
+    """
+    new = np.flatnonzero((places.row < 0) & ~bonded)
+    if not len(new):
+        return carried
+    ends = places.vertex[new], places.edge[new]
+    (known,) = had_by_faces((memory.slide_length,), memory, ends, direction, model.block_start)
+    worn = model.joint_table.worn_after.take(places.joint[new])
+    slid = carried.copy()
+    slid[new] = np.where(known >= 0.0, known, worn)
+    return slid
+
+
+def friction_of(table: JointTable, places: Places, slid: Floats, speed: Floats) -> Floats:
+    """Return tan(phi) of contacts that have slid so far, m, and slide at a speed, m/s, (m,)."""
+    static = _weakened(table, places, slid)
+    if not table.has_kinetic_friction:
+        return static
+    kinetic = table.kinetic_friction.take(places.joint)
+    critical = table.critical_speed.take(places.joint)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(speed > 0.0, np.minimum(1.0, speed / critical), 0.0)
+    slower = static + share * (np.minimum(kinetic, static) - static)
+    return np.where(np.isnan(kinetic), static, slower)
+
+
+def _weakened(table: JointTable, places: Places, slid: Floats) -> Floats:
+    """Return tan(phi) of contacts that have slid so far, m, and stand, shape (m,)."""
+    peak = table.strengths[0].take(places.joint)
+    if not table.weakens:
+        return peak
+    left = table.residual_friction.take(places.joint)
+    lost = share_lost(table, places.joint, slid)
+    return np.where(np.isnan(left), peak, peak + lost * (left - peak))
+
+
+def share_lost(table: JointTable, joint: Ints, slid: Floats) -> Floats:
+    """Return by which share contacts have fallen from peak to residual strength, (m,)."""
+    return np.asarray(np.minimum(1.0, slid / table.worn_after.take(joint)))
+
+
+def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -> Floats:
+    """Return which share of what they can lose contacts along ``joint`` (k,) have lost, (k,).
+
+    0 at the peak, 1 at the residual strength; ``slid`` (k,) is how far they have slid, m.  Bonds
+    that are broken are lost; of a rough joint beyond its peak it is the roughness that is lost.
+    """
+    loses = ~np.isnan(table.residual_friction)
+    loses |= ~np.isnan(table.residual_cohesion) & (table.slip_weakening > 0.0)
+    lost = np.where(loses.take(joint), share_lost(table, joint, slid), 0.0)
+    rough = rough_contacts(table, joint)
+    if rough is not None:
+        x = slid[rough.rows] / rough.peak_slip
+        lost[rough.rows] = np.where(x > 1.0, 1.0 - mobilised(x), 0.0)
+    _, cohesion, tensile_strength = table.strengths
+    binds = ((cohesion > 0.0) | (tensile_strength > 0.0)).take(joint)
+    return np.where(binds & ~bonded, 1.0, lost)
+
+
+NEAR = 0.1
+"""Distance between corners that are one point, in units of critdis; a face is longer."""
+MOST = 64
+"""Blocks around a point, at most."""
+
+
+def without_points_in_bonds(
+    corners: Places, bonded: Bools, vertices: Floats, critdis: float
+) -> Places:
+    """Return the contacts of vertices without those of blocks that bonds join round the point.
+
+    ``bonded`` (m,) are those with a bond, ``vertices`` (nv, 2) those of the blocks, m; corners
+    within a tenth of ``critdis``, m, of each other are one point.
+    """
+    near = NEAR * critdis
+    # bonds that give way let blocks overlap along such a point by as much
+    of_faces = corners.length > near
+    points, faces = np.flatnonzero(~of_faces), np.flatnonzero(of_faces & bonded)
+    if not (len(points) and len(faces)):
+        return corners
+    ends = corners.vertex, corners.vertex_block, corners.edge_block
+    joined = _are_joined(points, faces, ends, vertices, near)
+    if not joined.any():
+        return corners
+    return Places(**{one.name: getattr(corners, one.name)[~joined] for one in fields(Places)})
+
+
+@kernel()
+def _are_joined(points, faces, contacts, vertices, near):
+    """Return which contacts (m,) are among ``points`` and of blocks that ``faces`` join round them.
+
+    ``points`` and ``faces`` are numbers of contacts, these by vertex and the two blocks (m,) each.
+    """
+    vertex, vertex_block, edge_block = contacts
+    joined = np.zeros(len(vertex), np.bool_)
+    count = max(vertex_block.max(), edge_block.max()) + 1
+    start = np.zeros(count + 1, np.int64)
+    for f in faces:
+        start[vertex_block[f] + 1] += 1
+        start[edge_block[f] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    of_block, filled = np.empty(start[-1], np.int64), start[:-1].copy()
+    for f in faces:
+        for b in (vertex_block[f], edge_block[f]):
+            of_block[filled[b]] = f
+            filled[b] += 1
+    met = np.empty(MOST, np.int64)
+    for c in points:
+        x, y = vertices[vertex[c], 0], vertices[vertex[c], 1]
+        met[0], known, at = vertex_block[c], 1, 0
+        while at < known and not joined[c]:
+            b, at = met[at], at + 1
+            for k in range(start[b], start[b + 1]):
+                f = of_block[k]
+                p = vertex[f]
+                if abs(vertices[p, 0] - x) > near or abs(vertices[p, 1] - y) > near:
+                    continue
+                other = edge_block[f] if vertex_block[f] == b else vertex_block[f]
+                if other == edge_block[c]:
+                    joined[c] = True
+                    break
+                if known < MOST and not _is_among(other, met, known):
+                    met[known] = other
+                    known += 1
+    return joined
+
+
+@kernel()
+def _is_among(one, some, count):
+    """Return whether a number is one of the first ``count`` of some."""
+    for k in range(count):
+        if some[k] == one:
+            return True
+    return False
+
 
 ROUNDED = 1e-5
 """Gap of faces that are drawn as one line, in units of the size of the smaller block.

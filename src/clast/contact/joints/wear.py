@@ -28,8 +28,7 @@ from clast.contact.joints.barton_bandis import (
     rough_contacts,
     stress_on,
 )
-from clast.contact.laws import normal_stiffness_of
-from clast.contact.multipliers import has_multipliers
+from clast.contact.laws import has_multipliers, normal_stiffness_of
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints
 from clast.read_only import changed, read_only

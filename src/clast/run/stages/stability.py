@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.active import add_contributions
-from clast.block.positions import moved_to
+from clast.block.displacement import moved_to
 from clast.contact.clipped_spring import Forces, Springs
 from clast.contact.laws import SpringLaw, clipped, has_limits
 from clast.errors import StepRejected

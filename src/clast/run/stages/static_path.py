@@ -32,7 +32,7 @@ from functools import cached_property
 import numpy as np
 
 from clast.actions.holding_forces import HoldingForces
-from clast.contact.multipliers import carried_over
+from clast.contact.laws import carried_over
 from clast.model.model import Bools, Floats, Model
 from clast.model.stage_records import Mechanism, Mover
 from clast.model.stages import EQUILIBRIUM, HOLD, Stage, has_bonds, with_bonds_held

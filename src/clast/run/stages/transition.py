@@ -27,8 +27,7 @@ from clast.block import polygon
 from clast.contact import contacts as modes
 from clast.contact.contacts import Contacts
 from clast.contact.joints.barton_bandis import rough_contacts
-from clast.contact.joints.bonds import are_closed
-from clast.contact.joints.flush import flush_edges
+from clast.contact.joints.bonds import are_closed, flush_edges
 from clast.contact.laws import normal_stiffness_of
 from clast.model.ground_motion import GroundMotion, InStages, Still
 from clast.model.model import Bools, Floats, Ints, Model
