@@ -67,7 +67,6 @@ TEXTS = {
         changed("schema = 1", "schema = 1\ncritdis = 0.01"),
         ["critdis", "belongs in the table method"],
     ),
-    "missing key": (changed("step = 1e-3\n", ""), ["[time] step", "is missing", "s;"]),
     "missing table": (changed("[time]", "[times]"), ["time", "did you mean 'time'?"]),
     "missing vertex": (
         changed("loop=[4,5,6]", "loop=[4,5,7]"),
@@ -94,25 +93,14 @@ TEXTS = {
     "nan": (changed("[4,9]]", "[4,nan]]"), ["[geometry] vertices 6, number 2", "finite"]),
     "inf": (changed("gravity = [0.0, -9.8]", "gravity = [0.0, -inf]"), ["gravity 2", "finite"]),
     "three coordinates": (changed("[4,9]]", "[4,9,0]]"), ["vertices 6", "3 items instead of 2"]),
-    "one coordinate": (changed("[4,9]]", "[4]]"), ["vertices 6", "number 2 is missing"]),
     "negative density": (changed("2700.0", "-2700.0"), ["[rock.granite] density", "above 0"]),
     "negative modulus": (changed("50e9", "-50e9"), ["[rock.granite] young", "above 0"]),
-    "modulus as a text": (changed("50e9", '"50 GPa"'), ["young", "must be a number", "Pa"]),
     "poisson too large": (changed("= 0.2", "= 0.7"), ["[rock.granite] poisson", "0.5 or less"]),
     "poisson of one half in plane strain": (
         changed("= 0.2", "= 0.5").replace('plane = "stress"', 'plane = "strain"'),
         ["rock 'granite', poisson", "plane strain", "below 0.5"],
     ),
     "unknown plane": (changed('plane = "stress"', 'plane = "strian"'), ["plane", "mean 'strain'"]),
-    "friction angle in radians": (
-        changed("= 20.0", "= 0.349"),
-        ["[joint.default] friction_angle", "radians", "write 19.9", "allow_small_friction_angle"],
-    ),
-    "friction angle of a wall": (changed("= 20.0", "= 90"), ["friction_angle", "below 90"]),
-    "negative cohesion": (
-        changed("cohesion = 0.0", "cohesion = -1.0"),
-        ["[joint.default] cohesion"],
-    ),
     "measured point outside every block": (
         changed('at = [1,9]\nblock = "slider"', "at = [9,9]"),
         ["measured point 'A' at (9, 9)", "outside every block", "nearest", "move it"],
@@ -123,13 +111,6 @@ TEXTS = {
     ),
     "unknown block": (changed('block = "slider"', 'block = "slyder"'), ["mean 'slider'"]),
     "unknown rock": (changed('rock="granite"', 'rock="granit"'), ["mean 'granite'"]),
-    "step of zero": (changed("step = 1e-3", "step = 0"), ["[time] step", "above 0"]),
-    "negative step": (changed("step = 1e-3", "step = -1"), ["[time] step", "above 0"]),
-    "step longer than the run": (changed("step = 1e-3", "step = 3"), ["[time] step", "longer"]),
-    "dynamic_ratio above 1": (
-        changed("_ratio = 1.0", "_ratio = 2"),
-        ["dynamic_ratio", "1 or less"],
-    ),
     "unknown process": (
         changed('"modified"', '"modifide"'),
         ["[method] process", "mean 'modified'"],
@@ -155,28 +136,10 @@ TEXTS = {
         changed("normal_stiffness=1e9", "normal_stiffness=1e-308"),
         ["1e-308 N/m per m is too small to be intended", "at least"],
     ),
-    "end of all times": (
-        changed("end = 1.0", "end = 1e308"),
-        ["[time] end", "steps of 0.001 s", "hours", "lower end, or raise step"],
-    ),
     "more steps than can be made": (
         changed("end = 1.0", "end = 1e30"),
         ["1e+33 steps", "2.8e+24 hours"],
     ),
-    "step of no length": (changed("step = 1e-3", "step = 1e-308"), ["[time] step", "small"]),
-    "frames without time between": (
-        changed("every = 0.01", "every = 1e-310"),
-        ["[output] every", "too small to be intended"],
-    ),
-    "huge critdis": (changed("critdis = 0.005", "critdis = 1e308"), ["critdis", "too large"]),
-    "tiny critdis": (changed("critdis = 0.005", "critdis = 1e-308"), ["critdis", "at least 1e-12"]),
-    "huge density": (changed("2700.0", "1e308"), ["density", "too large", "kg/m3"]),
-    "tiny density": (changed("2700.0", "1e-308"), ["density", "too small", "kg/m3"]),
-    "huge modulus": (changed("50e9", "1e308"), ["young", "too large", "Pa"]),
-    "tiny modulus": (changed("50e9", "1e-308"), ["young", "too small", "Pa"]),
-    "huge cohesion": (changed("cohesion = 0.0", "cohesion = 1e300"), ["cohesion", "too large"]),
-    "huge gravity": (changed("-9.8]", "-9.8e200]"), ["gravity 2", "too large", "m/s2"]),
-    "huge velocity": (changed("[0,0,0]", "[1e200,0,0]"), ["velocity 1", "too large", "m/s"]),
     "tolerance of nothing": (
         changed('name="modified", passes=1', 'name="convex", tolerance=1e-300'),
         ["[method] process.tolerance", "too small to be intended"],
@@ -206,25 +169,18 @@ TEXTS = {
         ["block 1 'xxx", "...", "200 characters"],
     ),
     "measured point without a name": (INCLINE.replace('= "A"', '= ""'), ["has no name"]),
-    "measured point called .": (INCLINE.replace('= "A"', '= "."'), ["point '.'", "another name"]),
     "measured point called ..": (INCLINE.replace('= "A"', '= ".."'), ["point '..'"]),
     "measured point above": (
         INCLINE.replace('= "A"', '= "../energy"'),
         ["[[measured_point]] 1 '../energy' name", "without /"],
-    ),
-    "measured point with a slash": (
-        INCLINE.replace('= "A"', '= "a/b"'),
-        ["'a/b' has a /", "without /"],
     ),
     "measured point with a NUL": (INCLINE.replace('= "A"', '= "A\\u0000"'), ["measured point 1"]),
     "rock that is a number": (
         changed("[rock.granite]", "[rock]\ngranite = 7\n[rock.other]"),
         ["[rock.granite]", "must be a table, not 7", "young, poisson, density"],
     ),
-    "time that is a number": ("time = 3\n" + INCLINE[: INCLINE.index("[time]")], ["step, end"]),
     "times in two brackets": (changed("[time]", "[[time]]"), ["write [time], in one bracket"]),
     "block in one bracket": (INCLINE + "[block]\nname = 'x'\n", ["write [[block]], in two"]),
-    "table for a pair of numbers": (changed("at = [0,0]", "at = {x=0, y=0}"), ["at", "a list"]),
     "date for a number": (changed("50e9", "2020-01-01"), ["young", "must be a number, not datet"]),
     "key without a name": (INCLINE + '"" = 3\n', ["[output] ''", "no such key"]),
     "key of many letters": (INCLINE + "x" * 9000 + " = 3\n", ["[output] xxx", "no such key"]),
@@ -254,7 +210,7 @@ def test_bad_case(name, tmp_path):
         assert phrase in message
 
 
-@pytest.mark.parametrize("name", some_of(TEXTS, 4))
+@pytest.mark.parametrize("name", some_of(TEXTS, 12))
 def test_bad_case_of_a_command(name, tmp_path):
     text, phrases = TEXTS[name]
     message = refused(tmp_path, text)
