@@ -10,8 +10,7 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import CaseError, shortened
-from clast.exports.export_selection import edge_joints, frames_in
-from clast.exports.targets import check_free
+from clast.exports.targets import check_free, edge_joints, frames_in
 from clast.results import Recording
 from clast.results.result_tables import PARTS, Columns
 from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
@@ -114,15 +113,13 @@ def _blocks(results: Recording, frames: Sequence[int]) -> Rows:
 
 def _vertices(results: Recording, frames: Sequence[int]) -> Rows:
     joint = edge_joints(results)
-    joints = [] if joint is None else [joint]
-    yield ("frame", "time", "block", "vertex", "x", "y", *("joint" for _ in joints))
+    yield ("frame", "time", "block", "vertex", "x", "y", "joint")
     start = results.block_start
     owner = np.repeat(np.arange(len(start) - 1), np.diff(start)).tolist()
     for frame in frames:
         time = float(results.times[frame])
         for vertex, (x, y) in enumerate(results.vertices(frame).tolist()):
-            edge = (names[vertex] for names in joints)
-            yield (frame, time, owner[vertex], vertex, x, y, *edge)
+            yield (frame, time, owner[vertex], vertex, x, y, joint[vertex])
 
 
 def _contacts(results: Recording, frames: Sequence[int]) -> Rows:

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.exports.export_selection import edge_joints, frames_in
-from clast.exports.targets import check_ending, check_free, numbered
+from clast.exports.targets import check_ending, check_free, edge_joints, frames_in, numbered
 from clast.model.model import Floats
 from clast.pictures.fields import round_below
 from clast.results import FrameContacts, Recording
@@ -39,9 +38,8 @@ def write_dxf(
     paths = [path] if len(chosen) == 1 else numbered(path, chosen, ".dxf")
     check_free(paths)
     rocks = [results.rock_name[k] for k in results.field("rock", 0)]
-    joints = edge_joints(results)
-    if joints is not None:
-        joints = [name.replace(":", "-") for name in joints]  # names of layers have no colons
+    # names of layers have no colons
+    joints = [name.replace(":", "-") for name in edge_joints(results)]
     length = _length_of_forces(results, chosen)
     for frame, file in zip(chosen, paths, strict=True):
         lines = _force_lines(results.contacts(frame), length)
@@ -54,7 +52,7 @@ def write_dxf(
             results.vertices(frame)[edge],
             np.cumsum([0, *counts[left]]),
             list(compress(rocks, left)),
-            None if joints is None else list(compress(joints, edge)),
+            list(compress(joints, edge)),
             Extras(layer="CONTACTS", about=about, lines=lines),
         )
     return paths

@@ -10,8 +10,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.exports.export_selection import edge_joints, frames_in
-from clast.exports.targets import check_ending, check_free, numbered
+from clast.exports.targets import check_ending, check_free, frames_in, numbered
 from clast.results import Recording
 from clast.rockmass.drawings.drawing_files import replaced
 
@@ -77,8 +76,7 @@ def _mesh(results: Recording, frame: int) -> Iterator[str]:
     yield _array("types", np.full(count, POLYGON, np.uint8))
     yield "</Cells>\n<PointData>\n"
     yield _array("displacement", _with_z(vertices - results.vertices(0)))
-    if edge_joints(results) is not None:
-        yield _array("edge_joint", results.edge_joint)
+    yield _array("edge_joint", results.edge_joint)
     yield "</PointData>\n<CellData>\n"
     for name in results.field_names:
         values = results.field(name, frame)
