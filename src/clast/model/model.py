@@ -175,7 +175,7 @@ class MeasuredContacts:
     """Joint whose contacts are recorded together: index into those of the model; -1, (k,)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class PointSlices:
     """Rows of ``Model.material_points``, and of ``State.points``, by kind."""
 
@@ -487,49 +487,30 @@ class Model:
         """Length of the longest edge at the start, m."""
         return float(np.hypot(*(self.vertices[self.vertex_after] - self.vertices).T).max())
 
+    @property
+    def _points_by_kind(self) -> tuple[tuple[Ints, Floats], ...]:
+        """Blocks and places of material points, in the order of ``PointSlices``."""
+        lines = self.line_loads
+        return (
+            (self.fixed_points.block, self.fixed_points.at),
+            (self.point_loads.block, self.point_loads.at),
+            (lines.block, lines.start),
+            (lines.block, lines.end),
+            (self.bolts.block, self.bolts.at),
+            (self.measured_points.block, self.measured_points.at),
+        )
+
     @kept_property
     def material_points(self) -> MaterialPoints:
         """All material points in one list: fixed, loaded, line starts and ends, bolts, measured."""
-        lines = self.line_loads
-        return MaterialPoints(
-            block=np.concatenate(
-                [
-                    self.fixed_points.block,
-                    self.point_loads.block,
-                    lines.block,
-                    lines.block,
-                    self.bolts.block,
-                    self.measured_points.block,
-                ]
-            ),
-            at=np.concatenate(
-                [
-                    self.fixed_points.at,
-                    self.point_loads.at,
-                    lines.start,
-                    lines.end,
-                    self.bolts.at,
-                    self.measured_points.at,
-                ]
-            ),
-        )
+        block, at = map(np.concatenate, zip(*self._points_by_kind, strict=True))
+        return MaterialPoints(block=block, at=at)
 
     @kept_property
     def point_slices(self) -> PointSlices:
         """Which of the material points are of which kind."""
-        lines = len(self.line_loads.block)
-        kinds = len(self.fixed_points.block), len(self.point_loads.block), lines, lines
-        others = len(self.bolts.block), len(self.measured_points.block)
-        stops = [0, *accumulate((*kinds, *others))]
-        fixed, loaded, line_start, line_end, bolts, measured = map(slice, stops[:-1], stops[1:])
-        return PointSlices(
-            fixed=fixed,
-            loaded=loaded,
-            line_start=line_start,
-            line_end=line_end,
-            bolts=bolts,
-            measured=measured,
-        )
+        stops = [0, *accumulate(len(block) for block, _ in self._points_by_kind)]
+        return PointSlices(*map(slice, stops[:-1], stops[1:]))
 
     def blocks_called(self, names: Iterable[str]) -> Ints:
         """Return the blocks of openings and blocks by their ``names``, each once, shape (k,).

@@ -36,7 +36,15 @@ class LeftOut:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Polyline:
+class Placed:
+    """A thing in a file."""
+
+    place: str = ""
+    """Where it stands in the file."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Polyline(Placed):
     """A drawn joint."""
 
     points: Floats
@@ -45,44 +53,36 @@ class Polyline:
     """Name of its joint: [joint.NAME]."""
     joint_set: str = ""
     """Name of the set that it was counted with; empty if none."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnOutline:
+class DrawnOutline(Placed):
     """A closed line round an opening or a region of one rock."""
 
     name: str
     """Name of the opening, or of the region's rock."""
     points: Floats
     """Corners, m, counter-clockwise, the first not repeated, shape (n, 2)."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Segment:
+class Segment(Placed):
     """A straight line: a bolt, a line of fixed points, or a line through blocks of one rock."""
 
     name: str
     """Kind of the bolt, or rock of the line; empty for fixed lines."""
     ends: Floats
     """First and second end, m, shape (2, 2)."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Spot:
+class Spot(Placed):
     """A point: fixed, loaded, measured, or inside a block that is to be removed."""
 
     name: str
     """Its name, unique among those of its kind."""
     at: Floats
     """Coordinates, m, shape (2,)."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,7 +116,7 @@ class DrawnBoltKind:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnRock:
+class DrawnRock(Placed):
     """A rock as a legacy file describes it."""
 
     name: str
@@ -133,12 +133,10 @@ class DrawnRock:
     """Stress (xx, yy, xy) at the start, Pa, tension positive."""
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Velocity (u, v, omega) of its blocks at the start, m/s and rad/s."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnJoint:
+class DrawnJoint(Placed):
     """The strength of a joint as a legacy file describes it."""
 
     name: str
@@ -149,12 +147,10 @@ class DrawnJoint:
     """Pa."""
     tensile_strength: float
     """Pa."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PointForce:
+class PointForce(Placed):
     """The force at a load point at one instant."""
 
     point: int
@@ -163,8 +159,6 @@ class PointForce:
     """Instant, s."""
     force: tuple[float, float]
     """Force (x, y), N per metre of thickness."""
-    place: str = ""
-    """Where it stands in the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

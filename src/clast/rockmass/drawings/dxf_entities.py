@@ -418,16 +418,8 @@ Drawn = tuple[Floats, bool, bool]
 """Points (n, 3), whether they are closed, whether they follow a curve."""
 
 
-def _line(entity: Any, sagitta: float) -> Drawn:
-    return np.array([tuple(entity.dxf.start), tuple(entity.dxf.end)]), False, False
-
-
-def _point(entity: Any, sagitta: float) -> Drawn:
-    return np.array([tuple(entity.dxf.location)]), False, False
-
-
-def _text(entity: Any, sagitta: float) -> Drawn:
-    return np.array([tuple(entity.dxf.insert)]), False, False
+def _straight(*points: Any) -> Drawn:
+    return np.array([tuple(one) for one in points]), False, False
 
 
 def _circle(entity: Any, sagitta: float) -> Drawn:
@@ -478,9 +470,9 @@ def _polyline(entity: Any, sagitta: float) -> Drawn:
 
 
 DRAWN: dict[str, Callable[[Any, float], Drawn]] = {
-    "LINE": _line,
-    "POINT": _point,
-    "MTEXT": _text,
+    "LINE": lambda entity, _: _straight(entity.dxf.start, entity.dxf.end),
+    "POINT": lambda entity, _: _straight(entity.dxf.location),
+    "MTEXT": lambda entity, _: _straight(entity.dxf.insert),
     "CIRCLE": _circle,
     "ARC": _arc,
     "ELLIPSE": _curve,

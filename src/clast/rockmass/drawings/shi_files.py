@@ -181,11 +181,16 @@ def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
     blocks, joints = text.count("block materials", 13), text.count("joint materials", 3)
     ratio = text.number("the largest displacement ratio g2")
     step = text.number("the time step")
-    check_step(steps, step, ratio, text.file)
+    for what, value in (("steps", steps), ("time step", step), ("displacement ratio", ratio)):
+        if not value > 0:
+            raise CaseError(
+                f"the {what} is {value:g}", where=text.file, remedy="give a number above 0"
+            )
     materials = text.rows(blocks, 13, "block material")
     strengths = text.rows(joints, 3, "joint material")
     rocks = tuple(
-        legacy_rock(k, _without_columns_8_to_10(one), scale) for k, one in enumerate(materials, 1)
+        legacy_rock(k, replace(one, values=(*one.values[:7], *one.values[10:])), scale)
+        for k, one in enumerate(materials, 1)
     )
     left = [
         LeftOut(
@@ -208,17 +213,6 @@ def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
     )
 
 
-def check_step(steps: int, step: float, ratio: float, file: str) -> None:
-    """Refuse a run without steps, and steps or displacements of no length."""
-    for what, value in (("steps", steps), ("time step", step), ("displacement ratio", ratio)):
-        if not value > 0:
-            raise CaseError(f"the {what} is {value:g}", where=file, remedy="give a number above 0")
-
-
-def _without_columns_8_to_10(given: NumberRow) -> NumberRow:
-    return NumberRow(values=(*given.values[:7], *given.values[10:]), place=given.place)
-
-
 def read_shi_blocks(path: str | Path) -> Blocks:
     """Return the blocks of a block file of Shi's programs, m.
 
@@ -237,7 +231,7 @@ def read_shi_blocks(path: str | Path) -> Blocks:
     for number, row in enumerate(rows, 1):
         own = _of_block(row, number, corners, text.file)
         at = np.array([one.values[1:] for one in own])
-        names = [_joint(one, text.file) for one in own]
+        names = [f"type-{one.kind(0, 'joint', text.file)}" if one.values[0] else "" for one in own]
         area = _area(at)
         if area == 0.0:
             raise CaseError(f"block {number} has no area", where=f"{text.file}: {row.place}")
@@ -249,8 +243,10 @@ def read_shi_blocks(path: str | Path) -> Blocks:
         joints += names
     start = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
     rocks = [f"rock-{row.kind(0, 'material', text.file)}" for row in rows]
+    listed = ", ".join(str(number) for number in turned[:10])
+    notes = (f"{len(turned)} blocks ran clockwise and were reversed: {listed}",) if turned else ()
     found = blocks_of(np.vstack(parts), start, rocks, joints, text.file)
-    return replace(found, notes=_notes(turned), left_out=_left_out(text, bolts, points))
+    return replace(found, notes=notes, left_out=_left_out(text, bolts, points))
 
 
 def _of_block(
@@ -268,24 +264,10 @@ def _of_block(
     return corners[int(first) - 1 : int(last)]
 
 
-def _joint(corner: NumberRow, file: str) -> str:
-    """Return the name of the joint of a vertex, empty for 0."""
-    if corner.values[0] == 0.0:
-        return ""
-    return f"type-{corner.kind(0, 'joint', file)}"
-
-
 def _area(at: Floats) -> float:
     """Return the area of a polygon, m2, positive counter-clockwise (the shoelace formula)."""
     x, y = (at - at[0]).T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-def _notes(turned: list[int]) -> tuple[str, ...]:
-    if not turned:
-        return ()
-    listed = ", ".join(str(number) for number in turned[:10])
-    return (f"{len(turned)} blocks ran clockwise and were reversed: {listed}",)
 
 
 def _left_out(text: NumberText, bolts: int, points: list[int]) -> tuple[LeftOut, ...]:
