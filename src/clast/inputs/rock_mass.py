@@ -18,7 +18,7 @@ from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.ranges import check_text
-from clast.model.surroundings import Opening
+from clast.model.surroundings import OpeningBlocks
 
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]
@@ -257,13 +257,13 @@ def openings_of(
     entries: Sequence[OpeningTable],
     block_number: dict[str, int],
     edge_joint: NDArray[np.str_],
-) -> tuple[Opening, ...]:
+) -> tuple[OpeningBlocks, ...]:
     """Return the openings with the numbers of their blocks and welded edges.
 
     ``block_number`` are the numbers of the blocks by name, ``edge_joint`` (nv,) the names of the
     joints of edges.  Raises ModelError for names that are taken or unknown, and blocks of two.
     """
-    found: dict[str, Opening] = {}
+    found: dict[str, OpeningBlocks] = {}
     owner: dict[int, str] = {}
     for one in entries:
         where = f"opening '{shortened(one.name)}'"
@@ -296,5 +296,5 @@ def openings_of(
                     remedy="name the joint between the inside and the outside",
                 )
         block = np.array(sorted(numbers), np.int64)
-        found[one.name] = Opening(name=one.name, block=block, welded=welded)
+        found[one.name] = OpeningBlocks(name=one.name, block=block, welded=welded)
     return tuple(found.values())

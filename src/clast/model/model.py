@@ -25,7 +25,13 @@ from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joints import JointTable
 from clast.model.supports import Bolts, LiningJoints, LinkLines, Reactions, numbered
-from clast.model.surroundings import InSituStress, Opening, Repair, ViscousEdges, blocks_called
+from clast.model.surroundings import (
+    InSituStress,
+    OpeningBlocks,
+    Repair,
+    ViscousEdges,
+    blocks_called,
+)
 from clast.model.water import Water
 from clast.read_only import kept_property, seal
 
@@ -263,7 +269,7 @@ class Model:
     """Edges behind which rock goes on that takes up waves."""
     in_situ: InSituStress | None = None
     """Stress in the rock before anything is dug; None where there is none."""
-    openings: tuple[Opening, ...] = ()
+    openings: tuple[OpeningBlocks, ...] = ()
     """Blocks that stages may excavate together."""
     absent: Bools
     """True where a block is not there: excavated, or the segment of a lining to come; shape (n,).

@@ -86,7 +86,7 @@ class ViscousEdges:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Opening:
+class OpeningBlocks:
     """Rock that is there until it is excavated."""
 
     name: str
@@ -101,7 +101,7 @@ class Opening:
 
 
 def blocks_called(
-    names: Iterable[str], openings: Iterable[Opening], block_name: Iterable[str]
+    names: Iterable[str], openings: Iterable[OpeningBlocks], block_name: Iterable[str]
 ) -> Ints:
     """Return the blocks of openings and blocks by their ``names``, sorted, each once, shape (k,).
 

@@ -13,7 +13,7 @@ from clast.inputs.joint_sets import JointSetTable, SpreadTable
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.stages import Stage
-from clast.model.surroundings import Opening
+from clast.model.surroundings import OpeningBlocks
 
 LARGEST_BOLT = 0.02
 """Cross-section above which a bolt is not a bolt, m2: 16 cm across."""
@@ -87,7 +87,7 @@ def _parted(one: JointSetTable) -> bool:
 
 
 def doubted_openings(
-    openings: Sequence[Opening], stages: Sequence[Stage], block_names: Sequence[str]
+    openings: Sequence[OpeningBlocks], stages: Sequence[Stage], block_names: Sequence[str]
 ) -> Iterator[str]:
     """Warn of openings that no stage excavates, whole or block by block."""
     taken = {name for stage in stages for name in stage.excavate}

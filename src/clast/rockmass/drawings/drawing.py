@@ -36,7 +36,7 @@ class LeftOut:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Placed:
+class InFile:
     """A thing in a file."""
 
     place: str = ""
@@ -44,7 +44,7 @@ class Placed:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Polyline(Placed):
+class Polyline(InFile):
     """A drawn joint."""
 
     points: Floats
@@ -56,7 +56,7 @@ class Polyline(Placed):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnOutline(Placed):
+class DrawnOutline(InFile):
     """A closed line round an opening or a region of one rock."""
 
     name: str
@@ -66,7 +66,7 @@ class DrawnOutline(Placed):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Segment(Placed):
+class Segment(InFile):
     """A straight line: a bolt, a line of fixed points, or a line through blocks of one rock."""
 
     name: str
@@ -76,7 +76,7 @@ class Segment(Placed):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Spot(Placed):
+class Spot(InFile):
     """A point: fixed, loaded, measured, or inside a block that is to be removed."""
 
     name: str
@@ -116,7 +116,7 @@ class DrawnBoltKind:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnRock(Placed):
+class DrawnRock(InFile):
     """A rock as a legacy file describes it."""
 
     name: str
@@ -136,7 +136,7 @@ class DrawnRock(Placed):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnJoint(Placed):
+class DrawnJoint(InFile):
     """The strength of a joint as a legacy file describes it."""
 
     name: str
@@ -150,7 +150,7 @@ class DrawnJoint(Placed):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PointForce(Placed):
+class PointForce(InFile):
     """The force at a load point at one instant."""
 
     point: int
