@@ -322,7 +322,9 @@ class InputBuilder(Inputs):
             title=self.title,
             plane=self.plane,
             gravity=gravity + self._push(gravity),
-            gravity_factor=self._factor_of_gravity(factor_number),
+            gravity_factor=NO_FACTOR
+            if self.gravity_amplitude is None
+            else number_of(self.gravity_amplitude, factor_number, "amplitude", "gravity_amplitude"),
             origin=outlines.origin,
             rocks=rocks,
             joint_table=table,
@@ -428,12 +430,6 @@ class InputBuilder(Inputs):
                 remedy="give gravity, or leave it out",
             )
         return np.asarray(np.hypot(*gravity) * share)
-
-    def _factor_of_gravity(self, number: dict[str, int]) -> int:
-        """Return the number of the amplitude by which gravity is multiplied."""
-        if self.gravity_amplitude is None:
-            return NO_FACTOR
-        return number_of(self.gravity_amplitude, number, "amplitude", "gravity_amplitude")
 
     def _repaired(
         self, drawn: BlockOutlines, clockwise: Bools

@@ -170,7 +170,7 @@ DAMPINGS = {
     "adaptive": "clast.actions.damping:Adaptive",
     "kinetic": "clast.actions.damping:Kinetic",
 }
-MOST = 10.0
+DAMPING_RATIO_MAX = 10.0
 """Largest damping ratio that is meant."""
 
 DAMPING_ALTERNATIVES = Alternatives(
@@ -178,7 +178,7 @@ DAMPING_ALTERNATIVES = Alternatives(
     limits={
         "mass": (Field(ge=0.0), within(ranges.RATE)),
         "stiffness": (Field(ge=0.0), within(ranges.INTERVAL)),
-        "ratio": (Field(gt=0.0, le=MOST),),
+        "ratio": (Field(gt=0.0, le=DAMPING_RATIO_MAX),),
     },
     needs={"damping": ("begin", "contribution", "finish")},
 )

@@ -25,13 +25,13 @@ from clast.model.model import Floats, Ints
 
 GRID = 1e-8
 """Grid on which outlines are joined, in units of the size of the case."""
-ALIKE = 6
+DECIMALS_COMPARED = 6
 """Decimals of turns, and of shares of an outline, that are compared."""
-NEIGHBOURS = 100
+CORNERS_COMPARED = 100
 """Corners to either side of one by which it is told from others."""
-CORNER = 1e-3
+TO_CORNER_SHARE_MAX = 1e-3
 """Distance of a point from a corner of an outline that is none, in units of its length."""
-NEAR = 0.01
+TO_OUTLINE_SHARE_MAX = 0.01
 """How far from an outline a point on it may be given, in units of its length."""
 
 
@@ -138,9 +138,12 @@ def _from_a_start(ring: Floats) -> Floats:
     length = np.hypot(*after.T)
     before = np.roll(after / length[:, None], 1, axis=0)
     turn = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / length
-    turn, length = np.round(turn, ALIKE), np.round(length / length.sum(), ALIKE)
+    turn, length = (
+        np.round(turn, DECIMALS_COMPARED),
+        np.round(length / length.sum(), DECIMALS_COMPARED),
+    )
     count = len(ring)
-    reach = np.arange(min(count, NEIGHBOURS))
+    reach = np.arange(min(count, CORNERS_COMPARED))
 
     def shape_from(corner: int) -> tuple[list[float], list[float]]:
         """Return turns and lengths to both sides of a corner, the larger ones first."""
@@ -167,7 +170,7 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
     close = 1e-9 * line.length
     for point in ends:
         away = line.distance(shapely.Point(point))
-        if away > NEAR * line.length:
+        if away > TO_OUTLINE_SHARE_MAX * line.length:
             raise ModelError(
                 f"{point_text(np.array(point))} is {away:.3g} m from the outline",
                 where=where,
@@ -185,16 +188,16 @@ def _on_line(line: Any, marks: list[float], point: Any) -> float:
     """Return how far along a ring a point is, m: at a corner of it that is close."""
     along = line.project(shapely.Point(point))
     nearest = min(marks, key=lambda mark: abs(mark - along))
-    return nearest if abs(nearest - along) <= CORNER * line.length else along
+    return nearest if abs(nearest - along) <= TO_CORNER_SHARE_MAX * line.length else along
 
 
-SHARP = np.radians(20.0)
+MITRE_TURN_RAD = np.radians(20.0)
 """Turn of a line, rad, that is an end of segments."""
 APART = 0.1
 """Distance between points of the line, in units of a segment, below which they are one."""
 ROUNDED = 1e-9
 """Difference that is rounding, rad and in units of a length: ties must not hang on it."""
-MOST = 10_000
+SEGMENTS_MAX = 10_000
 """Segments of a lining: more are a wrong unit or corner."""
 
 
@@ -248,7 +251,7 @@ def cut_line(
     marks = _marks(points)
     # the length is that along the line as it is given
     length *= marks[-1] / _marks(given)[-1]
-    if marks[-1] > MOST * length:
+    if marks[-1] > SEGMENTS_MAX * length:
         raise ModelError(
             f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m",
             where=f"{where}, segment",
@@ -282,7 +285,7 @@ def _marks(points: Floats) -> Floats:
 
 def _from_a_corner(ring: Floats) -> Floats:
     """Return a ring that begins at its first sharp corner, if it has one."""
-    sharp = np.flatnonzero(np.abs(_turns(ring)) > SHARP + ROUNDED)
+    sharp = np.flatnonzero(np.abs(_turns(ring)) > MITRE_TURN_RAD + ROUNDED)
     return np.roll(ring, -int(sharp[0]), axis=0) if len(sharp) else ring
 
 
@@ -312,7 +315,7 @@ def _ends(points: Floats, marks: Floats, comes_back: bool, length: float) -> Flo
     turns = np.zeros(len(points))
     ring = points[:-1] if comes_back else points
     turns[: len(ring)] = _turns(ring)
-    sharp = np.abs(turns) > SHARP + ROUNDED
+    sharp = np.abs(turns) > MITRE_TURN_RAD + ROUNDED
     sharp[[0, -1]] = True
     corners = marks[sharp]
     ends = [corners[:1]]

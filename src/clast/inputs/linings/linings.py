@@ -88,10 +88,10 @@ class Lining(Table):
             what = f"follows {' and '.join(given)}" if given else "has no line to follow"
             remedy = 'give one of opening = "NAME" and polyline = [[x, y], ...]'
             raise refusal(Fault(what=what, remedy=remedy))
-        belongs = {"part": "opening", "side": "polyline"}
-        for key, line in belongs.items():
+        of_lines = (("part", "opening", "an opening"), ("side", "polyline", "a polyline"))
+        for key, line, kind in of_lines:
             if getattr(self, key) is not None and given != [line]:
-                what, remedy = f"{key} is that of a lining along {_article(line)}", "leave it out"
+                what, remedy = f"{key} is that of a lining along {kind}", "leave it out"
                 raise refusal(Fault(place=(key,), what=what, remedy=remedy))
         if self.part is not None and self.part[0] == self.part[1]:
             what, remedy = "begins and ends at the same point", "give two distinct points"
@@ -151,10 +151,6 @@ class Lining(Table):
     def joins_ends(self) -> bool:
         """Whether the last segment is joined to the first."""
         return self.is_ring and self.closed is not False
-
-
-def _article(line: str) -> str:
-    return "an opening" if line == "opening" else f"a {line}"
 
 
 OF_JOINTS = 0.5

@@ -19,9 +19,9 @@ from clast.model.model import Floats
 from clast.model.ranges import check_names, check_text
 from clast.model.supports import Bolts
 
-BESIDE = 1e-3
+HEAD_TO_WALL_SHARE = 1e-3
 """Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded."""
-MOST = 100_000
+BOLTS_PER_PATTERN_MAX = 100_000
 """Most bolts of a pattern."""
 
 
@@ -104,7 +104,7 @@ def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, F
     begin, end = (_along(ring, middle, angle, label) for angle in (first, last))
     room = ring.length if whole else (end - begin) % ring.length
     count = int(room / spacing * (1.0 + 1e-9)) + (0 if whole else 1)
-    if count > MOST:
+    if count > BOLTS_PER_PATTERN_MAX:
         raise ModelError(
             f"would be {count} bolts", where=f"{label}, spacing", remedy="raise the spacing"
         )
@@ -136,7 +136,7 @@ def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, tuple[st
     """Return where a bolt begins in the rock behind the wall, m, and the blocks of its ends."""
     origin, length = ground.outlines.origin, float(np.hypot(*(line[1] - line[0])))
     pieces = ground.pieces(line - origin)
-    slack = BESIDE * length
+    slack = HEAD_TO_WALL_SHARE * length
     long = np.flatnonzero(np.diff(pieces.ends, axis=1)[:, 0] > slack)
     if not len(long) or pieces.ends[long[0], 0] > slack:
         what, where = "its head lies in no block", line[0]
@@ -185,7 +185,11 @@ def placed_bolts(
     names = [str(k) if bolt.name is None else bolt.name for k, bolt in enumerate(bolts, 1)]
     check_names("bolt", names)
     named = list(zip(labels, bolts, strict=True))
-    parts = [_anchored(label, bolt, ground) for label, bolt in named]
+    lines = [np.array([bolt.start, bolt.end]) - ground.outlines.origin for bolt in bolts]
+    parts = [
+        ANCHORAGES[bolt.anchorage](label, bolt, line, ground)
+        for (label, bolt), line in zip(named, lines, strict=True)
+    ]
     first = np.cumsum([0, *(len(part.block) for part in parts)])
     known = {name: number for number, name in enumerate(kinds)}
     for label, bolt in named:
@@ -261,12 +265,6 @@ def _refuse_early_rupture(kind: BoltKind, stiffness: float, rupture: float, wher
                 where=where,
                 remedy="raise rupture_elongation or rupture_strain, or the stiffness",
             )
-
-
-def _anchored(label: str, bolt: Bolt, ground: Ground) -> Anchored:
-    """Return the points and springs of a bolt."""
-    line = np.array([bolt.start, bolt.end]) - ground.outlines.origin
-    return ANCHORAGES[bolt.anchorage](label, bolt, line, ground)
 
 
 def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:

@@ -275,9 +275,6 @@ class CutCase:
                 builder.opening(name, own, weld if weld in joints else None)
 
 
-# Sides -------------------------------------------------------------------------------------------
-
-
 def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
     """Return True for blocks with a vertex on one of the sides, shape (nb,)."""
     held = np.zeros(cut.block_count, np.bool_)
@@ -294,9 +291,6 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
             )
         held |= found
     return held
-
-
-# Files -------------------------------------------------------------------------------------------
 
 
 @contextmanager
@@ -367,9 +361,6 @@ def _layer(source: FileTable | TraceTable, where: str) -> str | None:
             "the layer is missing", where=where, remedy='name it: layer = "JOINTS_bedding"'
         )
     return source.layer
-
-
-# Messages ----------------------------------------------------------------------------------------
 
 
 @contextmanager

@@ -25,9 +25,9 @@ COUNTER = re.compile(
     r"count|counter|number)\W*"
 )
 """Names of a column that counts the values."""
-LONGEST, SHORTEST, LARGEST = 1e9, 1e-9, 1e12
+TIME_S_MAX, INTERVAL_S_MIN, VALUE_MAX = 1e9, 1e-9, 1e12
 """Longest time and shortest interval, s, and largest value, of a record that is believed."""
-SLOW, FEW = 1.0, 5
+QUAKE_INTERVAL_S_MAX, INSTANTS_DOUBTED_MIN = 1.0, 5
 """So many instants a second or more apart, s, are seconds in no record of an earthquake."""
 
 
@@ -57,14 +57,14 @@ def check_heading(heading: Sequence[str], path: Path) -> None:
 def check_sizes(time: Floats, values: Floats, name: str) -> None:
     """Refuse numbers that overflow where a record is integrated or differentiated."""
     shortest = float(np.diff(time).min())
-    if float(np.abs(time).max()) > LONGEST or shortest < SHORTEST:
+    if float(np.abs(time).max()) > TIME_S_MAX or shortest < INTERVAL_S_MIN:
         raise CaseError(
             f"times up to {float(np.abs(time).max()):.3g} s, {shortest:.3g} s apart, cannot be a "
             "record",
             where=name,
             remedy="give the time in s in the first column",
         )
-    if float(np.abs(values).max()) > LARGEST:
+    if float(np.abs(values).max()) > VALUE_MAX:
         raise CaseError(
             f"values of up to {float(np.abs(values).max()):.3g} are far too large",
             where=name,
@@ -75,9 +75,9 @@ def check_sizes(time: Floats, values: Floats, name: str) -> None:
 def doubted_times(time: Floats, name: str) -> str | None:
     """Return the evidence against times (k,) being seconds: a second or more between them."""
     interval = float(time[-1] - time[0]) / (len(time) - 1)
-    if len(time) < FEW or interval < SLOW:
+    if len(time) < INSTANTS_DOUBTED_MIN or interval < QUAKE_INTERVAL_S_MAX:
         return None
-    counted = "counts the values, or is in ms" if interval == SLOW else "is in ms"
+    counted = "counts the values, or is in ms" if interval == QUAKE_INTERVAL_S_MAX else "is in ms"
     return (
         f"{shortened(name)} has a value every {interval:g} s, which no record of an earthquake "
         f"has: if its time {counted}, give it in s"
