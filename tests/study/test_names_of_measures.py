@@ -24,7 +24,7 @@ def turning():
 def value(run, text):
     expression = read(text, "measure", [], ARGUMENTS)
     check(expression, known_names(run.model))
-    return expression.value({}, RunResults(run).functions())
+    return expression.value({}, {name: getattr(RunResults(run), name) for name in ARGUMENTS})
 
 
 def test_a_point_and_a_block_of_one_name_are_both_measured(turning):

@@ -7,7 +7,7 @@ are histories, of which an expression takes the last value.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -45,10 +45,6 @@ class RunResults:
 
     run: Run
     """The run."""
-
-    def functions(self) -> dict[str, Callable[..., Any]]:
-        """Return the functions of measures by their names."""
-        return {name: getattr(self, name) for name in ARGUMENTS}
 
     def displacement(self, name: str, part: str = "", time: str = "") -> Floats:
         """Displacement of a measured point or a block, m, over time or at a time."""

@@ -128,7 +128,8 @@ class Bench:
                 write_whole(file, text)
             output = part / RUN_FILE if folder.writes_files else None
             result.update(self._result(content, output))
-            if not (study.keep == "all" or (study.keep == "failed" and _is_failure(result))):
+            is_failure = result["status"] != DONE or bool(result.get("fails"))
+            if not (study.keep == "all" or (study.keep == "failed" and is_failure)):
                 _forget(part)
             folder.write_result(part, result)
         return result
@@ -167,20 +168,20 @@ class Bench:
         Where a factor of safety has an open end, measures that depend on where it ends have no
         value (nan), and the run fails or not where it does at both ends; raises CaseError if not.
         """
-        found, fails = self._evaluated(one, "low")
+        values, fails = self._evaluated(one, "low")
         result: dict[str, Any] = {"status": DONE}
         if one.is_open:
             others, also = self._evaluated(one, "high")
-            found = {
-                name: value if value == others[name] else math.nan for name, value in found.items()
+            values = {
+                name: value if value == others[name] else math.nan for name, value in values.items()
             }
             result["reason"] = one.factor.sentence(factor_of(one.how).TITLE)
             if fails is not also:
                 raise CaseError(result["reason"])
-        result["measures"] = found
+        result["measures"] = values
         if fails is not None:
             result["fails"] = fails
-        if fails and one.is_made:
+        if fails and one.made:
             result["blocks"] = list(one.measured.blocks)
             result["joints"] = list(one.measured.joints)
         return result
@@ -188,8 +189,12 @@ class Bench:
     def _evaluated(self, one: One, end: str) -> tuple[dict[str, Any], bool | None]:
         """Return the measures of a run, and whether it fails, with an end of its factor."""
         study = self.folder.study
+
+        def called(name: str, *given: str) -> Any:
+            return getattr(one.measured, name)(*given)
+
         functions: dict[str, Callable[..., Any]] = {
-            name: partial(_called, one, name) for name in ARGUMENTS
+            name: partial(called, name) for name in ARGUMENTS
         }
         functions[FOS] = lambda: getattr(one.factor, end)
         found: dict[str, Any] = {}
@@ -211,11 +216,6 @@ class One:
     how: FactorSettings
     """How its factor of safety is looked for."""
     made: list[RunResults] = field(default_factory=list)
-
-    @property
-    def is_made(self) -> bool:
-        """Whether it was made."""
-        return bool(self.made)
 
     @cached_property
     def factor(self) -> FactorBracket:
@@ -285,14 +285,6 @@ def _forget(part: Path) -> None:
     """Remove result file and checkpoints of a run."""
     for file in part.glob("run*"):
         file.unlink()
-
-
-def _called(one: One, name: str, *given: str) -> Any:
-    return getattr(one.measured, name)(*given)
-
-
-def _is_failure(result: dict[str, Any]) -> bool:
-    return result["status"] != DONE or bool(result.get("fails"))
 
 
 KEPT = "worst.txt"

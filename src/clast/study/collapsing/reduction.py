@@ -71,7 +71,7 @@ class ScaledStrength:
         if factor == 1.0:
             return content
         joints = {
-            name: {**table, **divided(_with_factor(table), factor)}
+            name: {**table, **divided({ROUGH: 1.0, **table} if _is_rough(table) else table, factor)}
             if self._is_meant(name)
             else table
             for name, table in content.get("joint", {}).items()
@@ -318,11 +318,6 @@ def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
 
 def _is_rough(table: Mapping[str, Any]) -> bool:
     return table.get("law") == "barton-bandis"
-
-
-def _with_factor(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the table of a joint with the factor that a rough one has, unless it says so."""
-    return {ROUGH: 1.0, **table} if _is_rough(table) else table
 
 
 def _has_strength(table: Mapping[str, float]) -> bool:
