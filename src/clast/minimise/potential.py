@@ -368,7 +368,7 @@ def _sum_of_forces(first, last, force, fixed):
 def left_at_starts(system, graph, contacts, table, islands, starts):
     """Return the distance to the minimum that each island has at each start, J/m, (k, islands).
 
-    ``system``, ``graph`` and ``contacts`` as linear/residual.py has them; ``table`` are the edge
+    ``system``, ``graph`` and ``contacts`` as linear/assembly.py has them; ``table`` are the edge
     blocks, gaps, slips (m,) and springs of the links (Springs.arrays), ``islands`` those of the
     blocks (n,) and their number, ``starts`` (k, n, 6) the unknowns.
     """
