@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,66 +26,61 @@ LAST = 20
 """Steps at the end that are looked at."""
 
 
-def unbalanced(
-    model: Model,
-    variant: Variant,
-    *,
-    normal_stiffness: float,
-    step: float,
-    steps: int,
-    max_displacement: float,
-    unit: float | None = None,
-) -> float:
-    """Return the largest unbalanced acceleration of the measured points at the end, over g.
+@dataclass(frozen=True, kw_only=True)
+class StaticRun:
+    """Numbers of the static runs that show whether the blocks of a model stand."""
 
-    Without gravity ``unit``, m/s2, is the reference.
+    normal_stiffness: float
+    """Normal stiffness p, N/m per m."""
+    step: float
+    """Step, s."""
+    steps: int
+    """Number of steps."""
+    max_displacement: float = 0.02
+    """Largest displacement of a step, and of blocks that stand, m."""
+    unit: float | None = None
+    """Acceleration of reference, m/s2; gravity if None."""
 
-    It is inf for a run that has failed, and for one whose points have moved by more than
-    ``max_displacement``, m: blocks that move far may come to rest somewhere else.
-    """
-    method = variant.method(
-        model,
-        normal_stiffness=normal_stiffness,
-        max_displacement=max_displacement,
-        dynamic_ratio=0.0,
-    )
-    end = steps * step
-    run = simulate(model, method, Schedule(step=step, end=end, every=end))
-    if any(event.kind == "fails" for event in run.report.events):
-        return math.inf
-    ways = [run.history(name).displacement[-1] for name in model.measured_points.name]
-    if float(np.hypot(*np.array(ways).T).max()) > max_displacement:
-        return math.inf
-    moved = [
-        run.history(name).displacement[-1] - run.history(name).displacement[-1 - LAST]
-        for name in model.measured_points.name
-    ]
-    a_step = float(np.hypot(*np.array(moved).T).max()) / LAST
-    gravity = float(np.hypot(*model.gravity)) if unit is None else unit
-    return a_step / (method.integrator.theta * step**2 * gravity)
+    def unbalanced(self, model: Model, variant: Variant) -> float:
+        """Return the largest unbalanced acceleration of measured points at the end, over ``unit``.
 
+        It is inf for a run that has failed, and for one whose points have moved by more than
+        ``max_displacement``: blocks that move far may come to rest somewhere else.
+        """
+        method = variant.method(
+            model,
+            normal_stiffness=self.normal_stiffness,
+            max_displacement=self.max_displacement,
+            dynamic_ratio=0.0,
+        )
+        end = self.steps * self.step
+        run = simulate(model, method, Schedule(step=self.step, end=end, every=end))
+        if any(event.kind == "fails" for event in run.report.events):
+            return math.inf
+        points = [run.history(name).displacement for name in model.measured_points.name]
+        if max(float(np.hypot(*one[-1])) for one in points) > self.max_displacement:
+            return math.inf
+        a_step = max(float(np.hypot(*(one[-1] - one[-1 - LAST]))) for one in points) / LAST
+        unit = float(np.hypot(*model.gravity)) if self.unit is None else self.unit
+        return a_step / (method.integrator.theta * self.step**2 * unit)
 
-def standing(
-    model: Model,
-    variant: Variant,
-    *,
-    normal_stiffness: float,
-    step: float,
-    steps: int,
-    max_displacement: float,
-    unit: float | None = None,
-) -> bool:
-    """Return whether the blocks of a static run stand at its end; arguments as of unbalanced()."""
-    moving = unbalanced(
-        model,
-        variant,
-        normal_stiffness=normal_stiffness,
-        step=step,
-        steps=steps,
-        max_displacement=max_displacement,
-        unit=unit,
-    )
-    return moving < AT_REST
+    def stands(self, model: Model, variant: Variant) -> bool:
+        """Return whether the blocks of a model stand at the end."""
+        return self.unbalanced(model, variant) < AT_REST
+
+    def limit(
+        self,
+        loaded: Callable[[float], Model],
+        variant: Variant,
+        low: float,
+        high: float,
+        bisections: int,
+    ) -> Bracket:
+        """Return the bracket of the value between ``low``, which fails, and ``high``, which stands.
+
+        ``loaded`` makes the model of a value.
+        """
+        return limit(lambda value: self.stands(loaded(value), variant), low, high, bisections)
 
 
 def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> Bracket:

@@ -7,7 +7,7 @@ from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress, Ro
 from clast.model.state import State, initial_state
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.results import PointHistory, Run
-from clast.verification.collapse_load import AT_REST, limit, standing, unbalanced
+from clast.verification.collapse_load import AT_REST, StaticRun, limit
 from clast.verification.problem import (
     Bracket,
     Comparison,
@@ -35,6 +35,7 @@ __all__ = [
     "Rock",
     "Run",
     "State",
+    "StaticRun",
     "Trial",
     "absolute",
     "curve",
@@ -43,6 +44,4 @@ __all__ = [
     "limit",
     "problem",
     "relative",
-    "standing",
-    "unbalanced",
 ]

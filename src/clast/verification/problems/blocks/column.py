@@ -1,12 +1,4 @@
-"""A column under its own weight.
-
-One block of height H has one stress: the mean stress of an elastic column,
-
-    sigma_yy = -rho g H/2,    shortening = rho g H2/(2 E')
-
-with E' = E in plane stress and E/(1 - nu2) in plane strain, on top of the W/(2p) by which the two
-bottom corners press in their springs.
-"""
+"""A column under its own weight."""
 
 from __future__ import annotations
 

@@ -1,12 +1,4 @@
-"""A raft that floats: it heaves and rolls for ever, with the periods of ship theory.
-
-A block of breadth b, height h and density rho has the draught T = h rho/rho_w.  Pushed under it
-heaves; tilted a little it rolls about its centroid, which lies GM below the metacentre:
-
-    heave  2 pi sqrt(T/g),    roll  2 pi sqrt((b^2 + h^2)/(12 g GM)),    GM = T/2 + b^2/(12 T) - h/2
-
-The water has no inertia here, and the pressures on the block's faces are those of water at rest.
-"""
+"""A raft that floats: it heaves and rolls for ever, with the periods of ship theory."""
 
 from __future__ import annotations
 

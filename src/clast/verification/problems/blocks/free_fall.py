@@ -1,9 +1,4 @@
-"""A block thrown into the air: no contact, so the time integration alone is tested.
-
-A block thrown with velocity (u, v) is after t at (u t, v t - g t2/2).  Constant acceleration within
-a step is exact here, for any step h.  Backward Euler takes each step with the velocity of its end:
-n steps give -g h2 n(n+1)/2 = -g t2/2 - g t h/2, too low by g t h/2.
-"""
+"""A block thrown into the air: no contact, so the time integration alone is tested."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""Patch test: a uniform stress from all sides gives the exact affine displacement.
-
-A free block is loaded by the traction q = sigma n on every edge with outward normal n.  Its stress
-must become sigma, its strain eps = C sigma, and every corner must move by eps (x - xc).
-"""
+"""Patch test: a uniform stress from all sides gives the exact affine displacement."""
 
 from __future__ import annotations
 

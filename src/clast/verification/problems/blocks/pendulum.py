@@ -1,13 +1,4 @@
-"""A block hung on a fixed point swings as a physical pendulum.
-
-With the moment of inertia I_O about the fixed point, the distance l of the centroid from it and the
-amplitude a the period is
-
-    T = 2 pi sqrt(I_O/(m g l))                   for small a,
-    T = 4 sqrt(I_O/(m g l)) K(sin(a/2))          for any a,
-
-K being the complete elliptic integral of the first kind.
-"""
+"""A block hung on a fixed point swings as a physical pendulum."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def block_above_floor(gap: float = 0.1) -> Model:
     return builder.build()
 
 
-def model_of_bounce(step: float, arrival: float, variant: Variant) -> float:
+def restitution_of(step: float, arrival: float, variant: Variant) -> float:
     """Return the restitution of a block that lands ``arrival`` of a ``step``, s, into a step."""
     model = block_above_floor(SPEED * step * (1.0 + arrival))
     end = 1.5 * np.pi / FREQUENCY + 8.0 * step
@@ -81,7 +81,7 @@ def bounce(trial: Trial, steps: tuple[float, ...] = STEPS) -> None:
     """
     trial.rows, computed = [], []
     for step in steps:
-        found = [model_of_bounce(step / FREQUENCY, arrival, trial.variant) for arrival in ARRIVALS]
+        found = [restitution_of(step / FREQUENCY, arrival, trial.variant) for arrival in ARRIVALS]
         computed.append(found)
         quantity = f"restitution at w h = {step:g}, mean of 8 arrivals"
         exact = exact_restitution(step, trial.variant)

@@ -1,12 +1,4 @@
-"""Impacts rebound with the restitution asked for.
-
-Two squares meet, the other fixed or free; whatever the stiffness of the contact, the step, the
-moment of the step at which they meet and the share of their masses, they part with e times the
-speed at which they met.  Impacts go on until springs would have shown themselves.
-
-A square that falls from 1 m rebounds to e^2 m.  Of a row of squares at rest that is hit by one like
-them with e = 1 the last leaves with its speed (Newton's cradle).
-"""
+"""Impacts rebound with the restitution asked for."""
 
 from __future__ import annotations
 

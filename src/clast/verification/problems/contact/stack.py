@@ -1,10 +1,4 @@
-"""A stack of blocks at rest: every joint carries the weight above it.
-
-The normal forces of a joint add up to the weight W of the blocks above it, those on the floor to
-the weight of the stack.  Where n contacts share the joint, each spring of stiffness p is pressed
-in by W / (n p): n = 2 corners of the narrower block, n = 4 where the blocks are equally wide and
-their corners coincide.
-"""
+"""A stack of blocks at rest: every joint carries the weight above it."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""A block on two planes: how its weight is shared.
-
-A block of weight W lies in a trough of two planes without friction that dip by a and b towards each
-other.  Equilibrium gives the normal forces
-
-    N_a = W sin b/sin(a + b),      N_b = W sin a/sin(a + b).
-"""
+"""A block on two planes: how its weight is shared."""
 
 from __future__ import annotations
 

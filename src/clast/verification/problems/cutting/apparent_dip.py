@@ -1,13 +1,4 @@
-"""Joint planes as a section shows them: apparent dip and spacing.
-
-A plane with dip d and dip direction D has the upward normal n = (sin d sin D, sin d cos D, cos d)
-in east, north and up.  A vertical section along the azimuth a shows it at the angle b with
-
-    tan b = -tan d cos(D - a),
-
-counter-clockwise from the horizontal direction a, and planes at a spacing s as lines
-s/sqrt(n_a^2 + n_z^2) apart, with n_a = sin d cos(D - a) and n_z = cos d.
-"""
+"""Joint planes as a section shows them: apparent dip and spacing."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Cells about random points: Voronoi's tessellation of a Poisson process.
-
-n cells in an area A have A/n each on average.  Three edges meet in every corner, so that by Euler's
-formula a cell has six corners on average.  Areas have the coefficient of variation 0.529
-(E[A2] = 1.280 E[A]2).  Cells at the rim are left out.
-"""
+"""Cells about random points: Voronoi's tessellation of a Poisson process."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Circular openings of straight chords: equal area.
-
-A regular polygon of n corners at the radius R has the area n/2 R2 sin(2 pi/n), less than its
-circle.  clast moves the corners out to R = r sqrt(2 pi/(n sin(2 pi/n))), so that the opening has
-the area of the circle of the radius r that is asked for.
-"""
+"""Circular openings of straight chords: equal area."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Intensities of joint sets: length per area, and joints met by a scanline.
-
-Traces of length t with bridges g on lines a spacing s apart have P21 = t/((t + g) s).  A scanline
-that is d off the normal of persistent joints meets P10 = |cos d|/s of them a metre; of joints of
-all directions alike it meets P10 = 2 P21/pi, the mean of |cos d| being 2/pi.
-"""
+"""Intensities of joint sets: length per area, and joints met by a scanline."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""Blocks between persistent joints: Euler's formula, areas and intensity.
-
-L endless lines in a convex domain that cross X times inside it make 1 + L + X blocks: the first
-crossing-free line parts the domain in two, every further line adds one block and one more for each
-line that it crosses.  Lines, crossings and lengths follow from the directions and spacings of the
-sets alone.
-"""
+"""Blocks between persistent joints: Euler's formula, areas and intensity."""
 
 from __future__ import annotations
 

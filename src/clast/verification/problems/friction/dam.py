@@ -18,12 +18,11 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -125,16 +124,8 @@ def compare_reactions(trial: Trial) -> None:
     )
 
 
-def holds(level: float, friction_angle: float, step: float, variant: Variant) -> bool:
-    """Return whether the dam stays, with steps of so many s."""
-    return standing(
-        model_of_dam(level, friction_angle),
-        variant,
-        normal_stiffness=STIFFNESS,
-        step=step,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+SLIDES = StaticRun(normal_stiffness=STIFFNESS, step=FINE, steps=STEPS)
+TIPS_OVER = StaticRun(normal_stiffness=STIFFNESS, step=STEP, steps=STEPS)
 
 
 def compare_limits(trial: Trial) -> None:
@@ -142,13 +133,13 @@ def compare_limits(trial: Trial) -> None:
     found = []
     for level in SLIDES_AT:
         exact = exact_angle(level)
-        stays = partial(holds, level, step=FINE, variant=trial.variant)
-        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        loaded = partial(model_of_dam, level)
+        found.append(SLIDES.limit(loaded, trial.variant, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, water {level:g} m high"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.15, RESOLUTION)
     tips = exact_height()
-    stands = partial(holds, friction_angle=ROUGH, step=STEP, variant=trial.variant)
-    highest = limit(stands, (1.0 + SHARE) * tips, (1.0 - SHARE) * tips, BISECTIONS)
+    ends = (1.0 + SHARE) * tips, (1.0 - SHARE) * tips
+    highest = TIPS_OVER.limit(model_of_dam, trial.variant, *ends, BISECTIONS)
     trial.relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS)
     fine = np.linspace(0.0, exact_height(), 41)
     trial.chart(

@@ -1,12 +1,4 @@
-"""A block thrown down an incline that is flatter than its friction angle: it stops and stays.
-
-On a slope a < phi friction exceeds the pull of gravity and the block is decelerated by
-g (cos a tan phi - sin a).  From v0 it comes to rest after
-
-    v0^2 / (2 g (cos a tan phi - sin a))
-
-and must then stay: a creeping block at rest is the classical failure of explicit friction.
-"""
+"""A block thrown down an incline that is flatter than its friction angle: it stops and stays."""
 
 from __future__ import annotations
 

@@ -1,12 +1,4 @@
-"""Direct shear of a joint with cohesion: peak, then residual.
-
-A joint of length A under the normal force N holds until the shear force reaches
-
-    N tan(phi) + c A.
-
-There its bonds break, for it is brittle (no residual cohesion), and from then on it carries
-N tan(phi), however far it slips.
-"""
+"""Direct shear of a joint with cohesion: peak, then residual."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Block sliding down an incline: Table 1 of the paper, and the cost of lagged friction.
-
-The slider starts at rest on a plane at 45 degrees.  With a = g (sin 45 - cos 45 tan phi) down the
-slope its way after t is u = v = (a/2) cos 45 t2 in either direction.  The error of friction that is
-one step old is in friction_lag.py beside it.
-"""
+"""Block sliding down an incline: Table 1 of the paper, and the cost of lagged friction."""
 
 from __future__ import annotations
 

@@ -10,20 +10,20 @@ A thin ladder, s = x/2, slips where its angle with the floor is 90 degrees - 2 p
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from clast.verification.problems import (
-    AT_REST,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    unbalanced,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 LENGTH, WIDTH = 4.0, 0.2
 """Length and width of the ladder, m."""
@@ -66,17 +66,7 @@ def model_of_ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> M
     return builder.build()
 
 
-def holds(angle: float, friction_angle: float, variant: Variant) -> bool:
-    """Return whether the ladder stays."""
-    share = unbalanced(
-        model_of_ladder(angle, friction_angle),
-        variant,
-        normal_stiffness=3e7,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
-    return share < AT_REST
+STATIC = StaticRun(normal_stiffness=3e7, step=STEP, steps=STEPS)
 
 
 @problem(set_up=model_of_ladder, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -93,11 +83,15 @@ def ladder(trial: Trial, angles: tuple[float, ...] = ANGLES) -> None:
     found = []
     for angle in angles:
         exact = exact_limit(angle)
-
-        def stays(friction_angle: float, angle: float = angle) -> bool:
-            return holds(angle, friction_angle, trial.variant)
-
-        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        found.append(
+            STATIC.limit(
+                partial(model_of_ladder, angle),
+                trial.variant,
+                exact - SPAN,
+                exact + SPAN,
+                BISECTIONS,
+            )
+        )
         quantity = f"friction angle at the limit, ladder at {angle:g} degrees"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(40.0, 70.0, 31)

@@ -1,9 +1,4 @@
-"""Joints that are open at the start hold nothing, whatever their strength; closed ones hold.
-
-A block below a ceiling, with a gap that is smaller than critdis, falls freely: g t^2/2.  Without
-weight it stays where it is.  Flush with the ceiling it hangs on the tensile strength of the joint,
-whose tension is its weight.
-"""
+"""Joints that are open at the start hold nothing, whatever their strength; closed ones hold."""
 
 from __future__ import annotations
 

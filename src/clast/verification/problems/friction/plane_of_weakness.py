@@ -22,14 +22,13 @@ import numpy as np
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 FRICTION_ANGLE, COHESION = 30.0, 0.4e6
 """Friction angle, degrees, and cohesion, Pa, of the planes."""
@@ -86,25 +85,9 @@ def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None
     return builder.build()
 
 
-def holds(difference: float, dip: float, planes: int, variant: Variant) -> bool:
-    """Return whether the specimen carries s1 - s3, Pa.
-
-    The acceleration that counts as one is that of s3 on the specimen's end.
-    """
-    return standing(
-        specimen(dip, planes, difference),
-        variant,
-        normal_stiffness=STIFFNESS,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-        unit=CONFINING / (DENSITY * HEIGHT),
-    )
-
-
-def fails(difference: float, dip: float, planes: int, variant: Variant) -> bool:
-    """Return whether a plane of the specimen slips under s1 - s3, Pa."""
-    return not holds(difference, dip, planes, variant)
+STATIC = StaticRun(
+    normal_stiffness=STIFFNESS, step=STEP, steps=STEPS, unit=CONFINING / (DENSITY * HEIGHT)
+)
 
 
 @problem(
@@ -126,13 +109,13 @@ def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = S
     some = [one for one in specimens if trial.variant is not LAGGED or one[1] == 1]
     for dip, planes in some:
         exact = exact_strength(dip)
-        slips = partial(fails, dip=dip, planes=planes, variant=trial.variant)
-        ends = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
-        found.append(limit(slips, *ends, BISECTIONS))
+        pressed = partial(specimen, dip, planes)
+        ends = exact * (1.0 + SPAN), exact * (1.0 - SPAN)
+        found.append(STATIC.limit(pressed, trial.variant, *ends, BISECTIONS))
         cut = "" if planes == 1 else f", {planes} planes"
         quantity = f"s1 - s3 at b = {dip:g} degrees{cut}"
         trial.relative(quantity, "Pa", found[-1], exact, 0.01, RESOLUTION)
-    much = float(holds(MUCH * CONFINING, FLAT, 1, trial.variant))
+    much = float(STATIC.stands(specimen(FLAT, 1, MUCH * CONFINING), trial.variant))
     quantity = f"holds at b = {FLAT:g} degrees, s1 = {MUCH + 1:g} s3"
     trial.absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips")
     fine = np.linspace(36.0, 80.0, 89)

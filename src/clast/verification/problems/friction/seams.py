@@ -1,11 +1,4 @@
-"""A block slides over a surface that is cut into blocks.
-
-Blocks that lie flush make one surface: a block on it goes as far as on one slab, whether the joints
-are closed or open by less than it spans, the blocks under it fixed or loose on a bed.  Without
-friction the way is v t; that of a block which is pushed statically, so that each step of length h
-begins at rest and moves it by F h^2/(2 m), is F h t/(2 m); on a slope it is
-(g/2)(sin a - cos a tan phi) t^2.  A step higher than the contacts give way holds the block.
-"""
+"""A block slides over a surface that is cut into blocks."""
 
 from __future__ import annotations
 

@@ -1,14 +1,4 @@
-"""A block on an incline between residual and peak friction stands until it is pushed far enough.
-
-The friction coefficient falls from mu_p to mu_r linearly over a sliding distance w.  On a slope a
-with mu_r < tan a < mu_p the block stands.  Pushed downwards with v it slides; friction is below
-the pull of gravity from s = w (mu_p - tan a)/(mu_p - mu_r) on.  Whether it gets there is a matter
-of energy: by hand the least speed is
-
-    v_c^2 = g cos a (mu_p - tan a)^2 w/(mu_p - mu_r)
-
-Pushed harder it slides for good, at last with g (sin a - cos a mu_r).
-"""
+"""A block on an incline between residual and peak friction stands until it is pushed far enough."""
 
 from __future__ import annotations
 

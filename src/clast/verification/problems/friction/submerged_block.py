@@ -1,13 +1,4 @@
-"""Blocks under water: one rests on the bottom with less weight, one that is lighter rises.
-
-Water on all faces of a block of area A pushes it up with rho_w g A (Archimedes), as it is
-integrated over the edges; the joint below a block that rests is wet, too.  The block presses on the
-bottom with
-
-    N = (rho - rho_w) g A,
-
-and a lighter one rises by a t^2/2 with a = (rho_w - rho) g/rho: water has no inertia here.
-"""
+"""Blocks under water: one rests on the bottom with less weight, one that is lighter rises."""
 
 from __future__ import annotations
 

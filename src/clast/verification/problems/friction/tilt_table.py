@@ -1,25 +1,21 @@
-"""A tilt table: the angle at which a block slides or topples.
-
-A block b wide and h high stands on a table that is tilted.  It slides where the tilt reaches its
-friction angle, and topples where its weight passes its lower edge, at atan(b/h); the smaller of
-both comes first.
-"""
+"""A tilt table: the angle at which a block slides or topples."""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES
 
 GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
 """Height of the block, m, and its friction angle, degrees."""
@@ -54,16 +50,7 @@ def add_block(builder: InputBuilder, width: float) -> None:
     builder.measured_point("top", (0.0, HEIGHT), block="block")
 
 
-def holds(width: float, tilt: float, variant: Variant) -> bool:
-    """Return whether a block stays on the table."""
-    return standing(
-        table(width, tilt),
-        variant,
-        normal_stiffness=2e9,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
 
 
 @problem(set_up=table, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=())
@@ -79,11 +66,9 @@ def tilt_table(trial: Trial) -> None:
     """
     for width in WIDTHS:
         exact = exact_angle(width)
-
-        def stays(tilt: float, width: float = width) -> bool:
-            return holds(width, tilt, trial.variant)
-
-        found = limit(stays, exact + SPAN, exact - SPAN, BISECTIONS)
+        found = STATIC.limit(
+            partial(table, width), trial.variant, exact + SPAN, exact - SPAN, BISECTIONS
+        )
         quantity = f"tilt at which b/h = {width / HEIGHT:g} moves"
         trial.absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION)
     fine = np.linspace(0.1, 1.2, 111)

@@ -1,11 +1,8 @@
-"""The point load under which a semicircular arch collapses.
-
-A load on a voussoir pulls the line of thrust towards it, until the arch folds on four hinges.  The
-largest load with a line of thrust inside the arch is found by linear programming (Heyman 1982).
-Next to a springing no load is too large: its line stays inside.
-"""
+"""The point load under which a semicircular arch collapses."""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 
@@ -19,14 +16,13 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0
 RADIUS, SHARE, VOUSSOIRS = 5.0, 0.15, 20
@@ -73,16 +69,7 @@ def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     return builder.build()
 
 
-def holds(place: int, load: float, variant: Variant) -> bool:
-    """Return whether the arch carries a load."""
-    return standing(
-        loaded_arch(place, load),
-        variant,
-        normal_stiffness=1e10,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=1e10, step=STEP, steps=STEPS)
 
 
 @problem(set_up=loaded_arch, variants=(OPEN_CLOSE, CONVEX), quick=())
@@ -100,11 +87,9 @@ def arch_load(trial: Trial, places: tuple[int, ...] = PLACES) -> None:
     """
     for place in places:
         exact = exact_load(place)
-
-        def stands(load: float, place: int = place) -> bool:
-            return holds(place, load, trial.variant)
-
-        found = limit(stands, HIGH * exact, LOW * exact, BISECTIONS)
+        found = STATIC.limit(
+            partial(loaded_arch, place), trial.variant, HIGH * exact, LOW * exact, BISECTIONS
+        )
         quantity = f"largest load on voussoir {place}"
         trial.relative(quantity, "N/m", found, exact, 0.015, RESOLUTION)
     every = range(11, 17)

@@ -11,6 +11,7 @@ here reaches.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -25,14 +26,13 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, DENSITY = 9.8, 2400.0
 STEP, STEPS, BISECTIONS, FEW = 2e-2, 200, 4, 3
@@ -117,16 +117,7 @@ def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
     return builder.build()
 
 
-def holds(arch: Arch, factor: float, variant: Variant) -> bool:
-    """Return whether an arch resists a push."""
-    return standing(
-        pushed(arch, factor),
-        variant,
-        normal_stiffness=1e10,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=1e10, step=STEP, steps=STEPS)
 
 
 @problem(set_up=pushed, variants=(OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(ARCHES[:1], FEW))
@@ -148,11 +139,13 @@ def arch_push(
     """
     for arch in arches:
         exact = exact_factor(arch)
-
-        def stands(factor: float, arch: Arch = arch) -> bool:
-            return holds(arch, factor, trial.variant)
-
-        found = limit(stands, (1.0 + SPAN) * exact, (1.0 - SPAN) * exact, bisections)
+        found = STATIC.limit(
+            partial(pushed, arch),
+            trial.variant,
+            (1.0 + SPAN) * exact,
+            (1.0 - SPAN) * exact,
+            bisections,
+        )
         quantity = f"push over weight, {arch.name}"
         trial.relative(quantity, "", found, exact, TOLERANCE, RESOLUTION)
     # with less friction arches slide: their points belong to neither line

@@ -1,11 +1,4 @@
-"""Thrust of an arch whose support gives way: the least one, and the greatest where it comes nearer.
-
-An arch on supports that do not move may stand with any thrust between two limits.  A support that
-moves out by next to nothing makes hinges at the extrados of the crown and the intrados of the
-haunches, and the thrust falls to the least that is in equilibrium; one that moves in makes it rise
-to the greatest (Heyman 1995).  Both are found by linear programming with N1, N2 >= 0 at the ends of
-each joint and |V| <= (N1 + N2) tan phi.
-"""
+"""An arch whose support moves: the least thrust as it spreads, the greatest as it narrows."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""A pier that is loaded off its middle, on a bed that carries no tension.
-
-A bed of stiffness k per area under a stiff pier b wide carries a force N at the distance e from the
-middle with a pressure that is linear across the pier (Navier).  While e <= b/6, in the kern, it
-presses everywhere; beyond, the bed opens, and its part in contact, three times the distance of N
-from the edge, has a triangle of pressure:
-
-    e <= b/6:  edge N/b (1 + 6 e/b),   turned by 12 N e/(k b3),
-    e >= b/6:  carries over L = 3 (b/2 - e),  edge 2 N/L,  turned by 2 N/(k L2).
-"""
+"""A pier that is loaded off its middle, on a bed that carries no tension."""
 
 from __future__ import annotations
 

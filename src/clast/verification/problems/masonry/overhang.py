@@ -1,12 +1,4 @@
-"""Bricks piled over the edge of a table: how far they reach.
-
-Bricks of length L, each pushed over the one below as far as it will go, reach beyond the table by
-
-    L/2 (1 + 1/2 + 1/3 + ... + 1/n),
-
-the k-th brick from above over the next by L/(2k).  With a little less the pile stands, with a
-little more it falls.
-"""
+"""Bricks piled over the edge of a table: how far they reach."""
 
 from __future__ import annotations
 
@@ -17,13 +9,13 @@ import numpy as np
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 LENGTH, HEIGHT = 1.0, 0.25
 """Length and height of a brick, m."""
@@ -52,11 +44,7 @@ def pile(share: float = 0.99) -> Model:
     return builder.build()
 
 
-def holds(share: float, variant: Variant) -> bool:
-    """Return whether a pile stands."""
-    return standing(
-        pile(share), variant, normal_stiffness=2e8, step=STEP, steps=STEPS, max_displacement=0.01
-    )
+STATIC = StaticRun(normal_stiffness=2e8, step=STEP, steps=STEPS, max_displacement=0.01)
 
 
 @problem(set_up=pile, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -69,7 +57,7 @@ def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     Exact: reach L/2 (1 + 1/2 + ... + 1/5) = 1.14167 m.
     Source: equilibrium; the harmonic series.
     """
-    standing = [holds(share, trial.variant) for share in shares]
+    standing = [STATIC.stands(pile(share), trial.variant) for share in shares]
     longest = max((s for s, stands in zip(shares, standing, strict=True) if stands), default=0.0)
     shortest = min((s for s, stands in zip(shares, standing, strict=True) if not stands), default=9)
     exact = 0.5 * LENGTH * HARMONIC
@@ -82,5 +70,5 @@ def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
         "reach / limit",
         "stands (1) or falls (0)",
         exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
-        curve(trial.variant.name, shares, np.array(standing, float)),
+        curve(trial.variant.name, shares, np.array(float)),
     )

@@ -1,11 +1,4 @@
-"""A cracked beam between abutments arches: the thrust of a three-hinged beam.
-
-Two blocks of depth d bridge a span L between abutments, on whose noses they lie, c from their ends.
-They touch the abutments with their lower corners and each other with their upper ones; the joints
-open below and above.  With the weight W of both, each nose carries W/2 and the thrust is
-
-    H = W (L/4 - c)/(2 d).
-"""
+"""A cracked beam between abutments arches: the thrust of a three-hinged beam."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ degrees everywhere walls carry 5 to 8 % less than the bound.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -21,14 +22,13 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, Variant
+from clast.verification.variants import CONVEX
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2000.0, 40.0
 BRICK, COURSE = 1.0, 0.5
@@ -121,16 +121,7 @@ def add_wall(builder: InputBuilder, wall: Wall) -> None:
         )
 
 
-def holds(wall: Wall, share: float, variant: Variant) -> bool:
-    """Return whether a wall resists a push."""
-    return standing(
-        pushed(wall, share),
-        variant,
-        normal_stiffness=1e10,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=1e10, step=STEP, steps=STEPS)
 
 
 @problem(set_up=pushed, variants=(CONVEX,), quick=())
@@ -148,11 +139,9 @@ def wall_push(trial: Trial, walls: tuple[Wall, ...] = WALLS) -> None:
     """
     for wall in walls:
         exact = exact_push(wall)
-
-        def stands(share: float, wall: Wall = wall) -> bool:
-            return holds(wall, share, trial.variant)
-
-        found = limit(stands, HIGH * exact, LOW * exact, BISECTIONS)
+        found = STATIC.limit(
+            partial(pushed, wall), trial.variant, HIGH * exact, LOW * exact, BISECTIONS
+        )
         quantity = f"push over weight, {wall.bricks} bricks x {wall.courses} courses"
         trial.relative(quantity, "", found, exact, 0.015, RESOLUTION)
     courses = range(4, 13)

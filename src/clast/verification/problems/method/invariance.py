@@ -1,10 +1,4 @@
-"""Nothing depends on where a case lies, how it is turned, numbered or measured.
-
-The block that slides down and stops is computed again moved by 1,000 km, turned by 37 degrees
-together with gravity, with its blocks and corners numbered otherwise, and in other units.  With
-lengths in units of 1/L m and masses in units of 1/c kg, density becomes rho c/L2, gravity g L, and
-moduli and contact stiffnesses E c and p c.
-"""
+"""Nothing depends on where a case lies, how it is turned, numbered or measured."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""How the error falls with the step: observed order of convergence.
-
-Two motions with known answers are computed with a step h and with h/2; the order is
-log2(error(h)/error(h/2)).  All schemes here are of first order: where a block turns, forces act at
-lever arms of the start of the step; where a contact presses, its force is that of the end.  Second
-order with forces half way is in the problem "convergence".
-"""
+"""How the error falls with the step: observed order of convergence."""
 
 from __future__ import annotations
 

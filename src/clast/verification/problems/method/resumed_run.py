@@ -1,9 +1,4 @@
-"""A run that is resumed leaves the same digits.
-
-Two cases, one dynamic and one static with a support that moves, are run to their end; and again,
-but interrupted as by Ctrl+C in the middle, and resumed from the checkpoint.  Blocks, contacts and
-energies have to agree to the last bit.
-"""
+"""A run that is resumed leaves the same digits."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""A staged case that is moved, turned, mirrored, numbered otherwise or written in other units.
-
-Weight comes on, a prop is taken out and its forces let go while a bolt is installed, a load grows
-by a table, and the ground shakes.  Displacement and bolt force have to be those of the original:
-with lengths in units of 1/L m and masses in units of 1/c kg, springs in N/m become k c and forces
-F c L.
-"""
+"""A staged case that is moved, turned, mirrored, numbered otherwise or written in other units."""
 
 from __future__ import annotations
 

@@ -16,20 +16,21 @@ planes and the joint (phi_j) have friction angles of their own, it is (Sarma 197
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.optimize import brentq
 
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 STEEP, FLATS = 50.0, (0.0, 5.0, 10.0)
 """Dip of the upper plane, and dips of the lower plane that are run, degrees."""
@@ -117,16 +118,12 @@ def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20
     return builder.build()
 
 
-def holds(flat: float, angles: tuple[float, float, float], variant: Variant) -> bool:
-    """Return whether both blocks stay."""
-    return standing(
-        slope(flat, angles),
-        variant,
-        normal_stiffness=5e8,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+def alike(flat: float, friction_angle: float) -> Model:
+    """Return base and blocks with one friction angle, degrees."""
+    return slope(flat, (friction_angle, friction_angle, friction_angle))
+
+
+STATIC = StaticRun(normal_stiffness=5e8, step=STEP, steps=STEPS)
 
 
 @problem(set_up=slope, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -143,17 +140,22 @@ def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
     found = []
     for flat in flats:
         exact = exact_limit(flat)
-
-        def stays(friction_angle: float, flat: float = flat) -> bool:
-            return holds(flat, (friction_angle,) * 3, trial.variant)
-
-        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        found.append(
+            STATIC.limit(
+                partial(alike, flat),
+                trial.variant,
+                exact - SPAN,
+                exact + SPAN,
+                BISECTIONS,
+            )
+        )
         quantity = f"friction angle at the limit, lower plane at {flat:g} degrees"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     flat = flats[-1]
     factor = exact_factor(flat)
-    share = limit(
-        lambda share: holds(flat, own_friction(share / factor), trial.variant),
+    share = STATIC.limit(
+        lambda share: slope(flat, own_friction(share / factor)),
+        trial.variant,
         1.0 - SHARE,
         1.0 + SHARE,
         BISECTIONS,

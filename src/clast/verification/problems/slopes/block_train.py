@@ -18,20 +18,17 @@ and there the joints carry the same sum with tan phi_i/F and without acceleratio
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from clast.verification.problems import (
     InputBuilder,
     Model,
     Run,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -125,16 +122,7 @@ def slide(variant: Variant) -> Run:
     )
 
 
-def holds(share: float, variant: Variant) -> bool:
-    """Return whether the blocks stay with F of 1/``share``."""
-    return standing(
-        train(factor() / share),
-        variant,
-        normal_stiffness=STATIC_STIFFNESS,
-        step=STEP,
-        steps=STATIC_STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=STATIC_STIFFNESS, step=STEP, steps=STATIC_STEPS)
 
 
 @problem(set_up=train, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
@@ -159,8 +147,8 @@ def block_train(trial: Trial) -> None:
     for number, (force, exact) in enumerate(zip(forces_between(run), exact_pushes, strict=True), 1):
         quantity = f"force between blocks {number} and {number + 1}"
         trial.relative(quantity, "N/m", force, exact, 0.01, CLOSING)
-    found = factor() / limit(
-        partial(holds, variant=trial.variant), 1.0 - SPAN, 1.0 + SPAN, BISECTIONS
+    found = factor() / STATIC.limit(
+        lambda share: train(factor() / share), trial.variant, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS
     )
     trial.relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION)
     time = histories[0].time

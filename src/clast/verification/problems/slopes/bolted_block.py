@@ -1,12 +1,4 @@
-"""A block on a plane held by a tensioned bolt: the least force that holds it.
-
-A block of weight W lies on a plane of dip a with friction phi.  A bolt at an angle b to the plane
-pulls it up and onto the plane by T.  With its friction reduced to tan phi/F it is at its limit at
-
-    T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F),
-
-which is least for tan b = tan phi/F.
-"""
+"""A block on a plane held by a tensioned bolt: the least force that holds it."""
 
 from __future__ import annotations
 
@@ -17,14 +9,13 @@ import numpy as np
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY, DENSITY = 9.81, 2600.0
 DIP, FRICTION = np.radians(35.0), np.radians(30.0)
@@ -85,16 +76,7 @@ def bolted(
     return builder.build()
 
 
-def holds(force: float, factor: float, angle: float, variant: Variant) -> bool:
-    """Return whether the block stays."""
-    return standing(
-        bolted(force, factor, angle),
-        variant,
-        normal_stiffness=2e9,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
 
 
 @problem(set_up=bolted, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(FACTORS[:1],))
@@ -111,8 +93,9 @@ def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
     for factor in factors:
         for angle in (steepest(factor), 0.0):
             exact = exact_force(factor, angle)
-            stays = partial(holds, factor=factor, angle=angle, variant=trial.variant)
-            force = limit(stays, exact * (1.0 - SPAN), exact * (1.0 + SPAN), BISECTIONS)
+            held = partial(bolted, factor=factor, angle=angle)
+            ends = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
+            force = STATIC.limit(held, trial.variant, *ends, BISECTIONS)
             place = f"F = {factor:g}, {np.degrees(angle):.4g} degrees to the plane"
             trial.relative(f"least force, {place}", "N/m", force, exact, 0.01, RESOLUTION)
             if angle > 0.0:
@@ -120,7 +103,7 @@ def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
     for angle in (steepest(1.0), 0.0):
         exact = exact_force(1.0, angle)
         for share, wanted in ((1.0 + ASIDE, 1.0), (1.0 - ASIDE, 0.0)):
-            stays_there = float(holds(share * exact, 1.0, angle, trial.variant))
+            stays_there = float(STATIC.stands(bolted(share * exact, 1.0, angle), trial.variant))
             what = f"holds at {share:g} T, {np.degrees(angle):.4g} degrees to the plane"
             trial.absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides")
     fine = np.linspace(1.0, 1.5, 41)

@@ -1,12 +1,4 @@
-"""Goodman and Bray's toppling slope held by a horizontal bolt in its toe column.
-
-At tan phi = 0.65 the toe column is pushed by P more than it carries along its base.  It slides; a
-bolt that dips by d into the slope holds it with
-
-    T = P (1 - tan2 phi)/(tan phi sin(a + d) + cos(a + d)),
-
-a being the dip of the base planes; the bolt is horizontal here, d = 0.
-"""
+"""Goodman and Bray's toppling slope held by a horizontal bolt in its toe column."""
 
 from __future__ import annotations
 

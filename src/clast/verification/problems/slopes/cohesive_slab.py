@@ -27,12 +27,12 @@ from clast.verification.problems import (
     AT_REST,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
     limit,
     problem,
-    standing,
 )
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
@@ -82,11 +82,8 @@ def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
     return builder.build()
 
 
-def stands(model: Model, variant: Variant, stiffness: float = 2e9, step: float = STEP) -> bool:
-    """Return whether the blocks stay, weight coming on without inertia."""
-    return standing(
-        model, variant, normal_stiffness=stiffness, step=step, steps=STEPS, max_displacement=0.02
-    )
+SLAB = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
+WEDGE = StaticRun(normal_stiffness=5e8, step=WEDGE_STEP, steps=STEPS)
 
 
 def stands_shaken(model: Model, variant: Variant) -> bool:
@@ -162,11 +159,8 @@ def wedges(divided_by: float = 1.0) -> Model:
 def factor_of_wedges(variant: Variant) -> float:
     """Return the divisor of the strength at which the two wedges begin to slide."""
     exact = exact_factor_of_wedges()
-
-    def holds(share: float) -> bool:
-        return stands(wedges(exact / share), variant, 5e8, WEDGE_STEP)
-
-    return exact / limit(holds, 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN, BISECTIONS)
+    ends = 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN
+    return exact / WEDGE.limit(lambda share: wedges(exact / share), variant, *ends, BISECTIONS)
 
 
 @problem(set_up=lambda: slab(CUTS[0]), variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -184,7 +178,7 @@ def cohesive_slab(trial: Trial, cuts: tuple[tuple[int, int], ...] = CUTS) -> Non
     found = []
     for pieces in cuts:
         plane, block = pieces
-        found.append(factor_of_slab(pieces, trial.variant, stands))
+        found.append(factor_of_slab(pieces, trial.variant, SLAB.stands))
         quantity = f"factor of safety, plane in {plane}, slab in {block}"
         trial.relative(quantity, "-", found[-1], FACTOR, 0.01, RESOLUTION)
     if trial.variant is CONVEX:

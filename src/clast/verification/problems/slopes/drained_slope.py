@@ -27,12 +27,11 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
 from clast.verification.problems.slopes.wet_slope import (
     GRAVITY,
@@ -144,18 +143,9 @@ def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
     slope = steep_slope()
     exact = water.factor(slope)
-
-    def stays(share: float) -> bool:
-        return standing(
-            wet(water, exact / share),
-            variant,
-            normal_stiffness=STIFFNESS,
-            step=STEP * slope.height,
-            steps=STEPS,
-            max_displacement=0.02,
-        )
-
-    found = limit(stays, 1.0 - SPAN, 1.0 + SPAN, bisections)
+    static = StaticRun(normal_stiffness=STIFFNESS, step=STEP * slope.height, steps=STEPS)
+    ends = 1.0 - SPAN, 1.0 + SPAN
+    found = static.limit(lambda share: wet(water, exact / share), variant, *ends, bisections)
     return Bracket(exact / found.low, exact / found.high)
 
 

@@ -1,10 +1,4 @@
-"""Plane failure of a slope with water in a tension crack (Hoek & Bray).
-
-A slab of weight W lies on a plane of dip a.  Water presses with U on the plane and with V on the
-vertical crack behind the slab.  It is at its limit where
-
-    tan phi = (W sin a + V cos a)/(W cos a - U - V sin a).
-"""
+"""Plane failure of a slope with water in a tension crack (Hoek & Bray)."""
 
 from __future__ import annotations
 
@@ -15,14 +9,13 @@ import numpy as np
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY, DENSITY, WATER = 9.81, 2600.0, 1000.0
 DIP = np.radians(25.0)
@@ -77,16 +70,7 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-def holds(level: float, friction_angle: float, variant: Variant) -> bool:
-    """Return whether the slab stays."""
-    return standing(
-        slab(level, friction_angle),
-        variant,
-        normal_stiffness=2e9,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
 
 
 @problem(set_up=slab, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -102,8 +86,11 @@ def plane_failure(trial: Trial, levels: tuple[float, ...] = LEVELS) -> None:
     found = []
     for level in levels:
         exact = exact_limit(level)
-        stays = partial(holds, level, variant=trial.variant)
-        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        found.append(
+            STATIC.limit(
+                partial(slab, level), trial.variant, exact - SPAN, exact + SPAN, BISECTIONS
+            )
+        )
         quantity = f"friction angle at the limit, water at {level:g} of the crack"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 41)

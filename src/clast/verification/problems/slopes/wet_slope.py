@@ -22,12 +22,11 @@ from clast.verification.problems import (
     Floats,
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -143,29 +142,18 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0, seismic: fl
     return builder.build()
 
 
-def holds(
-    slope: Slope, water: float, factor: float, variant: Variant, seismic: float = 0.0
-) -> bool:
-    """Return whether the slab stays with its strength divided by a factor."""
-    return standing(
-        slope_model(slope, water, factor, seismic),
-        variant,
-        normal_stiffness=2e9,
-        step=STEP * slope.height,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
-
-
 def factor_of_safety(slope: Slope, water: float, variant: Variant, seismic: float = 0.0) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
     exact = slope.exact_factor(water, seismic)
-
-    def stays(share: float) -> bool:
-        return holds(slope, water, exact / share, variant, seismic)
-
+    static = StaticRun(normal_stiffness=2e9, step=STEP * slope.height, steps=STEPS)
     # shares of the exact strength: from a little less, which slides, to a little more
-    found = limit(stays, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+    found = static.limit(
+        lambda share: slope_model(slope, water, exact / share, seismic),
+        variant,
+        1.0 - SPAN,
+        1.0 + SPAN,
+        BISECTIONS,
+    )
     return Bracket(exact / found.low, exact / found.high)
 
 

@@ -1,12 +1,4 @@
-"""A block is drawn over a floor: the reaction is friction, and inertia while it gets faster.
-
-With the velocity v reached over the time e the acceleration is a = v/e, and
-
-    R = mu N + m a,    R = mu N later,    N = m g.
-
-The reaction of the floor is -mu N along and N across.  Where the floor is one block or several,
-whichever way the whole is turned and however long the steps are, none of this changes.
-"""
+"""A block is drawn over a floor: the reaction is friction, and inertia while it gets faster."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""A lining as a cantilever: its deflection, and the moment at which it yields under compression.
-
-With the springs of a lining between n segments, half a segment from the clamp, the deflection is
-
-    w = P L^3/(3 E I) (1 + 1/(2 n^2)) + P L/(k G A)
-
-A section of the strengths f_c and f_t yields where N = f_t (t - c) - f_c c and
-M = (f_c + f_t) c (t - c)/2.  The section at the clamp of a cantilever that carries N along and P
-across yields first, at P = M(N)/L.
-"""
+"""A lining as a cantilever: its deflection, and the moment at which it yields under compression."""
 
 from __future__ import annotations
 

@@ -1,12 +1,4 @@
-"""A press with a servo closes the joints of a sample under a stress that it holds.
-
-Layers of height t with joints of the normal stiffness k_n between them shorten under the stress
-sigma by
-
-    u = sigma (j/k_n + n t/E)
-
-of j joints and n layers, without Poisson's effect.
-"""
+"""A press with a servo closes the joints of a sample under a stress that it holds."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""A lintel on two piers, one of which settles: it turns, and its reactions stay.
-
-Piers with edges L apart carry W/2 each, whatever one of them does; when it has settled by s the
-lintel has turned by asin(s/L').  Its underside lies on both edges, so that with the edges
-sqrt(L^2 + s^2) apart tan r = s/L.
-"""
+"""A lintel on two piers, one of which settles: it turns, and its reactions stay."""
 
 from __future__ import annotations
 

@@ -1,14 +1,4 @@
-"""A slow press squeezes blocks against a wall without weight: nothing strikes, both feel one force.
-
-A press with the velocity v, eased over e, has gone by v (t - e/2).  Blocks with the height H, the
-length L in all and no Poisson's ratio, and joints of four corners with the stiffness p each, are
-springs in a row, so that
-
-    F = v (t - e/2)/(L/(E H) + (n + 1)/(4 p))
-
-is on the press and on the wall, and F2/2 times their compliance is stored.  The work of the press
-is that, and what the time integration takes, whose forces are those of the end of each step.
-"""
+"""Blocks squeezed slowly against a wall without weight: nothing strikes, both feel one force."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""A beam that is clamped at both ends and loaded in the middle collapses where hinges yield.
-
-Links against rotation that yield at M_p, at both ends and in the middle, make a mechanism whose
-collapse load is 8 M_p/L; with a short piece of the width w in the middle, between two links,
-
-    P = 4 M_p/l,    l = (L - w)/2.
-"""
+"""A beam that is clamped at both ends and loaded in the middle collapses where hinges yield."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""A stack of blocks of which the upper ones are excavated: the remaining ones grow.
-
-The blocks that are taken out weighed W.  Below them the pressure falls by W/b, b being the width:
-each block of height h grows by
-
-    W h/(b E),
-
-and each joint of n contacts on springs p opens by W/(n p): n = 2 on the floor, which is wider, and
-n = 4 between blocks of one width, whose corners coincide.
-"""
+"""A stack of blocks of which the upper ones are excavated: the remaining ones grow."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""Rock under in-situ stress in which nothing was dug stays as it is.
-
-A uniform stress is in equilibrium however joints cut the rock: every joint carries the traction
-sigma n of it, and blocks keep the stress.  So is the stress of the weight, rho g z down and
-k0 rho g z across.  With the stress in blocks and contacts from the start nothing may move, and the
-mean of the vertical stress over all blocks is that at half of the height, rho g H/2.
-"""
+"""Rock under in-situ stress in which nothing was dug stays as it is."""
 
 from __future__ import annotations
 

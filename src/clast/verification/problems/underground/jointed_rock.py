@@ -1,13 +1,4 @@
-"""The modulus of a jointed rock mass.
-
-A column of blocks of height s with joints of normal stiffness k per area between them is
-compressed.  Rock and joints lie in series, so that the whole has the modulus E_m of
-
-    1/E_m = 1/E + 1/(k s)                                           (Goodman 1989).
-
-Blocks of equal width meet corner on corner: four contacts share a joint, and each has a quarter of
-its stiffness.
-"""
+"""The modulus of a jointed rock mass."""
 
 from __future__ import annotations
 

@@ -9,19 +9,20 @@ carries N with the shear force N tan phi, which gives
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
-    limit,
     problem,
-    standing,
 )
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY, DENSITY = 9.8, 2600.0
 TOP, BOTTOM, HEIGHT = 1.0, 1.6, 2.0
@@ -65,16 +66,7 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-def holds(force: float, friction_angle: float, variant: Variant) -> bool:
-    """Return whether the wedge stays in the roof."""
-    return standing(
-        roof(force, friction_angle),
-        variant,
-        normal_stiffness=4e8,
-        step=STEP,
-        steps=STEPS,
-        max_displacement=0.02,
-    )
+STATIC = StaticRun(normal_stiffness=4e8, step=STEP, steps=STEPS)
 
 
 @problem(set_up=roof, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
@@ -91,11 +83,8 @@ def key_block(trial: Trial, angles: tuple[float, ...] = FRICTION_ANGLES) -> None
     found = []
     for angle in angles:
         exact = exact_force(angle)
-
-        def stays(force: float, angle: float = angle) -> bool:
-            return holds(force, angle, trial.variant)
-
-        found.append(limit(stays, 0.84 * exact, 1.16 * exact, BISECTIONS))
+        pressed = partial(roof, friction_angle=angle)
+        found.append(STATIC.limit(pressed, trial.variant, 0.84 * exact, 1.16 * exact, BISECTIONS))
         quantity = f"force at the limit, phi = {angle:g} degrees"
         trial.relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED)
     fine = np.linspace(20.0, 50.0, 61)

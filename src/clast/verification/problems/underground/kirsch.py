@@ -85,7 +85,7 @@ class Rings:
 FINE, COARSE = Rings(), Rings(24, 10, 1.3)
 
 
-def model_of_kirsch(radius: float, angle: float, ratio: float) -> tuple[float, float]:
+def kirsch_stresses(radius: float, angle: float, ratio: float) -> tuple[float, float]:
     """Return s_r and s_t, Pa, compression, at a radius, m, and angle, rad, for k = ``ratio``."""
     mean, half = 0.5 * PRESSURE * (1.0 + ratio), 0.5 * PRESSURE * (1.0 - ratio)
     q, across = (RADIUS / radius) ** 2, float(np.cos(2.0 * angle))
@@ -192,7 +192,7 @@ def kirsch(trial: Trial, rings: Rings = FINE, ratios: tuple[float, ...] = (0.5, 
             trial.relative(f"closure, {where}", "m", computed, exact, 0.015, MESH)
             radius, *found = stress_at(run, ring, place)
             for name, value, true in zip(
-                ("radial", "tangential"), found, model_of_kirsch(radius, angle, ratio), strict=True
+                ("radial", "tangential"), found, kirsch_stresses(radius, angle, ratio), strict=True
             ):
                 quantity = f"{name} stress at r = {radius:.3g} m, {where}"
                 trial.relative(quantity, "Pa", value, true, 0.05, MESH)

@@ -1,10 +1,4 @@
-"""A prop is taken out from under a block, and its force let go little by little.
-
-Of the weight W that the prop carried the share r ends at once and the rest within the time T.
-Nothing else holds the block: it falls with a = g (r + (1 - r) t/T) and so by
-
-    s = g (r t^2/2 + (1 - r) t^3/(6 T)),    t <= T.
-"""
+"""A prop is taken out from under a block, and its force let go little by little."""
 
 from __future__ import annotations
 

@@ -25,12 +25,12 @@ from scipy.optimize import brentq, minimize_scalar
 from clast.verification.problems import (
     InputBuilder,
     Model,
+    StaticRun,
     Trial,
     curve,
     exact_curve,
     limit,
     problem,
-    standing,
 )
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
@@ -123,11 +123,10 @@ def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
     return float(outer - middle), float(memory.normal_force[here].sum())
 
 
-def holds(stiffness: float, variant: Variant) -> bool:
+def stands(stiffness: float, variant: Variant) -> bool:
     """Return whether the beam stays up."""
-    return standing(
-        beam(), variant, normal_stiffness=stiffness, step=STEP, steps=LONG, max_displacement=FAR
-    )
+    static = StaticRun(normal_stiffness=stiffness, step=STEP, steps=LONG, max_displacement=FAR)
+    return static.stands(beam(), variant)
 
 
 def compare_rest(trial: Trial) -> None:
@@ -168,7 +167,7 @@ def snap_through(trial: Trial) -> None:
     compare_rest(trial)
     exact = snapping()[0]
     found = limit(
-        partial(holds, variant=trial.variant),
+        partial(stands, variant=trial.variant),
         (1.0 - SPAN) * exact,
         (1.0 + SPAN) * exact,
         BISECTIONS,

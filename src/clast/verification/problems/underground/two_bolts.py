@@ -1,14 +1,4 @@
-"""Two kinds of bolts hold a block, one of which yields: loaded, unloaded, and the residual stretch.
-
-Bars of stiffness a that yield at F_y stand beside one of stiffness b that does not.  A load F on
-the block stretches all of them by
-
-    u = F/(a + b) up to u_y = F_y/a,    u = (F - F_y)/b beyond,
-
-and when it is taken off all the stretch stays at which they balance each other,
-
-    u = a (u_largest - u_y)/(a + b),    with -b u in the one that has not yielded.
-"""
+"""Bolts hold a block, one of which yields: loaded, unloaded, and the residual stretch."""
 
 from __future__ import annotations
 

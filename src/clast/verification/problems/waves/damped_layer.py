@@ -1,14 +1,4 @@
-"""A damped layer on ground that moves sideways and up at once, at 7.5 Hz and at 10.6 Hz.
-
-Shear waves and pressure waves run up and down a layer of height H that does not give way sideways
-where it is pressed.  With damping by elasticity, G* = G (1 + i w s), the surface moves by
-
-    |u/u_base| = 1/|cos(k* H)|,    k* = (w/c)/sqrt(1 + i w s)
-
-times the base (Kramer 1996), with c_s = sqrt(G/rho) sideways and c_p = sqrt(E'/rho) up and down.
-Both frequencies are those of the second resonance of their waves, which go up and down many times:
-any damping by the time scheme shows.  There are 20 steps in a period of the quicker one.
-"""
+"""A damped layer on ground that moves sideways and up at once, at 7.5 Hz and at 10.6 Hz."""
 
 from __future__ import annotations
 

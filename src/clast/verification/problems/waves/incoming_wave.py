@@ -1,12 +1,4 @@
-"""Waves of 10 Hz that come in from below, sideways and up and down, with and without damping.
-
-A burst with the velocity v(t) runs up through a pile on a viscous bottom, shear with c_s or
-compression with c_p, and is doubled at the free surface:
-
-    v_surface(t) = 2 v(t - H/c).
-
-Stiffness damping b takes of a wave of frequency w the factor exp(-b w^2 H/(2 c)) on its way up.
-"""
+"""Waves of 10 Hz that come in from below, sideways and up and down, with and without damping."""
 
 from __future__ import annotations
 

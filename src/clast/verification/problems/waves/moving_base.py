@@ -1,13 +1,4 @@
-"""A block on a moving base: stick, slip and stick again.
-
-The base moves to and fro with the acceleration A sin(w t), A > g tan(phi).  The block goes with it
-until the base asks for more than friction gives, then has the acceleration g tan(phi) of either
-sign until both have the same speed again:
-
-    speed' = g tan(phi) sign(base speed - speed)     where it slips.
-
-The exact motion is integrated between the instants at which slip begins and ends.
-"""
+"""A block on a moving base: stick, slip and stick again."""
 
 from __future__ import annotations
 

@@ -1,14 +1,4 @@
-"""Newmark's sliding block: how far a slope slides in an earthquake.
-
-A block on a plane that dips by a, with the friction angle phi > a, slides down while the ground
-accelerates into the slope by more than the yield acceleration g tan(phi - a), and goes on until it
-has stopped relative to the ground:
-
-    slip'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)),      slip' >= 0.
-
-The ground moves as 0.5 g sin(2 pi t).  The ground itself moves, or, seen from the ground, the block
-under the body force -rho a_ground.
-"""
+"""Newmark's sliding block: how far a slope slides in an earthquake."""
 
 from __future__ import annotations
 

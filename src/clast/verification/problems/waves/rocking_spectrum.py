@@ -1,14 +1,4 @@
-"""A free-standing block under one cycle of ground acceleration: two ways to fall, a safe region.
-
-The block of half diagonal R and slenderness a, tan a = b/h, rocks about its corners,
-
-    t'' = -p2 (sin(+-a - t) + u''/g cos(+-a - t)),    p2 = 3 g/(4 R),
-
-t being its tilt, with the sign of t, and u'' the acceleration of the ground.  Every impact leaves
-the share 1 - 3/2 sin2 a of its rate (Housner 1963).  Under one cycle of sine it falls over without
-an impact where the pulse is strong, or after one where it is weaker; between the two is a range of
-amplitudes at which it stays up (Zhang & Makris 2001).
-"""
+"""A free-standing block under one cycle of ground acceleration: two ways to fall, a safe region."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""A block on dashpots alone: it sinks with the speed at which these carry its weight.
-
-With dashpots of rho c_p by area under its width b a rigid block of mass m sinks as
-
-    v = v_T (1 - exp(-t/T)),    v_T = m g/(rho c_p b),    T = m/(rho c_p b).
-"""
+"""A block on dashpots alone: it sinks with the speed at which these carry its weight."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""A wave runs along a bar of blocks into a viscous end.
-
-A dashpot of a rho c by area at the end of a bar sends back (a - 1)/(a + 1) of the stress of a wave
-that arrives (Lysmer & Kuhlemeyer 1969): nothing with a = 1, all of it, with the other sign, from a
-free end.  As a bar of blocks damps the wave on its way, by the time scheme, the reflection is
-compared with that of the free end.
-"""
+"""A wave runs along a bar of blocks into a viscous end."""
 
 from __future__ import annotations
 
