@@ -5,7 +5,6 @@ from __future__ import annotations
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress, Rock
 from clast.model.state import State, initial_state
-from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.results import PointHistory, Run
 from clast.verification.collapse_load import AT_REST, StaticRun, limit
 from clast.verification.problem import (
@@ -21,9 +20,7 @@ from clast.verification.problem import (
 __all__ = [
     "AT_REST",
     "Bracket",
-    "Chart",
     "Comparison",
-    "Curve",
     "Floats",
     "InputBuilder",
     "KnownFailure",
@@ -38,8 +35,6 @@ __all__ = [
     "StaticRun",
     "Trial",
     "absolute",
-    "curve",
-    "exact_curve",
     "initial_state",
     "limit",
     "problem",

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Chart,
-    InputBuilder,
-    Model,
-    Plane,
-    PlaneStrain,
-    PlaneStress,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import InputBuilder, Model, Plane, PlaneStrain, PlaneStress
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25

@@ -4,16 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 GRAVITY, WATER, DENSITY = 9.81, 1000.0, 500.0

@@ -4,19 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Chart,
-    Comparison,
-    Curve,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import Chart, Curve, curve, exact_curve
+from clast.verification.problem import Comparison, Trial, problem, relative
+from clast.verification.problems import InputBuilder, Model, PointHistory
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8

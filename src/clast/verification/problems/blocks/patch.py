@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Plane,
-    PlaneStrain,
-    PlaneStress,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Plane, PlaneStrain, PlaneStress
 from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 YOUNG, POISSON = 5e9, 0.25

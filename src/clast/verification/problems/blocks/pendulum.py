@@ -5,16 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ellipk
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2700.0

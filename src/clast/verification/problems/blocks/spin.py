@@ -14,16 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, KnownFailure, Model, Trial, problem
 from clast.verification.variants import LAGGED, Variant
 
 SPIN = 10.0

@@ -5,19 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
-from clast.verification.problems import (
-    Chart,
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    State,
-    Trial,
-    curve,
-    exact_curve,
-    initial_state,
-    problem,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Run, State, initial_state
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,

@@ -15,17 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Chart,
-    InputBuilder,
-    Model,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Trial, absolute, problem, relative
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,

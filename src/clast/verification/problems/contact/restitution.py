@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, Variant
 
 YOUNG, DENSITY, GRAVITY = 5e9, 2500.0, 9.8

@@ -12,16 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.verification.problems import (
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, KnownFailure, Model, Run, Trial, problem
 from clast.verification.problems.friction.incline import GRAVITY, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, PASSES, Variant
 

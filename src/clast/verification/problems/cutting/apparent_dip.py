@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Domain, JointSet, apparent, cut
 from clast.verification.cut_blocks import CUT, drawing_of, lines_of
-from clast.verification.problems import Chart, Floats, Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import Floats, Model, Trial, problem
 from clast.verification.variants import Variant
 
 SIDE, SPACING = 40.0, 0.8

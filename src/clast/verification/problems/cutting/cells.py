@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import JointSet, Voronoi, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Floats, Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import Floats, Model, Trial, problem
 
 SIDE = 10.0
 """Side of the square, m."""

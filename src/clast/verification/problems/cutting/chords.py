@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import Circle, Cut, JointSet, Opening, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import Model, Trial, problem
 
 SIDE, CENTER, RADIUS = 8.0, (3.0, 4.0), 2.0
 """Side of the domain, centre and radius of the opening, m."""

@@ -4,19 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.rockmass import Baecher, JointSet, PoissonLines, cut
 from clast.rockmass.cut_report import frequency
 from clast.verification.cut_blocks import CUT, drawing_of, lines_of, rectangle
-from clast.verification.problems import (
-    Chart,
-    Curve,
-    Floats,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, Model, Trial, problem
 
 SIDE = 100.0
 """Side of the square, m."""

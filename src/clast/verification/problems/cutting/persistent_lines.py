@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Baecher, Circle, Cut, Exponential, JointSet, Opening, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Chart, Floats, Trial, curve, exact_curve, problem
+from clast.verification.problems import Floats, Trial, problem
 from clast.verification.variants import Variant
 
 WIDTH, HEIGHT = 10.0, 8.0

@@ -15,9 +15,10 @@ from __future__ import annotations
 import numpy as np
 from scipy import special
 
+from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Exponential, JointSet, cut
 from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Chart, Floats, Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import Floats, Model, Trial, problem
 from clast.verification.variants import Variant
 
 WIDTH, HEIGHT = 40.0, 30.0

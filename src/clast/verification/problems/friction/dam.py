@@ -14,16 +14,8 @@ from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, WATER = 9.81, 2400.0, 1000.0

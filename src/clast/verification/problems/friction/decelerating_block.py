@@ -4,16 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Chart,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, PointHistory, Trial, problem
 from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8

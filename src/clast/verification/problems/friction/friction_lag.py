@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import Chart, Trial, curve, exact_curve, problem
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problems import Trial, problem
 from clast.verification.problems.friction.incline import computed_way, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, CONVEX_LAGGED, IMPLICIT, LAGGED, Variant
 

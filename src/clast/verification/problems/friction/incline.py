@@ -4,17 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Comparison,
-    InputBuilder,
-    Model,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Comparison, Trial, absolute, problem, relative
+from clast.verification.problems import InputBuilder, Model
 from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8

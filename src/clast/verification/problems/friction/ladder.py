@@ -14,15 +14,8 @@ from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 LENGTH, WIDTH = 4.0, 0.2

@@ -19,15 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 FRICTION_ANGLE, COHESION = 30.0, 0.4e6

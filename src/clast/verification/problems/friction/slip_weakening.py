@@ -4,17 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    limit,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, limit
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8

@@ -21,17 +21,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from clast.model.stages import TIME, Stage
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,

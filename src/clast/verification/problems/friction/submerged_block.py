@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.8, 1000.0

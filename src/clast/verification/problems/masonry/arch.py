@@ -4,17 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import add_voussoirs, joint_ends, reserve, voussoirs_between
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    limit,
-    problem,
-)
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, limit, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 RADIUS, VOUSSOIRS = 5.0, 20

@@ -21,16 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.problems.masonry.arch_push import DENSITY, GRAVITY, Arch, add_arch
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
 

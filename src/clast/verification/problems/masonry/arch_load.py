@@ -6,22 +6,14 @@ from functools import partial
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import (
     add_voussoirs,
     joint_ends,
     largest_factor,
     voussoirs_between,
 )
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0

@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import (
     RigidBlocks,
     add_voussoirs,
@@ -22,16 +23,7 @@ from clast.verification.limit_analysis import (
     largest_factor,
     voussoirs_between,
 )
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, DENSITY = 9.8, 2400.0

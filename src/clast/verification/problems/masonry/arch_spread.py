@@ -7,17 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
+from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import least
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.problems.masonry.arch_push import (
     DENSITY,
     GRAVITY,

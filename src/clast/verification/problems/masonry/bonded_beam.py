@@ -19,16 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    limit,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Run, Trial, limit, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
 
 HEIGHT, LENGTH = 0.5, 0.5

@@ -6,15 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 LENGTH, HEIGHT = 1.0, 0.25

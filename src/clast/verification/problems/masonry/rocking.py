@@ -19,17 +19,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import KnownFailure, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,

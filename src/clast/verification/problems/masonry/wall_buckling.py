@@ -19,17 +19,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from clast.model.stages import Stage
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, Variant
 
 WIDTH, HEIGHT = 0.3, 3.0

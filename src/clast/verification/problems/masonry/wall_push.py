@@ -17,17 +17,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import GROUND, RigidBlocks, RigidJoint, largest_factor
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2000.0, 40.0

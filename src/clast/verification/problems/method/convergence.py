@@ -23,17 +23,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import (
     CONVEX,
     LAGGED,

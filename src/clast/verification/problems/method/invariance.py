@@ -6,16 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, KnownFailure, Model, Trial, problem
 from clast.verification.problems.friction import decelerating_block
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.verification.problems import Trial, curve, exact_curve, problem
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Trial, problem
 from clast.verification.problems.blocks import pendulum
 from clast.verification.problems.contact import bounce
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant

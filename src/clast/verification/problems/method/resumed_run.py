@@ -10,9 +10,10 @@ import numpy as np
 
 from clast.case.case_file import Case
 from clast.case.resume import resume as resume_case
+from clast.pictures.verification import curve, exact_curve
 from clast.run.interrupts import Interrupted
 from clast.run.schedule import Progress
-from clast.verification.problems import Floats, Model, Run, Trial, curve, exact_curve, problem
+from clast.verification.problems import Floats, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 CASE = "resume.toml"

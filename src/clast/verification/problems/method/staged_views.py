@@ -8,17 +8,10 @@ import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.stages import TIME, Stage
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.problems.method.invariance import ORIGINAL, View
 from clast.verification.variants import CONVEX, Variant
 

@@ -21,15 +21,8 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 STEEP, FLATS = 50.0, (0.0, 5.0, 10.0)
@@ -142,11 +135,7 @@ def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
         exact = exact_limit(flat)
         found.append(
             STATIC.limit(
-                partial(alike, flat),
-                trial.variant,
-                exact - SPAN,
-                exact + SPAN,
-                BISECTIONS,
+                partial(alike, flat), trial.variant, exact - SPAN, exact + SPAN, BISECTIONS
             )
         )
         quantity = f"friction angle at the limit, lower plane at {flat:g} degrees"

@@ -20,16 +20,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    Run,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Run, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0

@@ -23,17 +23,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    AT_REST,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    limit,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import AT_REST, InputBuilder, Model, StaticRun, limit
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 

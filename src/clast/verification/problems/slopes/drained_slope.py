@@ -22,17 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from clast.verification.problems import (
-    Bracket,
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Bracket, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun
 from clast.verification.problems.slopes.wet_slope import (
     GRAVITY,
     STEP,

@@ -19,15 +19,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY, DIP = 9.8, np.radians(25.0)

@@ -15,16 +15,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 DIP = np.radians(30.0)

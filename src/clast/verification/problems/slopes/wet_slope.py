@@ -17,17 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Bracket,
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Bracket, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.81, 1000.0

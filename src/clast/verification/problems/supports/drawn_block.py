@@ -4,16 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 DENSITY, GRAVITY, ANGLE = 2500.0, 9.8, 30.0

@@ -24,22 +24,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
-from clast.verification.problems import (
-    Comparison,
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.verification.problem import Comparison, Trial, absolute, problem, relative
+from clast.verification.problems import Floats, InputBuilder, Model, Run
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 LENGTH, HEIGHT, GRAVITY, DENSITY = 1.0, 0.1, 9.8, 2500.0

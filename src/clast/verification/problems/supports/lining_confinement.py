@@ -18,18 +18,10 @@ import itertools
 import numpy as np
 
 from clast.model.stages import Stage
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
 RADII = (2.0, 2.5, 3.2, 4.2, 5.5, 7.5, 10.0, 11.0)

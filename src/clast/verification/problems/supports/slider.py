@@ -18,19 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Comparison,
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Comparison, Trial, absolute, problem, relative
+from clast.verification.problems import Floats, InputBuilder, Model, Run
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE, Variant
 
 DENSITY, YOUNG = 1000.0, 1e12

@@ -6,18 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Comparison,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Comparison, Trial, absolute, problem, relative
+from clast.verification.problems import InputBuilder, Model, Run
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE, Variant
 
 DENSITY, SPEED, EASE, END, LENGTH = 2000.0, 1e-3, 0.02, 0.1, 1.0

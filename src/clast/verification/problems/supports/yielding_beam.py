@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 HALF, WIDTH, HEIGHT = 2.0, 0.2, 0.2

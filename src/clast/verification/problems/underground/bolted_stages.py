@@ -23,18 +23,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from clast.model.stages import TIME, Stage
+from clast.pictures.verification import Curve, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Curve,
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
+from clast.verification.problems import InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE
 
 GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0

@@ -6,19 +6,10 @@ import numpy as np
 
 from clast.inputs.in_situ import Overburden
 from clast.model.surroundings import InSituStress
+from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import Domain, Exponential, JointSet, cut
-from clast.verification.problems import (
-    Comparison,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    absolute,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.verification.problem import Comparison, Trial, absolute, problem, relative
+from clast.verification.problems import InputBuilder, Model, Run
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 WIDTH, HEIGHT = 30.0, 20.0

@@ -22,17 +22,9 @@ from functools import partial
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PlaneStrain,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, PlaneStrain, Run
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0

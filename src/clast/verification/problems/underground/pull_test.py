@@ -15,15 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 BOLT, YIELD, RUPTURE = 1e8, 2e5, 8e-3

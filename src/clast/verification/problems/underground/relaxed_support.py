@@ -6,19 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from clast.pictures.verification import curve, exact_curve
 from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY = 9.8

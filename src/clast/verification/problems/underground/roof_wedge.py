@@ -19,15 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 PRESS, FRICTION_ANGLE, NORMAL = 1e6, 40.0, 1e10

@@ -23,18 +23,9 @@ from functools import partial
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.verification.problems import (
-    Bracket,
-    Floats,
-    InputBuilder,
-    Model,
-    PlaneStrain,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problem import Bracket, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, PlaneStrain, Run
 from clast.verification.variants import CONVEX, Variant
 
 INNER, OUTER, AROUND = 3.0, 4.0, 5.0

@@ -22,16 +22,8 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    curve,
-    exact_curve,
-    limit,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, limit, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2600.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import InputBuilder, Model, Trial, curve, exact_curve, problem
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES
 
 YIELDING, ELASTIC = 2e7, 1e7

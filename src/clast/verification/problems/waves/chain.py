@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import InputBuilder, Model, Run, Trial, curve, exact_curve, problem
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 BLOCKS, DENSITY = 3, 2500.0

@@ -20,18 +20,10 @@ import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY, LENGTH, PRESSED = 2e9, 2000.0, 2.0, -1e5

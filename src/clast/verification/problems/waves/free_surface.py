@@ -18,15 +18,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    PlaneStrain,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import InputBuilder, Model, PlaneStrain, Trial, problem
 from clast.verification.problems.waves.oblique_wave import (
     C_P,
     C_S,

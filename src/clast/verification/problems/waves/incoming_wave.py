@@ -8,18 +8,10 @@ import numpy as np
 
 from clast.actions.damping import Rayleigh
 from clast.model.ground_motion import Accelerogram, IncomingWave
+from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
 from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 SPEED, DENSITY = 1000.0, 2200.0

@@ -17,19 +17,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
-from clast.verification.problems import (
-    Chart,
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problem import Trial, problem, relative
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Run
 from clast.verification.variants import CONVEX, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 10, 40.0

@@ -15,15 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    PointHistory,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-    relative,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Model, PointHistory, Trial, problem, relative
 from clast.verification.problems.waves.layer import (
     HEIGHT,
     RATIO,

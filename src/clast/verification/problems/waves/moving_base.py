@@ -5,15 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE
 
 GRAVITY, FRICTION_ANGLE = 9.8, 15.0

@@ -6,18 +6,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase
-from clast.verification.problems import (
-    Chart,
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problem import KnownFailure, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Run
 from clast.verification.variants import (
     CHATTERS,
     CONVEX,

@@ -21,16 +21,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PlaneStrain,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, PlaneStrain, Trial, problem
 from clast.verification.variants import LAGGED, MIDPOINT, Variant
 
 YOUNG, POISSON, DENSITY = 20e9, 0.25, 2500.0

@@ -8,15 +8,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from clast.model.ground_motion import Accelerogram, InertialForce
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, Variant
 
 GRAVITY, WIDTH, HEIGHT = 9.81, 0.5, 2.0

@@ -4,15 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 GRAVITY, DENSITY, YOUNG = 9.8, 2500.0, 2.5e5

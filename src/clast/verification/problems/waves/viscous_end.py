@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.verification.problems import (
-    Chart,
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY = 50e9, 2700.0

@@ -23,20 +23,10 @@ from functools import partial
 import numpy as np
 
 from clast.contact.laws import Penalty
+from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Chart,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Rock,
-    Run,
-    Trial,
-    curve,
-    exact_curve,
-    problem,
-)
+from clast.verification.problems import InputBuilder, Model, PointHistory, Rock, Run, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY = 50e9, 2700.0
