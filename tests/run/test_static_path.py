@@ -12,7 +12,7 @@ from clast import Stage
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems.masonry import arch_spread
+from clast.verification.problems.masonry import arch_push
 from clast.verification.problems.masonry.arch_push import OPPENHEIM
 from clast.verification.variants import CONVEX
 from scenes.restarts import differences, pressed_at
@@ -238,10 +238,10 @@ def test_it_goes_on_to_the_same_bits_from_the_middle_of_its_path(tmp_path: Path,
 
 def test_an_arch_on_a_support_that_moves_does_not_fail():
     """A run without stages is solved for each block, too: 200 steps went nowhere, in balance."""
-    run = arch_spread.moved(OPPENHEIM, arch_spread.SPREAD, 1e-2, CONVEX)
+    run = arch_push.moved(OPPENHEIM, arch_push.SPREAD, 1e-2, CONVEX)
     assert not run.report.events
-    exact = arch_spread.limit_thrust(OPPENHEIM, 1.0)
-    assert arch_spread.thrust_of(run) == pytest.approx(exact, rel=1e-3)
+    exact = arch_push.limit_thrust(OPPENHEIM, 1.0)
+    assert arch_push.thrust_of(run) == pytest.approx(exact, rel=1e-3)
 
 
 @pytest.mark.parametrize("process", ["modified", "open-close"])

@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import linprog
 
 from clast.verification.problems.masonry.arch_falls import ARCHES, Half
-from clast.verification.problems.masonry.arch_push import DENSITY, GRAVITY
-from clast.verification.problems.masonry.arch_spread import limit_thrust
+from clast.verification.problems.masonry.arch_push import DENSITY, GRAVITY, limit_thrust
 
 
 @pytest.mark.parametrize("arch", ARCHES, ids=lambda arch: arch.name)

@@ -10,11 +10,11 @@ MODULES = {
     "blocks": "free_fall spin pendulum patch column floating",
     "contact": "penetration stiffness stack two_planes bounce restitution collision",
     "friction": (
-        "incline friction_lag decelerating_block slip_weakening stick_slip rough_joint seams "
+        "incline decelerating_block slip_weakening stick_slip rough_joint seams "
         "direct_shear plane_of_weakness ladder open_joints dam submerged_block tilt_table "
     ),
     "slopes": (
-        "slide_topple plane_failure wet_slope drained_slope cohesive_slab block_train toppling "
+        "slide_topple plane_failure wet_slope cohesive_slab block_train toppling "
         "active_passive bolted_block bolted_toppling "
     ),
     "underground": (
@@ -22,7 +22,7 @@ MODULES = {
         "two_bolts pull_test bolted_stages in_situ kirsch snap_through "
     ),
     "masonry": (
-        "overhang kern bonded_beam arch arch_load arch_push arch_spread arch_falls wall_push "
+        "overhang kern bonded_beam arch arch_load arch_push arch_falls wall_push "
         "wall_buckling three_hinges rocking "
     ),
     "supports": (
@@ -31,10 +31,10 @@ MODULES = {
     ),
     "waves": (
         "chain damped_block wave newmark moving_base viscous_end sinking_block oblique_wave "
-        "free_surface incoming_wave layer layer_peaks damped_layer rocking_spectrum "
+        "incoming_wave layer damped_layer rocking_spectrum "
     ),
     "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
-    "method": "energy order convergence invariance staged_views resumed_run",
+    "method": "energy order convergence invariance resumed_run",
 }
 """Folder -> its modules, from single blocks to the whole method."""
 

@@ -82,20 +82,11 @@ class Variant:
 LAGGED = Variant(name="modified, lagged friction", process={"name": "modified"})
 """The paper's process: one pass, sliding friction as a known force."""
 
-IMPLICIT = Variant(
-    name="modified, implicit friction", process={"name": "modified", "friction": "implicit"}
-)
-"""The paper's process with sliding friction mu N inside the solve."""
-
-PASSES = Variant(
-    name="modified, 4 passes", process={"name": "modified", "friction": "implicit", "passes": 4}
-)
+PASSES = Variant(name="modified, 4 passes", process={"name": "modified", "passes": 4})
 """Up to four assemblies and solves a step, until the modes of the contacts agree."""
 
 EULER = Variant(
-    name="modified, backward Euler",
-    process={"name": "modified", "friction": "implicit"},
-    integrator="backward-euler",
+    name="modified, backward Euler", process={"name": "modified"}, integrator="backward-euler"
 )
 """The dissipative time scheme."""
 
@@ -115,7 +106,7 @@ MIDPOINT = Variant(name="convex, midpoint", process={"name": "convex"}, integrat
 
 MIDPOINT_PASSES = Variant(
     name="modified, 4 passes, midpoint",
-    process={"name": "modified", "friction": "implicit", "passes": 4},
+    process={"name": "modified", "passes": 4},
     integrator="midpoint",
 )
 """The paper's process with passes, likewise."""
@@ -129,9 +120,7 @@ FOUR_SOLVES = {"name": "augmented-lagrangian", "solves": 4}
 """Multipliers that start anew in every step, renewed in four solves (the paper's law)."""
 
 MULTIPLIERS = Variant(
-    name="modified, augmented Lagrangian",
-    process={"name": "modified"},
-    contact_law=FOUR_SOLVES,
+    name="modified, augmented Lagrangian", process={"name": "modified"}, contact_law=FOUR_SOLVES
 )
 """The paper's process with its augmented Lagrangian law."""
 

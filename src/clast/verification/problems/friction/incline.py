@@ -1,13 +1,29 @@
-"""Block sliding down an incline: Table 1 of the paper, and the cost of lagged friction."""
+"""Block sliding down an incline: Table 1 of the paper, and the cost of lagged friction.
+
+Over the slide the normal force rises from nothing to N.  Each step takes friction from the normal
+force of the step before, so the friction impulse falls short by h N tan(phi) and the block is
+faster by h g cos 45 tan(phi) ever after: the way is longer by the share
+
+    (2h/t) tan(phi) / (1 - tan(phi))
+
+of first order in the step h.  It is measured against the same process with friction in the solve.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
+from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.problem import Comparison, Trial, absolute, problem, relative
 from clast.verification.problems import InputBuilder, Model
-from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_LAGGED,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY = 9.8
 DURATION = 1.0
@@ -89,7 +105,6 @@ TOLERANCES = {
     LAGGED.name: lagged_tolerance,
     OPEN_CLOSE.name: lagged_tolerance,
     MULTIPLIERS.name: lagged_tolerance,
-    IMPLICIT.name: implicit_tolerance,
     CONVEX.name: implicit_tolerance,
 }
 """Tolerance by variant; friction solved within the step is held to the tighter one."""
@@ -97,7 +112,7 @@ TOLERANCES = {
 
 @problem(
     set_up=model_of_incline,
-    variants=(LAGGED, CONVEX, IMPLICIT, OPEN_CLOSE, MULTIPLIERS),
+    variants=(LAGGED, CONVEX, OPEN_CLOSE, MULTIPLIERS),
     quick=(LAGGED,),
     few=(FEW,),
 )
@@ -122,3 +137,76 @@ def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
         exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
         curve(trial.variant.name, angles, [row.computed for row in trial.rows]),
     )
+
+
+ANGLES_OF_LAG = (20.0, 35.0)
+DURATION_OF_LAG = 0.3
+STEPS = (1e-3, 0.5e-3)
+WITHOUT_LAG = {CONVEX_LAGGED: CONVEX}
+"""The same process with friction in the solve."""
+REASON = "the steps that find the contact add or miss a few %, less with smaller h"
+
+
+def exact_excess(friction_angle: float, step: float) -> float:
+    """Return by which share the way grows with friction one ``step``, s, old."""
+    friction = np.tan(np.radians(friction_angle))
+    return float(2.0 * step / DURATION_OF_LAG * friction / (1.0 - friction))
+
+
+def computed_excess(friction_angle: float, step: float, variant: Variant) -> float:
+    """Return by which share of the exact way lagged friction slides further."""
+    lagged, implicit = (
+        0.5 * sum(computed_way(friction_angle, step, one, DURATION_OF_LAG))
+        for one in (variant, WITHOUT_LAG[variant])
+    )
+    return (lagged - implicit) / exact_way(friction_angle, DURATION_OF_LAG)
+
+
+def _chart(variant: Variant, excess: np.ndarray) -> Chart:
+    """Return the excess (angles, steps), %, over the friction angle."""
+    fine = np.linspace(0.0, 40.0, 81)
+    exact = (
+        exact_curve(
+            f"(2h/t) tan/(1-tan), h = {1e3 * step:g} ms",
+            fine,
+            [100.0 * exact_excess(angle, step) for angle in fine],
+        )
+        for step in STEPS
+    )
+    computed = (
+        curve(f"{variant.name}, h = {1e3 * step:g} ms", ANGLES_OF_LAG, values)
+        for step, values in zip(STEPS, excess.T, strict=True)
+    )
+    return Chart(
+        title="excess of the displacement after 0.3 s",
+        x_label="friction angle, degrees",
+        y_label="excess of the displacement, %",
+        curves=(*exact, *computed),
+    )
+
+
+@problem(set_up=model_of_incline, variants=(CONVEX_LAGGED,), quick=())
+def friction_lag(trial: Trial) -> None:
+    """Friction one step old.
+
+    The block on the incline again: with friction taken from the last step's normal force it slides
+    too far, by a share that follows from the impulse missing in one step.
+
+    Exact: excess = (2h/t) tan(phi)/(1 - tan(phi)), order 1 in h.
+    Source: impulse of the missing friction force.
+    Not run with: modified: it has no friction inside the solve to compare with; open-close: its
+    sliding friction is that of the solve before, not of the step before, and has no formula of this
+    kind.
+    """
+    found = []
+    for angle in ANGLES_OF_LAG:
+        excess = [computed_excess(angle, step, trial.variant) for step in STEPS]
+        found.append(excess)
+        for step, computed in zip(STEPS, excess, strict=True):
+            quantity = f"excess of the displacement at {angle:g} degrees, h = {1e3 * step:g} ms"
+            exact = exact_excess(angle, step)
+            trial.relative(quantity, "", computed, exact, 0.05, REASON)
+        order = np.log2(excess[0] / excess[1])
+        quantity = f"order of the excess in h at {angle:g} degrees"
+        trial.absolute(quantity, "", order, 1.0, 0.1, REASON)
+    trial.charts.append(_chart(trial.variant, 100.0 * np.array(found)))

@@ -28,7 +28,6 @@ from clast.verification.problems import Floats, InputBuilder, Model, Trial, prob
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
-    IMPLICIT,
     LAGGED,
     MIDPOINT,
     OPEN_CLOSE,
@@ -107,7 +106,7 @@ def turns(force: Floats) -> tuple[Floats, Floats]:
 
 @problem(
     set_up=slider,
-    variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS, MIDPOINT),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS, MIDPOINT),
     quick=(CONVEX, MIDPOINT),
 )
 def stick_slip(trial: Trial) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from clast.verification.problems import InputBuilder, Model, Trial, limit, problem
 from clast.verification.problems.slopes import toppling
-from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 FRICTION = 0.65
 """tan phi of all joints."""
@@ -47,7 +47,7 @@ def holds(force: float, variant: Variant) -> bool:
     return toppling.toe_movement(run) <= toppling.MOVING
 
 
-@problem(set_up=bolted, variants=(OPEN_CLOSE, CONVEX, IMPLICIT), quick=())
+@problem(set_up=bolted, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=())
 def bolted_toppling(trial: Trial) -> None:
     """Goodman and Bray's toppling slope with a bolt in its toe.
 

@@ -10,7 +10,7 @@ from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import Domain, Exponential, JointSet, cut
 from clast.verification.problem import Comparison, Trial, absolute, problem, relative
 from clast.verification.problems import InputBuilder, Model, Run
-from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 WIDTH, HEIGHT = 30.0, 20.0
 """Width and height of the rock, m."""
@@ -82,9 +82,7 @@ def compare_weight(seed: int, variant: Variant) -> tuple[list[Comparison], Run]:
     return rows, run
 
 
-@problem(
-    set_up=rock_mass, variants=(IMPLICIT, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SEEDS[:1],)
-)
+@problem(set_up=rock_mass, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SEEDS[:1],))
 def in_situ(trial: Trial, seeds: tuple[int, ...] = SEEDS) -> None:
     """Rock under in-situ stress.
 

@@ -14,7 +14,6 @@ from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
     EULER,
-    IMPLICIT,
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
@@ -115,7 +114,7 @@ def way(run: Run) -> tuple[Floats, Floats]:
 
 @problem(
     set_up=shaken_slope,
-    variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     few=(("moving base",), 1),
     known_failures=(
