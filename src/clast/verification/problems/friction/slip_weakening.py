@@ -19,10 +19,8 @@ STEP, WHOLE, BRIEF = 5e-4, 0.8, 0.6
 """Step, length of a run, and of one near the least push, which grows 12-fold each 0.2 s, s."""
 SPRING = "the shear spring gives way by some mm g/p before the block slides"
 BISECTED = "bisected to 1 %; strength is that of the start of the step: v h = 0.06 of 20 mm"
-LEAST = {
-    OPEN_CLOSE.name: (0.025, "friction one step late: g h = 5 mm/s of 0.12 m/s; " + BISECTED),
-    PASSES.name: (0.025, "friction one step late: g h = 5 mm/s of 0.12 m/s; " + BISECTED),
-}
+LATE = (0.025, "friction one step late: g h = 5 mm/s of 0.12 m/s; " + BISECTED)
+LEAST = {OPEN_CLOSE.name: LATE, PASSES.name: LATE}
 """Tolerance of the least speed by variant, and its reason, where it is not 1 %."""
 
 
