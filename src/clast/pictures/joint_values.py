@@ -81,10 +81,7 @@ def faces_opened(results: Recording, frame: int) -> Faces:
 
 
 def faces_slipped(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the mean slip of their contacts, m.
-
-    Raises CaseError where an earlier clast recorded the contacts, which did not keep it.
-    """
+    """Return the faces of a frame with the mean slip of their contacts, m."""
     contacts = results.contacts(frame)
     faces, sums = _faces_of(contacts, contacts.slip, np.ones(len(contacts)))
     return replace(faces, value=sums[0] / sums[1])

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
@@ -195,11 +194,8 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
     """Return contacts and joints; where room is short, a share of them evenly in space."""
     contacts = _contacts(about, Rows(CONTACT_BYTES, budget))
     order = spread(about.start)
-    faces = {}
-    for name in FACES:
-        if (filled := _faces(about, name, order, Rows(FACE_BYTES, budget))) is not None:
-            faces[name] = filled
-    if "worn" in faces and not any(rows[:, 4].any() for rows in faces["worn"].rows):
+    faces = {name: _faces(about, name, order, Rows(FACE_BYTES, budget)) for name in FACES}
+    if not any(rows[:, 4].any() for rows in faces["worn"].rows):
         del faces["worn"]
     if about.results.water:
         faces["water"] = _wetted(about, order, Rows(FACE_BYTES, budget))
@@ -242,13 +238,8 @@ def _contacts(about: _About, found: Rows) -> Rows:
         table = about.results.contacts(int(number))
         forces = table.normal_force, table.shear_force
         angle = np.arctan2(table.normal[:, 1], table.normal[:, 0])
-        nothing = np.zeros(len(table))
-        # an earlier clast kept neither joint nor movement
-        moved = [
-            table[name] if name in table else nothing for name in ("strength", "slip", "opening")
-        ]
-        joint = table.joint if "joint" in table else nothing - 1
-        names = table.vertex, table.edge_block, table.mode, joint
+        moved = table.strength, table.slip, table.opening
+        names = table.vertex, table.edge_block, table.mode, table.joint
         place = table.position - about.origin
         rows = np.column_stack([place, angle, *forces, *moved, *names])
         pair = np.sort(np.stack([table.vertex_block, table.edge_block]), axis=0)
@@ -259,16 +250,10 @@ def _contacts(about: _About, found: Rows) -> Rows:
     return found
 
 
-def _faces(about: _About, name: str, order: Floats, found: Rows) -> Rows | None:
-    """Return ends and value of every face of the joints; None for results without them.
-
-    ``order`` (nv,) is that of their edges.
-    """
+def _faces(about: _About, name: str, order: Floats, found: Rows) -> Rows:
+    """Return ends and value of every face of the joints; ``order`` (nv,) is that of their edges."""
     for number in about.numbers:
-        try:
-            faces = JOINT_FIELDS[name].faces(about.results, int(number))
-        except CaseError:  # an earlier clast wrote the file
-            return None
+        faces = JOINT_FIELDS[name].faces(about.results, int(number))
         ends = (faces.ends - about.origin).reshape(-1, 4)
         rows = np.column_stack([ends, faces.value, faces.edge])
         found.add(rows, _with_largest(order[faces.edge], np.abs(faces.value)))
