@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.pictures.verification import curve, exact_curve
 from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES
+from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
 """Height of the block, m, and its friction angle, degrees."""
@@ -46,7 +46,7 @@ def add_block(builder: InputBuilder, width: float) -> None:
 STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
 
 
-@problem(set_up=table, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=())
+@problem(set_up=table, variants=(OPEN_CLOSE, CONVEX), quick=())
 def tilt_table(trial: Trial) -> None:
     """Tilt table.
 
@@ -56,6 +56,7 @@ def tilt_table(trial: Trial) -> None:
 
     Exact: the smaller of atan(b/h), by which it topples, and phi, by which it slides.
     Source: equilibrium of a rigid block.
+    Not run with: modified: p h2/m is far above what one pass or four tolerate.
     """
     for width in WIDTHS:
         exact = exact_angle(width)
