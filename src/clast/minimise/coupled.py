@@ -79,15 +79,15 @@ class CoupledNewton:
 def _along(potential: Potential, at: Point, direction: Floats) -> Point:
     """Return the point along a direction (n, 6) at which the residual is less, or hardly more."""
     left = potential.distance(at)
-    found, least = at, np.inf
+    best, least = at, np.inf
     for share in SHARES:
         part = potential.at(at.unknowns + share * direction)
         size = potential.distance(part)
         if size < least:
-            found, least = part, size
+            best, least = part, size
         if size < left:
             break
-    return found
+    return best
 
 
 def _direction(potential: Potential, at: Point, work: SolverContext) -> Floats:

@@ -177,15 +177,15 @@ class Conditions:
         work.stages("law")
         changes = contact_motions(potential.springs, unknowns)
         of_springs = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
-        found = np.zeros((max(1, (count + PART - 1) // PART), 3))
-        _go_both(count, at.states, (*about, *changes), target, shown, of_springs, found)
-        haste = float(found[:, 0].max())
+        direction = np.zeros((max(1, (count + PART - 1) // PART), 3))
+        _go_both(count, at.states, (*about, *changes), target, shown, of_springs, direction)
+        haste = float(direction[:, 0].max())
         return Direction(
             unknowns=unknowns,
             changes=changes,
             of_springs=of_springs,
             limit=1.0 / haste if haste > 0.0 else np.inf,
-            growth=(float(found[:, 1].sum()), float(found[:, 2].sum())),
+            growth=(float(direction[:, 1].sum()), float(direction[:, 2].sum())),
         )
 
 

@@ -106,19 +106,19 @@ def connected(pairs, fixed):
         if a != b:
             parent[max(a, b)] = min(a, b)
     island = np.empty(count, np.int64)
-    found = 0
+    number = 0
     for i in range(count):
         if not fixed[i]:
             first = _root(parent, i)
             if first == i:
-                island[i] = found
-                found += 1
+                island[i] = number
+                number += 1
             else:
                 island[i] = island[first]
     for i in range(count):
         if fixed[i]:
-            island[i] = found
-    return island, found + 1
+            island[i] = number
+    return island, number + 1
 
 
 @kernel()
@@ -233,51 +233,51 @@ def _pairs_of(blocks, place, still, pairs, graph):
 @kernel()
 def _taken(values, source):
     """Return of numbers (m,) those of the links ``source``."""
-    found = np.empty(len(source))
+    taken = np.empty(len(source))
     for c in range(len(source)):
-        found[c] = values[source[c]]
-    return found
+        taken[c] = values[source[c]]
+    return taken
 
 
 @kernel()
 def _rows_of(values, blocks):
     """Return of rows (n, 6) those of ``blocks``, and one of zeros."""
-    found = np.empty((len(blocks) + 1, 6))
+    taken = np.empty((len(blocks) + 1, 6))
     for k in range(len(blocks)):
-        put_row(found, k, row(values, blocks[k]))
-    put_row(found, len(blocks), zeros())
-    return found
+        put_row(taken, k, row(values, blocks[k]))
+    put_row(taken, len(blocks), zeros())
+    return taken
 
 
 @kernel()
 def _blocks_of(values, blocks):
     """Return of blocks (n, 6, 6) those of ``blocks``, and one more, as good as any."""
     count = len(blocks)
-    found = np.empty((count + 1, 6, 6))
+    taken = np.empty((count + 1, 6, 6))
     for k in range(count + 1):
         i = blocks[k] if k < count else 0
         for a in range(6):
-            put_line(found, k, a, line(values, i, a))
-    return found
+            put_line(taken, k, a, line(values, i, a))
+    return taken
 
 
 @kernel()
 def _arms_of(arms, source):
     """Return of arms (m, 6) those of the links ``source``."""
-    found = np.empty((len(source), 6))
+    taken = np.empty((len(source), 6))
     for c in range(len(source)):
-        put_row(found, c, row(arms, source[c]))
-    return found
+        put_row(taken, c, row(arms, source[c]))
+    return taken
 
 
 @kernel()
 def _ends_of(ends, source, place, still, last):
     """Return the numbers that the blocks of links ``source`` have among some blocks."""
-    found = np.empty(len(source), np.int64)
+    numbers = np.empty(len(source), np.int64)
     for c in range(len(source)):
         i = ends[source[c]]
-        found[c] = last if still[i] else place[i]
-    return found
+        numbers[c] = last if still[i] else place[i]
+    return numbers
 
 
 @kernel()

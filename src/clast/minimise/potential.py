@@ -190,14 +190,14 @@ class Potential:
         self, unknowns: Floats, gap: Floats, slip: Floats, forces: LinearisedForces
     ) -> Point:
         """Return the point at ``unknowns`` (n, 6) where the springs carry ``forces``."""
-        found = self.unbalanced(unknowns, forces.normal_force, forces.shear_force)
+        balance = self.unbalanced(unknowns, forces.normal_force, forces.shear_force)
         return Point(
             unknowns=unknowns,
             gap=gap,
             slip=slip,
             forces=forces,
-            residual=found[0],
-            distances=found[1],
+            residual=balance[0],
+            distances=balance[1],
         )
 
     def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> tuple[Floats, Floats]:
@@ -205,14 +205,14 @@ class Potential:
 
         Both are 0 for fixed blocks.
         """
-        found = assembly.unbalanced(*self._balance, unknowns, normal, shear)
-        return found[0], found[1]
+        balance = assembly.unbalanced(*self._balance, unknowns, normal, shear)
+        return balance[0], balance[1]
 
     def balance_again(self, blocks: Any, point: Point) -> None:
         """Write residual and distances of a point, in place, where ``blocks`` (k,) have changed."""
         forces = point.forces.normal_force, point.forces.shear_force
-        found = point.residual, point.distances
-        assembly.balance_again(blocks, *self._balance, point.unknowns, *forces, found)
+        into = point.residual, point.distances
+        assembly.balance_again(blocks, *self._balance, point.unknowns, *forces, into)
 
     @property
     def _balance(self) -> tuple[Any, Graph, Any]:
@@ -237,8 +237,8 @@ class Potential:
     def island_distances(self, point: Point) -> Floats:
         """Return the part of the distance that each island has, J/m, shape (islands.count,)."""
         at = self.islands
-        found: Floats = island_sums(point.distances, at.of_blocks, at.count)
-        return found
+        distances: Floats = island_sums(point.distances, at.of_blocks, at.count)
+        return distances
 
     def distances_at(self, starts: Floats) -> Floats:
         """Return the ``island_distances`` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
@@ -251,8 +251,8 @@ class Potential:
         answers = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
         normal = np.array([one.normal_force for one in answers])
         shear = np.array([one.shear_force for one in answers])
-        found = assembly.left_at(*self._balance, starts, normal, shear)
-        return np.array([island_sums(one, *islands) for one in found])
+        distances = assembly.left_at(*self._balance, starts, normal, shear)
+        return np.array([island_sums(one, *islands) for one in distances])
 
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without springs, K^-1 F; 0 for fixed blocks."""
@@ -294,7 +294,7 @@ class Potential:
         opening, slip = contact_motions(self.springs, direction)
         motions = (point.gap, opening, point.slip, slip)
         at, forces = self.islands, point.forces
-        found = slopes(
+        terms = slopes(
             at.of_blocks,
             at.of_links,
             at.count,
@@ -304,7 +304,7 @@ class Potential:
             (forces.normal_force, forces.shear_force),
             (opening, slip),
         )
-        bend, start, smooth = found
+        bend, start, smooth = terms
         if self.law is None:
             lengths, evaluations = lengths_along(
                 at.of_links, motions, self.springs.arrays, smooth, bend, start
@@ -335,9 +335,9 @@ def _along(
     gap, opening, slip, sliding = motions
 
     def along(length: float) -> tuple[float, float]:
-        found = law.at(gap + length * opening, slip + length * sliding)
-        work = float(found.normal_force @ opening + found.shear_force @ sliding)
-        bend = float(found.normal_stiffness @ opening**2 + found.shear_stiffness @ sliding**2)
+        forces = law.at(gap + length * opening, slip + length * sliding)
+        work = float(forces.normal_force @ opening + forces.shear_force @ sliding)
+        bend = float(forces.normal_stiffness @ opening**2 + forces.shear_stiffness @ sliding**2)
         return smooth + length * curvature - work, curvature + bend
 
     return along
@@ -382,7 +382,7 @@ def left_at_starts(system, graph, contacts, table, islands, starts):
         answer = forces_at(gap + opening, slip + sliding, springs)
         normal[k], shear[k] = answer[0], answer[1]
     left = left_at(system, graph, contacts, starts, normal, shear)
-    found = np.empty((len(starts), count))
+    distances = np.empty((len(starts), count))
     for k in range(len(starts)):
-        found[k] = island_sums(left[k], of_blocks, count)
-    return found
+        distances[k] = island_sums(left[k], of_blocks, count)
+    return distances

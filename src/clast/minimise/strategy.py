@@ -138,8 +138,8 @@ class NonlinearElimination:
         if blocks <= self.large or potential.law is not None:
             return point
         work.stages("law")
-        found, others = self.worst(point.distances)
-        moves = with_neighbours(found, potential.springs.pairs) & ~potential.fixed
+        worst, others = self.worst(point.distances)
+        moves = with_neighbours(worst, potential.springs.pairs) & ~potential.fixed
         if not 0 < np.count_nonzero(moves) <= self.few * blocks:
             return point
         part = subproblem(potential, point, moves)
@@ -170,8 +170,8 @@ class NonlinearElimination:
         gained = -np.log(np.maximum(others / total, self.least))
         price = self.all_the_same + np.cumsum(number[::-1])[::-1] / len(distances)
         best = int(np.argmax(gained / price))
-        found: Bools = (place >= best) & (distances != 0.0)
-        return found, float(others[best])
+        chosen: Bools = (place >= best) & (distances != 0.0)
+        return chosen, float(others[best])
 
 
 @dataclass(frozen=True, kw_only=True)

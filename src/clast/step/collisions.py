@@ -341,17 +341,17 @@ def _strike(first, bodies, contacts, live, around, limits, group):
 @kernel()
 def _earliest(live):
     """Return the contact that strikes first, -1 if none; drop those that can no longer strike."""
-    found, at = -1, 0
+    first, at = -1, 0
     while at < live.number[0]:
         c = live.waiting[at]
         if live.moment[c] == np.inf:
             live.number[0] -= 1
             live.waiting[at], live.waits[c] = live.waiting[live.number[0]], False
         else:
-            if found < 0 or live.moment[c] < live.moment[found]:
-                found = c
+            if first < 0 or live.moment[c] < live.moment[first]:
+                first = c
             at += 1
-    return found
+    return first
 
 
 @kernel()
@@ -396,12 +396,12 @@ def flying(force, mass, fixed, acceleration):
 @kernel()
 def mobilities(mass_matrix, fixed):
     """Return the change of (u, v, r) of each block by an impulse, (n, 3, 3); 0 where ``fixed``."""
-    found = np.zeros((len(fixed), 3, 3))
+    mobility = np.zeros((len(fixed), 3, 3))
     for b in range(len(fixed)):
         if not fixed[b]:
             for a in range(3):
-                found[b, a, a] = 1.0 / mass_matrix[b, a, a]
-    return found
+                mobility[b, a, a] = 1.0 / mass_matrix[b, a, a]
+    return mobility
 
 
 @kernel()

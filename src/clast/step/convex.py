@@ -398,11 +398,11 @@ class Search:
                 continue
             # where it is not found from near by, it is not from a little further on, either
             tried = renewed.bit_count() == 1 and (renewed <= 2 or self.friction.nearly == 0.0)
-            found = self.followed(potential, contacts, point) if tried else None
-            if found is not None:
-                contacts = changed(contacts, friction_base=found.forces.normal_force[self.rows])
+            solution = self.followed(potential, contacts, point) if tried else None
+            if solution is not None:
+                contacts = changed(contacts, friction_base=solution.forces.normal_force[self.rows])
                 potential = self.bound(potential, contacts)
-                return potential, contacts, potential.again(found)
+                return potential, contacts, potential.again(solution)
             if self.friction.nearly > 0.0 and self.each is not None:
                 if self.each.shares(potential, point).max(initial=0.0) <= self.friction.nearly:
                     break

@@ -24,7 +24,7 @@ from clast.contact.laws import has_multipliers, normal_stiffness_of
 from clast.contact.memory import renew
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Floats, Model
 from clast.model.state import ContactMemory, State
 from clast.read_only import changed
 from clast.step.energy_balance import StepEnd, balance
@@ -54,6 +54,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     held = holding(context, solution, end)
     ledger, actions = balance(context, solution, end, motion.points, held.whole)
     rotation, reactions = state.rotation + motion.turn, reactions_of(context, solution, held)
+    bonded = solution.contacts.bonded if solution.bonded is None else solution.bonded
     # arrays that nobody else has: to seal them the state need not take views
     made = motion.vertices, motion.velocity, motion.stress, motion.points, rotation, reactions
     for one in made:
@@ -76,7 +77,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
         counts=solution.counts,
         travel=motion.travel,
         approach=motion.approach,
-        broken=broken_in(solution),
+        broken=(bonded & ~solution.response.bonded).nonzero()[0],
         worn=reaches_residual(model.joint_table, solution.contacts, wear.way),
         penetration=abs(least(end.gap, 0.0)),
         seconds=stages.ended(),
@@ -93,12 +94,12 @@ def _after_sliding(
     bearing, kept = solution.bearing, response
     if solution.asperities is not None:
         ends = end.gap, end.slip
-        found = after_slip(solution.asperities, contacts, response, ends, solution.applied[0], rate)
-        wear, kept = found.wear, changed(found.response, shear_force=found.shear_force)
+        slid = after_slip(solution.asperities, contacts, response, ends, solution.applied[0], rate)
+        wear, kept = slid.wear, changed(slid.response, shear_force=slid.shear_force)
         # contacts that wait for their impact go on without a force
         waits = (bearing == 0.0) & (response.normal_force != 0.0)
-        bearing = np.where(waits, 0.0, found.normal_force)
-        solution = changed(solution, response=found.response)
+        bearing = np.where(waits, 0.0, slid.normal_force)
+        solution = changed(solution, response=slid.response)
     else:
         wear = wear_of(table, contacts, response, end.slip, rate)
     if solution.asperities is None and table.opens:
@@ -114,13 +115,6 @@ def _after_sliding(
     return solution, kept, wear
 
 
-def broken_in(solution: StepSolution) -> Ints:
-    """Return which contacts have lost their bonds in a step, shape (b,)."""
-    before = solution.contacts.bonded if solution.bonded is None else solution.bonded
-    broken: Ints = (before & ~solution.response.bonded).nonzero()[0]
-    return broken
-
-
 def end_of(context: StepContext, solution: StepSolution) -> StepEnd:
     """Return velocities, stresses, gaps and slips at the end of a step."""
     velocity = end_velocity(solution.scheme, solution.unknowns, solution.drift, solution.velocity)
@@ -130,7 +124,9 @@ def end_of(context: StepContext, solution: StepSolution) -> StepEnd:
     opening, slip = contact_motions(solution.contacts, solution.unknowns)
     return StepEnd(
         velocity=velocity,
-        stress=end_stress(context.model, context.state, solution.unknowns),
+        stress=equations.strained(
+            context.state.stress, context.model.elasticity, solution.unknowns
+        ),
         forces_at=context.at.forces_at,
         gap=solution.contacts.gap + opening,
         slip=slip,
@@ -197,12 +193,6 @@ def move(
         return positions
     reached: Floats = moved_to(positions, block, centroid, unknowns, gradient)
     return reached
-
-
-def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
-    """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
-    stress: Floats = equations.strained(state.stress, model.elasticity, unknowns)
-    return stress
 
 
 def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> StepMotion:

@@ -120,22 +120,22 @@ def after_impacts(
     if held is None:
         return _struck(context, unchanged, contacts, (back, carries), flight, limits)
     pressed = _pressed(context, contacts, rate) & ~carries
-    found = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
+    result = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
     for _ in range(SQUEEZE_ROUNDS_MAX):
         # no impulse stops what is squeezed between a body that is driven and one that stands
-        moved, _ = contact_motions(contacts, found.drift)
-        squeezed = closing(contacts.gap, moved, found.rate, impact) & ~(carries | pressed)
-        if found is unchanged or not is_any(squeezed):
+        moved, _ = contact_motions(contacts, result.drift)
+        squeezed = closing(contacts.gap, moved, result.rate, impact) & ~(carries | pressed)
+        if result is unchanged or not is_any(squeezed):
             break
         pressed |= squeezed
-        found = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
-    if found is unchanged:
-        return changed(found, pressed=pressed)
+        result = _struck(context, unchanged, contacts, (back, carries | pressed), flight, limits)
+    if result is unchanged:
+        return changed(result, pressed=pressed)
     return changed(
-        found,
-        velocity=held.put(found.velocity, context.velocity),
-        drift=held.put(found.drift, context.drift),
-        driven=held.driven(context.frames.mass_matrix, velocity, found.velocity),
+        result,
+        velocity=held.put(result.velocity, context.velocity),
+        drift=held.put(result.drift, context.drift),
+        driven=held.driven(context.frames.mass_matrix, velocity, result.velocity),
         pressed=pressed,
     )
 
@@ -256,9 +256,9 @@ def flying(context: StepContext, contacts: Contacts, graph: Graph) -> Floats:
         contacts.normal_force,
         contacts.shear_force,
     )
-    found: Floats = collisions.flying(borne, model.mass, model.fixed, context.acceleration)
-    found[model.fixed_points.block] = 0.0
-    return found
+    free: Floats = collisions.flying(borne, model.mass, model.fixed, context.acceleration)
+    free[model.fixed_points.block] = 0.0
+    return free
 
 
 def mobilities(model: Model, frames: BlockFrames, state: State) -> Floats:
@@ -374,10 +374,10 @@ def closing(gap, moved, rate, threshold):
     ``gap`` (m,), m, and its ``rate`` (m,), m/s, are those at the start; ``moved`` (m,), m, is the
     change of the gap by velocities in the step.
     """
-    found = np.empty(len(gap), np.bool_)
+    closes = np.empty(len(gap), np.bool_)
     for c in range(len(gap)):
-        found[c] = (rate[c] < -threshold) & (gap[c] + moved[c] < 0.0)
-    return found
+        closes[c] = (rate[c] < -threshold) & (gap[c] + moved[c] < 0.0)
+    return closes
 
 
 @kernel()

@@ -161,10 +161,10 @@ def room_for(count):
 @kernel(forceinline=True)
 def _along(at, k, rows, i, j, velocity):
     """Return how the motion of its blocks i and j moves contact ``at`` along k."""
-    found = 0.0
+    rate = 0.0
     for a in range(3):
-        found += rows[at, k, a] * velocity[i, a] + rows[at, k, 3 + a] * velocity[j, a]
-    return found
+        rate += rows[at, k, a] * velocity[i, a] + rows[at, k, 3 + a] * velocity[j, a]
+    return rate
 
 
 @kernel(forceinline=True)

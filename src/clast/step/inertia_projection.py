@@ -122,10 +122,10 @@ def _stop(b, first, last, contacts, stops, room, stopped):
 
 @kernel()
 def _any(first, last, closes):
-    found = False
+    one_closes = False
     for c in range(first, last):
-        found |= closes[c]
-    return found
+        one_closes |= closes[c]
+    return one_closes
 
 
 @shared(BLOCKS)
@@ -140,10 +140,10 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
         if fixed[b]:
             continue
         own = start[right[b]], start[right[b + 1]]
-        found = _any(own[0], own[1], closes)
+        stops_any = _any(own[0], own[1], closes)
         for at in range(left[b], left[b + 1]):
-            found |= _any(start[listed[at]], start[listed[at] + 1], closes)
-        if not found:
+            stops_any |= _any(start[listed[at]], start[listed[at] + 1], closes)
+        if not stops_any:
             continue
         _factor(mass_matrix, b, factor)
         _add_strains(b, factor, stopped)

@@ -7,7 +7,7 @@ registered: an object with these methods can be put into a ``Method`` from a scr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -55,8 +55,8 @@ class Workspace:
         """Return the solver for directions of Newton's method, which need not be accurate."""
         if self._inexact[0] is not solver:
             self._inexact = solver, inexact(solver, DIRECTION)
-        found: LinearSolver = self._inexact[1]
-        return found
+        kept: LinearSolver = self._inexact[1]
+        return kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,17 +126,12 @@ class StepSolution:
     """Counts of the process: "passes" and whatever else it counts."""
 
 
-@runtime_checkable
-class AnyStep(Protocol):
-    """A process that says whether its steps may be as long as they like; others need not."""
-
-    any_step: ClassVar[bool]
-    """True: the contacts of a step that begins at rest settle whatever its length."""
-
-
 def is_stable_for_any_step(process: object) -> bool:
-    """Return whether the contacts of a process settle whatever the length of a step."""
-    return isinstance(process, AnyStep) and process.any_step
+    """Return whether the contacts of a process settle whatever the length of a step.
+
+    A process of which that holds says so by ``any_step = True``.
+    """
+    return bool(getattr(process, "any_step", False))
 
 
 class StepProcess(Protocol):

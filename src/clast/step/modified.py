@@ -107,15 +107,15 @@ class Modified:
                 # (11) the equations of all blocks; (12) one solve, more where supports yield
                 held = LinearContacts(contacts=contacts, response=entered, seen=seen)
                 unknowns, at = solved(context, base, factor, held, at)
-                found = pass_result(law, contacts, entered, seen, unknowns, taken)
+                result = pass_result(law, contacts, entered, seen, unknowns, taken)
                 solves += 1
-                if multipliers.enough(law, solves, contacts, found.gap):
+                if multipliers.enough(law, solves, contacts, result.gap):
                     break
-                contacts = found.contacts
-            settled = np.array_equal(found.in_equations.mode, entered.mode)
+                contacts = result.contacts
+            settled = np.array_equal(result.in_equations.mode, entered.mode)
             if passes >= self.passes or settled:
-                return solution_of(context, found, at, counts_of(passes, factor))
-            contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
+                return solution_of(context, result, at, counts_of(passes, factor))
+            contacts, seen, at = result.contacts, (result.gap, result.slip), unknowns
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond the limit of one pass, or carried multipliers swing up."""

@@ -104,14 +104,14 @@ class OpenClose:
             stages("assembly")
             held = LinearContacts(contacts=contacts, response=entered, seen=seen)
             unknowns, at = solved(context, base, factor, held, at)
-            found = pass_result(law, contacts, entered, seen, unknowns, taken)
-            if tried >= least and have_settled(entered, found.in_equations):
+            result = pass_result(law, contacts, entered, seen, unknowns, taken)
+            if tried >= least and have_settled(entered, result.in_equations):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
-                if multipliers.enough(law, solves, contacts, found.gap):
-                    return solution_of(context, found, at, counts_of(passes, factor))
-                contacts = found.contacts
-            seen, at = (found.gap, found.slip), unknowns
+                if multipliers.enough(law, solves, contacts, result.gap):
+                    return solution_of(context, result, at, counts_of(passes, factor))
+                contacts = result.contacts
+            seen, at = (result.gap, result.slip), unknowns
         raise StepRejected(
             StepOutcome.NOT_CONVERGED,
             f"contacts still change their mode after {self.iterations} solves",

@@ -125,11 +125,11 @@ class DrivenBlocks:
 
     def driven(self, mass_matrix: Floats, before: Floats, after: Floats) -> Floats:
         """Return the impulses of heavy bodies on others they strike, N s/m, shape (n, 6)."""
-        found = np.zeros_like(before)
+        impulses = np.zeros_like(before)
         block, axis = np.nonzero(self.components[:, :3])
         change = after[block, axis] - before[block, axis]
-        found[block, axis] = -DRIVEN_MASS_RATIO * mass_matrix[block, axis, axis] * change
-        return found
+        impulses[block, axis] = -DRIVEN_MASS_RATIO * mass_matrix[block, axis, axis] * change
+        return impulses
 
 
 def held_by(shares: Sequence[Contribution], model: Model) -> DrivenBlocks | None:

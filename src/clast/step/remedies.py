@@ -47,9 +47,9 @@ def remedy(
         StepOutcome.ROTATED_TOO_FAR: _spins_too_fast,
         StepOutcome.TUNNELLED: _too_soft,
     }
-    found = by_state[outcome](model, method, state, smallest) if outcome in by_state else ""
+    by_its_state = by_state[outcome](model, method, state, smallest) if outcome in by_state else ""
     own: Mapping[StepOutcome, str] = getattr(method.process, "remedies", {})
-    return found or own.get(outcome) or GENERAL.get(outcome, "")
+    return by_its_state or own.get(outcome) or GENERAL.get(outcome, "")
 
 
 def _too_fast(model: Model, method: Method, state: State, smallest: float) -> str:

@@ -81,36 +81,36 @@ def holding(context: StepContext, solution: StepSolution, end: StepEnd) -> Holdi
 def reactions_of(context: StepContext, solution: StepSolution, held: Holding) -> Floats:
     """Return the reactions of a step (k, 3): forces (x, y), N/m, and moments, N."""
     wanted = context.model.reactions
-    found = np.zeros((len(wanted.name), 3))
-    if not found.size:
-        return found
+    reactions = np.zeros((len(wanted.name), 3))
+    if not reactions.size:
+        return reactions
     centroid = context.frames.centroid
     if wanted.of_block.size:
         row = held.number[wanted.of_block[:, 1]]
-        _add(found, wanted.about, wanted.of_block, held.borne[row], centroid)
+        _add(reactions, wanted.about, wanted.of_block, held.borne[row], centroid)
         if solution.driven is not None:
             rows = wanted.of_block[:, 1]
             struck = solution.driven[rows, :3] / context.step
-            _add(found, wanted.about, wanted.of_block, struck, centroid)
+            _add(reactions, wanted.about, wanted.of_block, struck, centroid)
     if not (wanted.of_fixed_point.size or wanted.of_viscous_edge.size or context.model.actions):
-        return found
+        return reactions
     if wanted.of_ground.size and context.springs is not None:
         number = np.append(np.full(context.model.block_count, -1), 0)
         force = -_of_springs(context.springs, solution, number, 1)
         # the ground counts from the origin, as from a centroid (actions/links.py)
-        _add(found, wanted.about, wanted.of_ground, force, np.zeros((1, 2)))
+        _add(reactions, wanted.about, wanted.of_ground, force, np.zeros((1, 2)))
     kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
     for action, contribution in zip(context.actions, context.contributions, strict=True):
         support = getattr(action, "support", "")
         if support == "motions" and contribution.block.size:
-            _add_servos(found, context, wanted.of_block, contribution, solution.unknowns)
+            _add_servos(reactions, context, wanted.of_block, contribution, solution.unknowns)
         if support in kinds and kinds[support].size:
             pairs = kinds[support].copy()
             row = pairs[:, 1]
             force = forces_in(contribution, solution.unknowns, row)[:, :3]
             pairs[:, 1] = contribution.block[row]
-            _add(found, wanted.about, pairs, force, centroid)
-    return found
+            _add(reactions, wanted.about, pairs, force, centroid)
+    return reactions
 
 
 def _add_servos(
@@ -170,8 +170,8 @@ def _of_links(
     number: Ints, count: int, links: PairedLinks, forces: tuple[Floats, Floats]
 ) -> Floats:
     """Return force and moment (count, 3) of links on the blocks that have a ``number`` (n,)."""
-    found: Floats = _sums(number, count, links.vertex_block, links.edge_block, links.arms, forces)
-    return found
+    sums: Floats = _sums(number, count, links.vertex_block, links.edge_block, links.arms, forces)
+    return sums
 
 
 @kernel()
@@ -180,7 +180,7 @@ def _sums(number, count, vertex_block, edge_block, arms, forces):
 
     Moments are about the centroids; ``forces`` are N and T (m,), N/m, on the first block.
     """
-    found = np.zeros((count, 3))
+    sums = np.zeros((count, 3))
     normal, shear = forces
     for c in range(len(vertex_block)):
         i, j = number[vertex_block[c]], number[edge_block[c]]
@@ -189,11 +189,11 @@ def _sums(number, count, vertex_block, edge_block, arms, forces):
         nx, ny = arms[c, 0], arms[c, 1]
         fx, fy = normal[c] * nx - shear[c] * ny, normal[c] * ny + shear[c] * nx
         if i >= 0:
-            found[i, 0] += fx
-            found[i, 1] += fy
-            found[i, 2] += arms[c, 2] * fy - arms[c, 3] * fx
+            sums[i, 0] += fx
+            sums[i, 1] += fy
+            sums[i, 2] += arms[c, 2] * fy - arms[c, 3] * fx
         if j >= 0:
-            found[j, 0] -= fx
-            found[j, 1] -= fy
-            found[j, 2] -= arms[c, 4] * fy - arms[c, 5] * fx
-    return found
+            sums[j, 0] -= fx
+            sums[j, 1] -= fy
+            sums[j, 2] -= arms[c, 4] * fy - arms[c, 5] * fx
+    return sums

@@ -49,8 +49,8 @@ def take_step(
     search = process.search(context)
     contacts = search.contacts(context)
     solution = process.solve(context, contacts)
-    while found := searched_again(context, search, contacts, solution.unknowns):
-        search, contacts = found
+    while wider := searched_again(context, search, contacts, solution.unknowns):
+        search, contacts = wider
         solution = process.solve(context, contacts, solution)
     for _ in range(RENEWALS_MAX):
         renewed = again(context, solution.unknowns)
