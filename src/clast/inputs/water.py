@@ -175,8 +175,9 @@ def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], 
         found.append(water)
         notes += said
     names = [one.name for one in waters if one.name is not None]
-    for name in names:
-        check_text(name, "water")
+    for number, one in enumerate(waters, start=1):
+        if one.name is not None:
+            check_text(one.name, f"water {number}")
     for name in names:
         if names.count(name) > 1:
             raise ModelError(
