@@ -248,18 +248,6 @@ def test_poisson_of_one_half_is_possible_in_plane_stress_only():
     assert "plane strain" in refusal(half(plane=PlaneStrain()))
 
 
-@pytest.mark.parametrize(
-    ("change", "phrase"),
-    [],
-)
-def test_impossible_joints(change, phrase):
-    builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
-    with pytest.raises(ModelError) as caught:
-        builder.add_joint("bad", between=[("1", "2")], **change)
-    assert "[joint.bad]" in str(caught.value)
-    assert phrase in str(caught.value)
-
-
 def test_a_small_friction_angle_can_be_meant():
     builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)

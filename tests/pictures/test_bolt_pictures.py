@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import clast
-from clast.pictures.supports import handles_of
+from clast.pictures.supports import handles_of_bolts
 from clast.results import FrameBolts
 
 
@@ -16,7 +16,7 @@ def bolts() -> FrameBolts:
 
 
 def test_the_legend_tells_states_and_largest_forces():
-    labels = [handle.get_label() for handle in handles_of(bolts())]
+    labels = [handle.get_label() for handle in handles_of_bolts(bolts())]
     assert labels == [
         "bolt, not installed",
         "bolt, up to 20 kN/m",

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clast.errors import CaseError
 from clast.pictures.figure_options import Look
 from clast.pictures.plot import plot_results
 from clast.pictures.strokes import (
@@ -110,12 +109,3 @@ def test_blocks_without_joints_are_grey(wall: Wall, tmp_path: Path):
     path = plot_results(bare, tmp_path / "bare.svg", field="joint", contacts=False)
     assert not set(JOINT_COLOURS) & colours_in(path)
     assert UNNAMED.colour in colours_in(path)
-
-
-def test_results_without_joints_are_refused(wall: Wall, tmp_path: Path):
-    old = dataclasses.replace(wall(2, 2), joints=None)
-    with pytest.raises(CaseError, match="without the joints") as caught:
-        plot_results(old, tmp_path / "a.png", field="joint")
-    assert caught.value.where == str(old.path)
-    assert caught.value.remedy == "run the case again"
-    assert plot_results(old, tmp_path / "a.png", field="rock").exists()

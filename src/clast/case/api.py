@@ -226,7 +226,8 @@ def simulate(
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
     # a bad model is refused before anything slow is loaded
-    from clast.case.run_source import script_source
+    from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, Source
+    from clast.results.checkpoints.fingerprints import fingerprints
     from clast.run.launch import Launch, Target, launch
     from clast.run.preflight import examine
 
@@ -247,7 +248,12 @@ def simulate(
             method=made,
             schedule=when,
             foreseen=lambda: examine(model, made, when).warnings,
-            source=lambda: script_source(settings if text else None, model, made, when),
+            source=lambda: Source(
+                text=text,
+                gives=SETTINGS if text and settings.is_whole() else OBJECTS,
+                schedule=when,
+                fingerprints=fingerprints(model=model, method=made),
+            ),
             target=lambda say: target,
             case_text=text,
             contacts=settings.output.contacts,

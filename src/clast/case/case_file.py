@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
 from clast import spelling
-from clast.errors import ClastError, ModelError
+from clast.errors import CaseError, ClastError, ModelError
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import InputBuilder
@@ -58,10 +58,13 @@ from clast.model.model import Model
 
 if TYPE_CHECKING:
     from clast.results import Run
+    from clast.results.checkpoints.checkpoint import Source
     from clast.run.preflight import CaseSummary
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
+NAMING = "file"
+"""Key of all tables of a case that names a file beside it."""
 SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it all checks of it, as it is."""
 
@@ -458,7 +461,6 @@ class Case(BaseModel):
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
         method = self.method(model)
-        from clast.case.run_source import case_source
         from clast.run.launch import Launch, Target, launch
 
         schedule, path = self.schedule(), None if output is None else Path(output)
@@ -467,13 +469,56 @@ class Case(BaseModel):
             method=method,
             schedule=schedule,
             foreseen=lambda: self.foreseen(model, method),
-            source=lambda: case_source(self, model, method, schedule),
+            source=lambda: self._source(model, method, schedule),
             target=lambda say: Target(output=path),
             case_text=self.text,
             contacts=self.output.contacts,
             checkpoint_every=self.output.checkpoint_every,
         )
         return launch(what, progress, warn)
+
+    def is_whole(self) -> bool:
+        """Return whether a text can hold all of the case."""
+        try:
+            self.to_toml()
+        except CaseError:
+            return False
+        return True
+
+    def named_files(self) -> list[str]:
+        """Return the files that the case names, each once."""
+
+        def named(value: Any, key: str) -> Iterator[str]:
+            if isinstance(value, dict):
+                for name, inner in value.items():
+                    yield from named(inner, str(name))
+            elif isinstance(value, list | tuple):
+                for inner in value:
+                    yield from named(inner, key)
+            elif isinstance(value, str) and key == NAMING:
+                yield value
+
+        return list(dict.fromkeys(named(self.model_dump(by_alias=True), "")))
+
+    def _source(self, model: Model, method: Method, schedule: Schedule) -> Source:
+        """Return where a run of the case comes from, as its checkpoints say."""
+        from clast.results.checkpoints.checkpoint import OBJECTS, TEXT, Source
+        from clast.results.checkpoints.fingerprints import (
+            fingerprints,
+            print_of_named,
+            print_of_text,
+        )
+
+        folder = Path(self.file).parent
+        return Source(
+            text=self.text,
+            gives=TEXT if self.is_whole() else OBJECTS,
+            file=str(Path(self.file).absolute()),
+            file_text="" if self.origin is None else print_of_text(self.origin),
+            files={name: print_of_named(folder / name) for name in self.named_files()},
+            schedule=schedule,
+            fingerprints=fingerprints(model=model, method=method),
+        )
 
     def _repr_html_(self) -> str:
         from clast import thumbnails

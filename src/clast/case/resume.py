@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from clast import spelling
 from clast.case.case_file import Case
-from clast.case.run_source import LARGEST_NAMED, named_files, named_print
 from clast.errors import CaseError, shortened
 from clast.inputs.method import OutputTable
 from clast.model.model import Model
@@ -34,7 +33,14 @@ from clast.results.checkpoints.checkpoint_files import (
     read_checkpoint,
 )
 from clast.results.checkpoints.encode import classes_near
-from clast.results.checkpoints.fingerprints import SHAPE, digest, fingerprints, print_of_text_in
+from clast.results.checkpoints.fingerprints import (
+    LARGEST_NAMED,
+    SHAPE,
+    digest,
+    fingerprints,
+    print_of_named,
+    print_of_text_in,
+)
 from clast.results.checkpoints.reopen import is_file_name, rows_in_all, taken_over, wrong_record
 
 if TYPE_CHECKING:
@@ -281,7 +287,7 @@ def _as_it_was(source: Source, path: Path) -> Case:
     """Return the case of a checkpoint's text; no file is looked at that it does not name."""
     case = Case.from_text(source.text, source.file)
     if source.gives == TEXT and (
-        set(named_files(case)) != set(source.files)
+        set(case.named_files()) != set(source.files)
         or digest(case.schedule()) != digest(source.schedule)
     ):
         raise damaged(path, "its case is another than its run's")
@@ -337,7 +343,7 @@ def _folder(source: Source, path: Path) -> Path:
     folders = Path(source.file).parent, path.resolve().parent
     changed: list[str] = []
     for folder in folders:
-        wrong = [name for name, was in source.files.items() if named_print(folder / name) != was]
+        wrong = [name for name, was in source.files.items() if print_of_named(folder / name) != was]
         if not wrong:
             return folder
         changed = changed or wrong

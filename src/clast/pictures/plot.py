@@ -108,7 +108,7 @@ def draw_results(
 def _reactions(
     results: Recording, number: int, part: canvas.Part, size: tuple[float, float], look: Look
 ) -> tuple[list[ReactionArrow], canvas.Part]:
-    """Return the reactions of a frame, and what of the section is seen, with room for them."""
+    """Return the reactions of a frame, and the part of the section seen with room for them."""
     seen = canvas.seen(*part, size)
     pushes = reaction_arrows(results, number, float(seen[1][0] - seen[0][0]))
     if pushes and look.zoom is None:

@@ -452,7 +452,7 @@ WORDS = {
     dict: "a table",
     list: "a list",
 }
-"""What kinds of values are called."""
+"""Names of the kinds of values."""
 REMADE = "clast study writes this file: restore it, or start the study in another folder"
 
 

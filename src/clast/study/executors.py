@@ -96,7 +96,7 @@ class ThisProcess:
     """One run after the other in this process."""
 
     bench: Bench
-    """What its runs have in common."""
+    """Data that its runs share."""
     portion: ClassVar[int] = 1
     places: ClassVar[int] = 1
 

@@ -313,7 +313,7 @@ class StudyFolder:
         return there and not any(file.is_symlink() for file in part.iterdir())
 
     def tidy(self) -> None:
-        """Remove what runs have left that were killed, and that nobody goes on with."""
+        """Remove files of runs that were killed, and that nobody goes on with."""
         for part in (self.path / RUNS).glob("*/.*"):
             number = part.name[1:].partition(".")[0]
             is_done = number.isdecimal() and self.result(int(number)) is not None
@@ -326,7 +326,7 @@ class StudyFolder:
                     _remove(part)
 
     def _is_result(self, found: Any, run: int) -> bool:
-        """Return whether what a file has is the result of a run, with all of its values."""
+        """Return whether a file holds the result of a run, with all of its values."""
         study = self.study
         if not isinstance(found, dict) or found.get("study") != study.hash:
             return False

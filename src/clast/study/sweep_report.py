@@ -1,4 +1,4 @@
-"""What the report of a sweep has: a measure against its parameters, and the table of its runs.
+"""Report of a sweep: a measure against its parameters, and the table of its runs.
 
 A mean over a grid would say how the grid was chosen, so there is none.
 """
@@ -35,7 +35,7 @@ SHARE = "1: the run fails, 0: it stands"
 
 @dataclass(frozen=True, kw_only=True)
 class SweepRuns:
-    """What the runs of a sweep gave, in the order of their numbers; n runs."""
+    """Values of the runs of a sweep, in the order of their numbers; n runs."""
 
     values: Mapping[str, Floats]
     """Measure -> values, shape (n,); NaN where a run has none, or is not done."""
@@ -50,7 +50,7 @@ class SweepRuns:
 
 
 def runs_of(folder: StudyFolder) -> SweepRuns:
-    """Return what the runs of a sweep gave."""
+    """Return the values of the runs of a sweep."""
     study = folder.study
     values = {name: np.full(study.n, np.nan) for name in study.measure}
     fails, done, made = (np.zeros(study.n, bool) for _ in range(3))

@@ -328,7 +328,7 @@ BEARS = (1, 4)
 
 
 def supports_of(results: Recording) -> dict[str, Any]:
-    """Return what of links, reactions and linings stays the same: names, colours, vertices."""
+    """Return names, colours and vertices of links, reactions and linings, which stay the same."""
     links = results.supported.links
     looks = [
         ("link" if one == "intact" else f"link, {one}", LINK_COLOURS[one]) for one in LINK_STATES

@@ -112,6 +112,15 @@ def print_of(path: Path, most: int) -> str:
         return ""
 
 
+LARGEST_NAMED = 500_000_000
+"""Files that a case names are not read above this size, bytes."""
+
+
+def print_of_named(path: Path) -> str:
+    """Return the fingerprint of a file that a case names, "" where there is none."""
+    return print_of(path, LARGEST_NAMED)
+
+
 def print_of_text(text: str) -> str:
     """Return the SHA-256 of a text, whatever ends its lines."""
     plain = text.replace("\r\n", "\n").replace("\r", "\n")

@@ -68,7 +68,7 @@ class Collapse:
 
     @property
     def bracket(self) -> FactorBracket:
-        """The two ends, and what is undecided between them."""
+        """The two ends, and the undecided trials between them."""
         return FactorBracket(low=self.low, high=self.high, undecided=self.undecided)
 
     @property
@@ -78,7 +78,7 @@ class Collapse:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is doubtful in the state from which the trials begin, and in the answer."""
+        """Doubts about the state from which the trials begin, and about the answer."""
         found = [text for one in self.trials for text in one.warnings]
         for one in self.trials:
             if one.bolts and (one.factor, one.verdict) == (self.low, STANDS):

@@ -82,7 +82,7 @@ class Trial:
     """The condition of equilibrium that fails, or why the run could not go on; "" where it
     stands."""
     warnings: tuple[str, ...] = ()
-    """What is doubtful in the state from which it begins."""
+    """Doubts about the state from which it begins."""
     bolts: tuple[str, ...] = ()
     """Bolts without a yield force that carry more than their pretension, each with its force."""
 
