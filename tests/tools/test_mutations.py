@@ -11,7 +11,7 @@ from mutations import MUTATIONS, Mutation, mutated, order_of_tests, take_kernels
 
 TESTS = Path(__file__).parents[1]
 PACKAGE = TESTS.parent / "src" / "clast"
-CHAPTERS = {"block", "contact", "linear", "minimise", "actions", "step"}
+CHAPTERS = {"block", "contact", "linear", "minimise", "actions", "step", "run"}
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda one: f"{one.file}: {one.wrong}")
