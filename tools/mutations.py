@@ -78,18 +78,11 @@ MUTATIONS = (
     ),
     Mutation("contact/jacobian.py", "(kn[c] - ks[c]) * nx * ny", "(kn[c] + ks[c]) * nx * ny"),
     Mutation("contact/joints/along_joint.py", "return 0.5 * (high - low)", "return high - low"),
-    # joints that open as they slide, movement still to come, bonds across gaps
     Mutation(
         "contact/joints/asperities.py",
         "flank = normal - kappa * along",
         "flank = normal + kappa * along",
     ),
-    Mutation(
-        "contact/joints/asperities.py",
-        "gap[self.flanks] = (opened - kappa",
-        "gap[self.flanks] = (opened + kappa",
-    ),
-    Mutation("run/stages/convergence.py", "shorter / (1.0 - held)", "shorter / (1.0 + held)"),
     Mutation("contact/narrow_phase.py", "gap = rx * ty - ry * tx", "gap = ry * tx - rx * ty"),
     # linear: assembly, factor, what is out of balance
     Mutation(
