@@ -25,7 +25,7 @@ from clast.compute.parallel import BLOCKS, CONTACTS
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from scenes.places import TESTS
+from scenes.places import ROOT, TESTS
 from scenes.systems import box, by_convex, courses_of_bricks, heap, wall
 
 YOUNG = 5e9
@@ -106,7 +106,7 @@ def by_two():
         pytest.skip("this process has several threads itself")
     done = subprocess.run(
         [sys.executable, __file__],
-        env={**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": str(TESTS)},
+        env={**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": f"{ROOT}{os.pathsep}{TESTS}"},
         capture_output=True,
         text=True,
         check=False,
