@@ -63,5 +63,5 @@ def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
         "reach / limit",
         "stands (1) or falls (0)",
         exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
-        curve(trial.variant.name, shares, np.array(float)),
+        curve(trial.variant.name, shares, np.array(standing, float)),
     )
