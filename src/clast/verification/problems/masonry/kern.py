@@ -6,7 +6,7 @@ import numpy as np
 
 from clast.pictures.verification import curve, exact_curve
 from clast.verification.problems import InputBuilder, Model, Trial, problem
-from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 WIDTH, HEIGHT = 2.0, 0.5
 """Width b and height of the pier, m."""
@@ -70,7 +70,7 @@ def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
     return length, -edge * BEDDING, turn
 
 
-@problem(set_up=pier, variants=(PASSES, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SHARES[2:4],))
+@problem(set_up=pier, variants=(OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SHARES[2:4],))
 def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     """Pier loaded off its middle.
 
@@ -81,6 +81,7 @@ def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     Exact: e <= b/6: edge N/b (1 + 6 e/b); beyond, contact over L = 3 (b/2 - e), edge 2 N/L, turned
     by 2 N/(k L^2).
     Source: Navier's linear pressure without tension.
+    Not run with: modified: with late friction four passes create energy, and its run is stopped.
     """
     found = []
     for share in shares:

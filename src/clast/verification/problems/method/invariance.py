@@ -124,7 +124,7 @@ def motion(view: View, variant: Variant) -> tuple[Floats, Floats]:
             reason="coordinates rounded to 1e-10 m decide whether the contact is found in the "
             "first step or the second, which is worth one step of lagged friction",
         )
-        for variant in (LAGGED, OPEN_CLOSE)
+        for variant in (LAGGED, EULER, OPEN_CLOSE)
     ),
 )
 def invariance(trial: Trial, views: tuple[View, ...] = VIEWS) -> None:
