@@ -7,12 +7,14 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
 from clast.results.output import claimed, fresh, hidden
@@ -128,6 +130,13 @@ def test_a_second_run_to_the_same_file_is_refused(tmp_path, older, begun):
     assert os.listdir(tmp_path) == [path.name]
 
 
+def test_a_run_that_never_began_leaves_nothing(tmp_path):
+    recorder = RunRecorder(three_blocks(), output=tmp_path / "out.vtkhdf")
+    del recorder
+    assert os.listdir(tmp_path) == []
+    record(three_blocks(), tmp_path / "out.vtkhdf")
+
+
 KILLED = """
 import os, sys
 sys.path.insert(0, sys.argv[2])
@@ -150,6 +159,32 @@ def test_a_run_that_was_killed_locks_nothing_and_is_cleared_away(tmp_path, when)
     assert len(os.listdir(tmp_path)) == 1
     record(three_blocks(), path)
     assert os.listdir(tmp_path) == [path.name]
+
+
+@pytest.mark.slow
+@posix
+def test_two_runs_from_the_command_line(tmp_path):
+    case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
+    case.write_text(INCLINE, encoding="utf-8")
+    command = [sys.executable, "-m", "clast", "run", str(case), "-o", str(path)]
+    first = subprocess.Popen([*command, "--set", "time.end=1e3"], stderr=subprocess.PIPE, text=True)
+    try:
+        give_up = time.monotonic() + 60.0
+        while not path.exists() and time.monotonic() < give_up:
+            time.sleep(0.02)
+        short = [*command, "--set", "time.end=0.01"]
+        second = subprocess.run(short, capture_output=True, text=True, check=False, timeout=60)
+        assert second.returncode == 2
+        assert "another run is writing to it" in second.stderr
+        first.send_signal(signal.SIGTERM)
+        first.communicate(timeout=60)
+        assert first.returncode == 143
+        assert "SIGTERM" in read_results(path).report.outcome
+    finally:
+        first.kill()
+        first.wait()
+    assert subprocess.run(short, check=False, timeout=60, capture_output=True).returncode == 0
+    assert read_results(path).report.finished
 
 
 @pytest.mark.slow
@@ -212,6 +247,46 @@ def test_texts_that_no_file_can_hold(tmp_path, title):
 
 
 # --- full disks ----------------------------------------------------------------------------------
+
+LIMITED = """
+import resource, sys
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+Case.from_toml(INCLINE, ["time.end=0.002"]).run()  # what is compiled is kept on disk
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
+sys.argv[:] = ["clast", *sys.argv[2:]]
+from clast.cli.commands import main
+main()
+"""
+
+
+@pytest.mark.slow
+@posix
+@pytest.mark.parametrize(("room", "code"), [(20_000, 2), (700_000, 3)])
+@pytest.mark.one_in(2)
+def test_a_full_disk_is_said_in_two_lines(tmp_path, room, code):
+    case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
+    case.write_text(INCLINE, encoding="utf-8")
+    settings = ["--set", "output.every=0.001", "--set", "time.end=10"]
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(room), "run", str(case), "-o", str(path), *settings],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.returncode == code, done.stderr
+    assert "the results cannot be written" in done.stderr
+    assert len(done.stderr) < 600
+    assert "HDF5" not in done.stderr
+    if code == 2:
+        assert os.listdir(tmp_path) == [case.name]
+    else:
+        assert "the results until then are in" in done.stderr
+        assert "stopped" in done.stdout
+        results = read_results(path)
+        assert results.times[-1] == pytest.approx(0.001 * (len(results.times) - 1))
+        assert path.stat().st_size <= room
 
 
 def in_the_way(part: Path, victim: Path, how: str) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,9 +19,10 @@ import clast
 from clast.contact.laws import Penalty
 from clast.errors import CaseError, RunStopped
 from clast.results import read_results
+from clast.results.checkpoints import checkpoint_files
 from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_checkpoint
 from clast.results.output import claimed, hidden, taken_up
-from scenes.command_line import clast_command
+from scenes.command_line import clast_command, good
 from scenes.own_state import Closer, Forgetful
 from scenes.restarts import differences, pressed_at, with_closer
 from scenes.shaken import shaken, shaken_case
@@ -106,6 +110,40 @@ def test_a_run_in_memory_has_none(case: clast.Case, monkeypatch, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_signals_to_the_command_line(case: clast.Case, whole: Path, tmp_path: Path, name: str):
+    number = getattr(signal, name)
+    (tmp_path / "a.toml").write_text(case.to_toml(), "utf-8")
+    text = f"""
+import os, sys
+import clast.run.launch
+from clast.cli.commands import main
+from contextlib import contextmanager
+
+def watch(at):
+    if at.steps == {STOPPED_AT}:
+        os.kill(os.getpid(), {int(number)})
+
+@contextmanager
+def shown(progress):
+    yield watch
+
+clast.run.launch.shown = shown
+sys.argv = ["clast", "run", "a.toml", "-o", "a.vtkhdf"]
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 128 + number, done.stderr
+    path = checkpoint_path(tmp_path / "a.vtkhdf")
+    assert f"clast resume {path} continues it" in done.stderr.replace("\n", " ")
+    assert "the run reached its end" in good("resume", path)
+    assert differences(whole, tmp_path / "a.vtkhdf") == []
+
+
 # a full disk, a folder that cannot be written -----------------------------------------------------
 
 LIMITED = """
@@ -142,6 +180,33 @@ def test_a_run_goes_on_when_there_is_room_again(case: clast.Case, tmp_path: Path
     assert int(steps) > 3
     clast.resume(checkpoint)
     assert differences(whole, tmp_path / "a.vtkhdf") == []
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES, errno.EROFS])
+def test_a_run_goes_on_without_checkpoints(
+    case: clast.Case, whole: Path, tmp_path: Path, monkeypatch, number: int
+):
+    usual, told = checkpoint_files._as_bytes, []
+    path = checkpoint_path(tmp_path / "a.vtkhdf")
+
+    def full_later(checkpoint: Any) -> bytes:
+        if checkpoint.run.tally.steps > 5:
+            raise OSError(number, os.strerror(number))
+        return usual(checkpoint)
+
+    monkeypatch.setattr(checkpoint_files, "_as_bytes", full_later)
+    often = with_settings(case, "output.checkpoint_every=1e-9")
+    run = often.run(output=tmp_path / "a.vtkhdf", warn=told.append)
+    assert run.report.finished
+    words = f"no checkpoint could be written to {path}: {os.strerror(number)}; that of t = 0.01 s"
+    assert [text for text in told if "checkpoint" in text] == [f"{words} stays"]
+    assert f"{words} stays" in run.report.warnings
+    assert read_checkpoint(path, {}).run.tally.steps == 5
+    monkeypatch.undo()
+    again = clast.resume(path, ["output.checkpoint_every=1e6"])
+    assert again.report.finished
+    named = [name for name in differences(whole, run.output) if name != "model/case"]
+    assert named == []
 
 
 def test_what_stands_in_the_place_of_a_checkpoint_stays(case: clast.Case, tmp_path: Path):
@@ -268,6 +333,15 @@ def test_a_file_in_use_is_refused(part: Path):
             claimed(output)
     assert not hidden(output).exists()
     assert clast.resume(part).report.finished
+
+
+def test_a_run_that_is_over_may_be_resumed(case: clast.Case, whole: Path, tmp_path: Path):
+    kept = with_settings(case, "output.checkpoint_every=1e6").run(output=tmp_path / "a.vtkhdf")
+    before = tmp_path / "before.vtkhdf"
+    before.write_bytes(kept.output.read_bytes())
+    again = clast.resume(kept.checkpoint)
+    assert again.report.steps == kept.report.steps
+    assert differences(before, again.output) == []
 
 
 # what a script gives ---------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from clast.errors import CaseError, RunStopped
 from clast.results import read_results
 from clast.results.checkpoints.checkpoint_files import SUMS, checkpoint_path, read_checkpoint
 from scenes.command_line import clast_command
-from scenes.forged_checkpoints import forge, mutations, signed
+from scenes.forged_checkpoints import forge, mutations, parts, signed
 from scenes.restarts import differences, pressed_at
 
 CASE = """
@@ -99,6 +99,15 @@ def refused(words: str, *arguments: object) -> None:
 # a checkpoint belongs to its run ----------------------------------------------------------------
 
 
+def test_a_new_run_makes_older_checkpoints_unusable(part: Path):
+    output, older = part.with_name("a.vtkhdf"), part.with_name("older.checkpoint.h5")
+    shutil.copy(part, older)
+    the_case("9e6").run(output=output)  # its ends of stages replace those of before
+    refused("its frames are those of another, later run", older)
+    refused("belongs to another run than older.checkpoint.h5", older, "--stage", "push")
+    assert clast.resume(checkpoint_path(output, "rest")).report.finished
+
+
 def test_the_same_case_again_is_another_run(part: Path):
     # to the bit the same, but who resumes should not rely on it
     the_case().run(output=part.with_name("a.vtkhdf"), progress=pressed_at(10))
@@ -130,6 +139,17 @@ def test_checkpoints_of_a_course_that_was_left_are_refused(part: Path):
     again = clast.resume(checkpoint_path(output, "rest"))
     whole = the_case("2e6").run(output=part.with_name("whole.vtkhdf"))
     assert differences(whole.output, again.output) == ["model/case"]
+
+
+def test_outputs_keep_their_own_checkpoints(tmp_path: Path):
+    names = ["n.vtkhdf", "n.h5", "n.rest.vtkhdf"]
+    runs = [the_case().run(output=tmp_path / name, progress=pressed_at(9)) for name in names]
+    assert len({run.checkpoint for run in runs}) == len(names)
+    whole = the_case().run(output=tmp_path / "whole.vtkhdf").output
+    for name, run in zip(names, runs, strict=True):
+        assert clast.resume(run.checkpoint).output == tmp_path / name
+        clast.resume(run.checkpoint, stage="push")
+        assert differences(whole, tmp_path / name) == []
 
 
 def test_only_ends_of_stages_are_gone_back_to(part: Path):
@@ -216,6 +236,19 @@ def test_files_that_its_case_does_not_name_are_not_read(part: Path, name: str):
     if sys.platform != "win32":
         os.mkfifo(part.with_name("pipe"))
     refused("its case is another than its run's", forge(part, part, named(name)))
+
+
+def test_devices_and_pipes_are_no_checkpoints(tmp_path: Path):
+    pipe = tmp_path / "pipe.checkpoint.h5"
+    os.mkfifo(pipe)
+    refused("is a device, a pipe or the like, not a checkpoint", pipe)
+    (tmp_path / "zero.h5").symlink_to("/dev/zero")
+    refused("is a device, a pipe or the like, not a checkpoint", tmp_path / "zero.h5")
+    with open(tmp_path / "huge.checkpoint.h5", "wb") as file:
+        file.truncate(2**40)
+    result = clast_command("resume", tmp_path / "huge.checkpoint.h5")
+    assert result.exit_code == 2
+    assert "more than is read" in result.stderr
 
 
 def rebuilt(path: Path, change: Callable[[Any], None]) -> Path:
@@ -338,3 +371,24 @@ def test_mutations_are_refused_or_harmless(interrupted: Path, tmp_path: Path):
         for name in others:
             (tmp_path / name).write_bytes(before[name])
     assert refusals > 300
+
+
+def test_flipped_bytes_with_a_right_checksum(interrupted: Path, tmp_path: Path):
+    path = tmp_path / "f.checkpoint.h5"
+    image = (interrupted / "a.checkpoint.h5").read_bytes()[: -SUMS.size]
+    rng, refusals = np.random.default_rng(4), 0
+    for at in rng.integers(0, len(image), 120):
+        changed = bytearray(image)
+        changed[at] ^= 1 << int(rng.integers(8))
+        path.write_bytes(signed(bytes(changed)))
+        try:
+            read_checkpoint(path, {})
+        except CaseError:
+            refusals += 1
+    assert refusals > 8
+
+
+def test_parts_put_together_again_are_a_checkpoint(part: Path):
+    forge(part, part, lambda written, arrays: None)
+    assert parts(part)[0]["is"].endswith(":Checkpoint")
+    assert clast.resume(part).report.finished

@@ -12,7 +12,7 @@ from clast.actions.in_situ import loaded_parts
 from clast.block import polygon
 from clast.contact.candidates import SearchDistance
 from clast.contact.detection import detect
-from clast.errors import ModelError
+from clast.errors import CaseError, ModelError
 from clast.model.edges import outline_edges
 from clast.rockmass import Circle, Domain, Exponential, JointSet, Opening, cut
 from scenes.systems import box, turned
@@ -158,6 +158,19 @@ def test_stress_goes_round_an_opening_that_is_there_from_the_start():
     assert -30e6 < found[1.0][1] < -12e6
 
 
+@pytest.mark.parametrize("contacts", ["in-equilibrium", "none"])
+@pytest.mark.parametrize("boundary", ["roller", "fixed", "traction"])
+def test_a_case_file_says_the_same(tmp_path, boundary, contacts):
+    builder = rock_mass(1, UNIFORM)
+    path = tmp_path / "case.toml"
+    held = {"roller": (1.0, 0.0), "fixed": (1.0, 1.0), "traction": (0.0, 0.0)}[boundary]
+    share = {"in-equilibrium": 1.0, "none": 0.0}[contacts]
+    builder.in_situ = replace(UNIFORM, held=held, in_contacts=share, sides=("left", "right"))
+    path.write_text(builder.case(step=1e-3, end=1e-3).to_toml())
+    assert f'boundary = "{boundary}"' in path.read_text()
+    assert clast.load(path).model().in_situ == builder.in_situ
+
+
 def test_the_overburden_goes_by_the_mean_density_and_the_top(tmp_path):
     builder = rock_mass(1, WEIGHT, gravity=9.8)
     path = tmp_path / "case.toml"
@@ -168,12 +181,38 @@ def test_the_overburden_goes_by_the_mean_density_and_the_top(tmp_path):
     assert stress.at(np.array([HEIGHT - 2.0]))[0] == pytest.approx(2.0 * np.array(stress.gradient))
 
 
+BROKEN = {
+    "k0 = 0.5": "stress, or vertical",
+    'vertical = "overburden"': "belong together",
+    'stress = [0, -1e6, 0]\nvertical = "overburden"\nk0 = 1': "stress, or vertical",
+    'vertical = "overburden"\nk0 = 1\ngradient = [0, 1, 0]': "remove gradient",
+    'vertical = "overburden"\nk0 = -1': "k0",
+    "stress = [0, -1e6]": "stress",
+    "stress = [0, nan, 0]": "stress",
+    'stress = [0, -1e6, 0]\nboundary = "rolers"': "boundary",
+    'stress = [0, -1e6, 0]\nsides = ["front"]': "sides",
+    "stress = [0, -1e6, 0]\ndatums = 3": "datum",
+}
+
+
+@pytest.mark.parametrize("table", BROKEN)
+def test_what_is_no_stress_is_refused(table):
+    text = rock_mass(1, None).case(step=1e-3, end=1e-3).to_toml()
+    with pytest.raises(CaseError, match=BROKEN[table]):
+        clast.Case.from_toml(f"{text}\n[in_situ]\n{table}\n")
+
+
 def test_what_is_out_of_balance_is_refused():
     """A column that leans on nothing: gravity without any vertical stress."""
     stress = clast.InSituStress(stress=(-1e6, 0.0, 0.0), held=(0.0, 0.0))
     builder = rock_mass(1, stress, gravity=9.8)
     with pytest.raises(ModelError, match="not in balance"):
         builder.case(step=1e-3, end=1e-2).run(progress=False)
+
+
+def test_overburden_needs_gravity_downwards():
+    with pytest.raises(ModelError, match="not downwards"):
+        rock_mass(1, WEIGHT).build()
 
 
 def test_the_outline_is_the_hull_or_the_sides_named():
@@ -259,6 +298,12 @@ ENDS = {
 @pytest.mark.parametrize("process", ["convex", "open-close", "modified"])
 def test_a_slope_rests_whatever_edge_a_vertex_is_on(process: str):
     case = clast.Case.from_toml(f'{SLOPE % ENDS}\n[method]\nprocess = "{process}"\n')
+    assert moved(case.run(progress=False)) * SIZE < 1e-7
+
+
+@pytest.mark.slow
+def test_a_slope_rests_for_ten_thousand_steps():
+    case = clast.Case.from_toml(SLOPE % {**ENDS, "end": 50.0})
     assert moved(case.run(progress=False)) * SIZE < 1e-7
 
 
