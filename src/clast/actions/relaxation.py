@@ -1,8 +1,9 @@
 """Support forces of excavated blocks on their neighbours, taken away little by little.
 
-    f(t) = (1 - relax) f_0 (1 - (t - t_0)/T),    t_0 <= t <= t_0 + T
+    f(t) = r (1 - relax) f_0 (1 - (t - t_0)/T) + (1 - r) f_0,    t_0 <= t <= t_0 + T
 
-f_0 are the contact forces between a block and the blocks beside it when it was excavated at t_0, at
+r is the share that a stage releases; what it holds a later stage releases.  f_0 are the contact
+forces between a block and the blocks beside it when it was excavated at t_0, at
 their places: on the edges of the neighbours, and at their corners.  These points move with their
 blocks; the forces keep their directions.
 """
@@ -27,10 +28,12 @@ from clast.model.state import Ledger, State
 
 @dataclass(frozen=True, kw_only=True)
 class SupportForces:
-    """Forces on the edges of blocks that fall to nothing, k of them."""
+    """Forces on the edges of blocks that fall to nothing or are held, k of them."""
 
     absent: Bools
     """Blocks that are not there, shape (n,)."""
+    of: Ints
+    """Excavated block whose support each is, shape (k,)."""
     block: Ints
     """Block that each acts on, shape (k,)."""
     vertex: Ints
@@ -42,7 +45,7 @@ class SupportForces:
     since: Floats
     """When it began, s, shape (k,)."""
     duration: Floats
-    """Time in which it falls to zero, s, shape (k,)."""
+    """Time in which it falls to zero, s; infinite: it is held, shape (k,)."""
 
     def rows(self, kept: Bools) -> SupportForces:
         """Return those forces that are ``kept`` (k,)."""
@@ -64,6 +67,7 @@ def no_forces(absent: Bools) -> SupportForces:
     """Return no forces, with the blocks that are ``absent`` (n,)."""
     return SupportForces(
         absent=absent,
+        of=np.zeros(0, np.int64),
         block=np.zeros(0, np.int64),
         vertex=np.zeros((0, 2), np.int64),
         share=np.zeros(0),
@@ -82,11 +86,31 @@ def absent_in(state: State) -> Bools | None:
 
 
 def released_at(state: State) -> float:
-    """Return when the last of the support forces of excavated blocks ends, s; -inf for none."""
+    """Return when the last force ends that is being released, s; -inf for none."""
     for own in state.actions:
         if isinstance(own, SupportForces):
-            return float((own.since + own.duration).max(initial=-np.inf))
+            ends = own.since + own.duration
+            return float(ends[np.isfinite(ends)].max(initial=-np.inf))
     return -np.inf
+
+
+def released(
+    forces: SupportForces, fraction: Floats, relax: float, relax_time: float, time: float
+) -> SupportForces:
+    """Return the forces after excavated blocks have released a ``fraction`` (n,) of what they hold.
+
+    The share ``relax`` of it ends at the time, s, the rest within ``relax_time``, s.
+    """
+    part = np.where(np.isinf(forces.duration), fraction[forces.of], 0.0)
+    kept = replace(forces, force=(1.0 - part)[:, None] * forces.force)
+    falling = replace(
+        forces,
+        force=((1.0 - relax) * part)[:, None] * forces.force,
+        since=np.full(len(part), time),
+        duration=np.full(len(part), relax_time),
+    )
+    lasts = relax < 1.0 and relax_time > 0.0
+    return kept.rows(part < 1.0).plus(falling.rows((part > 0.0) & lasts))
 
 
 @dataclass(frozen=True)

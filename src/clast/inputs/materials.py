@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Length, Positive, Strength, Stresses, Table
+from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.place_blocks import Names
@@ -80,7 +80,7 @@ class Joint(Table):
     """Aperture of a rough joint without stress, m; jrc/50 mm if absent."""
     strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """Factor by which the tangent of the mobilised friction angle of a rough joint is divided."""
-    restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
+    restitution: Fraction | None = None
     """Coefficient of restitution of impacts, 0 to 1; that of the process if absent."""
     normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
     """Normal stress per closure, Pa/m; the spring of method.contact_law if absent."""

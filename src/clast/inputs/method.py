@@ -12,10 +12,9 @@ from clast.inputs.declaring.alternatives import (
     Choice,
     Chosen,
     GivenObject,
-    Number,
     within,
 )
-from clast.inputs.declaring.table import Interval, Length, Positive, Table
+from clast.inputs.declaring.table import Fraction, Interval, Length, Positive, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 from clast.model.model import Model
@@ -211,7 +210,7 @@ class TimeTable(Table):
     max_displacement: Length | None = None
     """Largest movement of a vertex in a step against blocks that it might touch, m; 5 % of the size
     (square root of the area) of the smallest block if absent."""
-    dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
+    dynamic_ratio: Fraction = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
     smallest_step: Interval | None = None
     """The run stops where it would need a smaller step than this, s."""

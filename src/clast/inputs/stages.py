@@ -11,7 +11,15 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, m
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.alternatives import Number, default_of, within
 from clast.inputs.declaring.field_docs import explain
-from clast.inputs.declaring.table import Interval, Positive, Strength, Table, as_plain
+from clast.inputs.declaring.table import (
+    OR_TABLE,
+    Fraction,
+    Interval,
+    Positive,
+    Strength,
+    Table,
+    as_plain,
+)
 from clast.inputs.declaring.validation_messages import Fault, faults_of, keys_text, refusal
 from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
@@ -57,7 +65,7 @@ class StageTable(Table):
     """Length of the stage, s, or its limit if it lasts until equilibrium; time.end if absent."""
     damping: Damping | None = None
     """Damping of the stage: a name, or a table with its numbers; that of the case if absent."""
-    dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
+    dynamic_ratio: Fraction | None = None
     """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
     absent."""
     force_ratio: Annotated[Number, Field(gt=0.0, le=1.0)] = 1e-4
@@ -74,10 +82,13 @@ class StageTable(Table):
     """Time between frames, s; output.every if absent."""
     excavate: list[StrictStr] = Field([])
     """Openings and blocks that are excavated at its start."""
-    relax: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
-    """Share of the support forces of excavated blocks that is released at once."""
+    relax: Fraction = 1.0
+    """Share of the support forces released by the stage that ends at once."""
     relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
-    """Time over which the rest is released, s."""
+    """Time over which the rest of what is released ends, s."""
+    release: Annotated[Fraction | dict[str, Fraction], OR_TABLE] = Field({})
+    """Share of the support forces of excavated blocks that is released by now, 0 to 1; all of it if
+    absent.  A later stage releases the rest: {heading = 1.0}."""
     install: list[StrictStr] = Field([])
     """Bolts that are installed at its start, by their names or kinds."""
     joint: dict[str, StrengthTable] = Field({})
@@ -96,6 +107,8 @@ class StageTable(Table):
         given = {key: value for key, value in self if key not in ("joint", "damping")}
         for key in ("excavate", "install", "loads"):
             given[key] = tuple(given[key])
+        if not isinstance(self.release, dict):
+            given["release"] = dict.fromkeys(self.excavate, self.release)
         joints = {
             name: {key: value for key, value in strengths if value is not None}
             for name, strengths in self.joint.items()

@@ -62,9 +62,12 @@ class Stage:
     excavate: tuple[str, ...] = ()
     """Openings and blocks that are excavated at its start."""
     relax: float = 1.0
-    """Share of the support forces of excavated blocks that is released at once."""
+    """Share of the support forces released by the stage that ends at once."""
     relax_time: float = 0.0
-    """Time over which the rest is released, s."""
+    """Time over which the rest of what is released ends, s."""
+    release: Mapping[str, float] = field(default_factory=dict)
+    """Share of the support forces of excavated blocks that is released by now, from 0 to 1:
+    {"heading": 0.5}; all of it if absent.  A later stage releases the rest."""
     install: tuple[str, ...] = ()
     """Bolts that are installed at its start, by their names or kinds."""
     joints: Mapping[str, Mapping[str, float]] = field(default_factory=dict)

@@ -2,7 +2,8 @@
 
 Their energy goes to the ledger's ``removed``: kinetic and strain energy, the energy that their
 weight has gained or lost since the start, and that of their contacts and supports.  The forces that
-they exerted on their neighbours are let go at once or little by little (actions/relaxation.py).
+they exerted on their neighbours are released at once or little by little, or held for a later
+stage (actions/relaxation.py).
 Welds along an opening end with it.
 """
 
@@ -15,14 +16,20 @@ import numpy as np
 
 from clast.actions.active import actions_of, states_of
 from clast.actions.in_situ import LoadedEnds
-from clast.actions.relaxation import Relaxation, SupportForces, absent_in, no_forces
+from clast.actions.relaxation import (
+    Relaxation,
+    SupportForces,
+    absent_in,
+    no_forces,
+    released,
+)
 from clast.block import polygon
 from clast.block.inertia import block_frames
 from clast.contact import laws as multipliers
 from clast.contact.contacts import Contacts
 from clast.contact.detection import remembered
 from clast.errors import ModelError, shortened
-from clast.model.model import Bools, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, Ledger, State
 from clast.step.method import Method
 
@@ -34,11 +41,13 @@ def excavated(
     blocks: Ints,
     relax: float = 1.0,
     relax_time: float = 0.0,
+    release: Floats | float = 1.0,
 ) -> tuple[Model, State]:
     """Return model and state without ``blocks`` (k,), which keep their places in all arrays.
 
-    The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
-    rest falls to nothing within ``relax_time``, s.  Blocks already excavated do not count.
+    The forces that they exert on their neighbours are released by the share ``release``, one number
+    or one for each of ``blocks``: ``relax`` (0 to 1) of it ends at once, the rest falls to nothing
+    within ``relax_time``, s; what is not released is held.  Blocks already excavated do not count.
     Raises ModelError for shares and times out of range, for values that are not block numbers,
     and where no block would be left.
     """
@@ -68,9 +77,10 @@ def excavated(
     centroid = polygon.moments(state.vertices, model.block_start)[1]
     contacts = remembered(model, state, centroid, method.critdis)
     left = without(model, absent)
-    forces = no_forces(absent)
-    if relax < 1.0 and relax_time > 0.0:
-        forces = _on_neighbours(model, state, contacts, leaving, 1.0 - relax, relax_time)
+    fraction = np.zeros(model.block_count)
+    fraction[blocks] = release
+    forces = _on_neighbours(model, state, contacts, leaving)
+    forces = released(forces, fraction, relax, relax_time, state.time)
     states = _states_after(model, left, method, state, forces)
     velocity, stress = state.velocity.copy(), state.stress.copy()
     velocity[leaving], stress[leaving] = 0.0, 0.0
@@ -134,15 +144,25 @@ def _alone(model: Model, edges: Ints, absent: Bools) -> Bools:
     return np.array([ends.tobytes() in known for ends in own], np.bool_)
 
 
-def _on_neighbours(
-    model: Model,
-    state: State,
-    contacts: Contacts,
-    leaving: Bools,
-    share: float,
-    duration: float,
-) -> SupportForces:
-    """Return a share of the forces of blocks that are ``leaving`` (n,) on others, where they touch.
+def release(
+    model: Model, method: Method, state: State, fraction: Floats, relax: float, relax_time: float
+) -> State:
+    """Return the state after excavated blocks have released a ``fraction`` (n,) of what they hold.
+
+    The share ``relax`` of it ends at once, the rest within ``relax_time``, s.
+    """
+    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
+    states = [
+        released(own, fraction, relax, relax_time, state.time)
+        if isinstance(own, SupportForces)
+        else own
+        for own in states_of(actions, model, state)
+    ]
+    return replace(state, actions=tuple(states))
+
+
+def _on_neighbours(model: Model, state: State, contacts: Contacts, leaving: Bools) -> SupportForces:
+    """Return the forces of blocks that are ``leaving`` (n,) on others, where they touch.
 
     N n + T t acts on the block of the vertex, the opposite of it on that of the edge.
     """
@@ -162,12 +182,13 @@ def _on_neighbours(
     count = len(own) + len(edge)
     return SupportForces(
         absent=model.absent | leaving,
+        of=np.concatenate([contacts.edge_block[of_vertex], contacts.vertex_block[of_edge]]),
         block=np.concatenate([contacts.vertex_block[of_vertex], owner]),
         vertex=np.concatenate([np.stack([own, own_end], axis=1), np.stack([edge, end], axis=1)]),
         share=np.concatenate([contacts.along[of_vertex], place]),
-        force=share * np.concatenate([force[of_vertex], -force[of_edge]]),
+        force=np.concatenate([force[of_vertex], -force[of_edge]]),
         since=np.full(count, state.time),
-        duration=np.full(count, duration),
+        duration=np.full(count, np.inf),
     )
 
 

@@ -153,13 +153,15 @@ def _forces_fit(own: SupportForces, model: Model) -> bool:
     count = len(own.block)
     shapes = [
         own.absent.shape == (model.block_count,),
-        own.block.shape == own.share.shape == own.since.shape == own.duration.shape == (count,),
+        own.of.shape == own.block.shape == own.share.shape == (count,),
+        own.since.shape == own.duration.shape == (count,),
         own.vertex.shape == own.force.shape == (count, 2),
     ]
     within = [
-        ((own.block >= 0) & (own.block < model.block_count)).all(),
+        all(((one >= 0) & (one < model.block_count)).all() for one in (own.of, own.block)),
         ((own.vertex >= 0) & (own.vertex < len(model.vertices))).all(),
-        all(np.isfinite(one).all() for one in (own.share, own.force, own.since, own.duration)),
+        all(np.isfinite(one).all() for one in (own.share, own.force, own.since)),
+        (own.duration > 0.0).all(),  # infinite: held
     ]
     return all(shapes) and all(within)
 

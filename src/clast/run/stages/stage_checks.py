@@ -37,7 +37,8 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
         for names in _NAMED:
             names.check(stage, model)
     for names in _NAMED:
-        _check_once(stages, names)
+        if names.again:
+            _check_once(stages, names)
     _check_excavation(stages, model)
     _check_waiting(stages, model)
     _check_acts(stages, model)
@@ -64,7 +65,7 @@ class _Names:
     """The kind of thing they name, for messages."""
     known: Callable[[Model], Iterable[str]]
     again: str
-    """The fault where two stages name the same."""
+    """The fault where two stages name the same; "": they may."""
 
     def check(self, stage: Stage, model: Model) -> None:
         """Refuse unknown names."""
@@ -80,6 +81,7 @@ class _Names:
 
 _NAMED = (
     _Names("excavate", "opening or block", excavatable, "was already excavated"),
+    _Names("release", "opening or block", excavatable, ""),
     _Names("install", "bolt or kind of bolt", installable, "was already installed"),
     _Names("loads", "named load or table", load_names, "already acts"),
 )
@@ -107,7 +109,7 @@ def _check_relaxation(stage: Stage) -> None:
     where = _where(stage)
     lasting = stage.relax_time
     given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
-    if given and not stage.excavate:
+    if given and not stage.excavate and not stage.release:
         raise ModelError(
             "there is nothing to release: the stage excavates nothing",
             where=f"{where}, {given[0]}",
@@ -192,6 +194,7 @@ def _check_acts(stages: Sequence[Stage], model: Model) -> None:
 def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
     since: dict[int, str] = {}
     installed: dict[int, str] = {}
+    released: dict[int, float] = {}
     for stage in stages:
         for name in stage.excavate:
             for block in blocks_called([name], model.openings, model.block_name).tolist():
@@ -220,7 +223,36 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
                     remedy="let one stage install it, by install or by the bolt's own stage",
                 )
             installed[bolt] = _where(stage)
+        _check_release(stage, model, since, released)
         _check_room(stage, model, since)
+
+
+def _check_release(
+    stage: Stage, model: Model, since: Mapping[int, str], released: dict[int, float]
+) -> None:
+    """Refuse releases of what is rock, and of less than before; add the stage to ``released``."""
+    fresh = blocks_called(stage.excavate, model.openings, model.block_name).tolist()
+    released.update(dict.fromkeys(fresh, -1.0))
+    here = dict.fromkeys(fresh, 1.0)
+    for name, share in stage.release.items():
+        where = f"{_where(stage)}, release, {shortened(name)}"
+        blocks = blocks_called([name], model.openings, model.block_name).tolist()
+        for block in blocks:
+            if block not in since:
+                raise ModelError(
+                    f"block '{shortened(model.block_name[block])}' has not been excavated by then",
+                    where=where,
+                    remedy="excavate it in this stage or in one before",
+                )
+            if share <= released[block]:
+                raise ModelError(
+                    f"{share:g} is not more than the {released[block]:g} released before",
+                    where=where,
+                    remedy="give the fraction that is released by now, which grows up to 1; what "
+                    "is excavated without release has released all",
+                )
+            here[block] = share
+    released.update(here)
 
 
 def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:

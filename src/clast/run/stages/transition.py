@@ -35,7 +35,7 @@ from clast.model.stage_records import Event
 from clast.model.stages import EQUILIBRIUM, LOCK, Stage, with_loads, with_strengths
 from clast.model.state import ContactMemory, State
 from clast.model.surroundings import blocks_called
-from clast.run.excavation import as_in, excavated, without
+from clast.run.excavation import as_in, excavated, release, without
 from clast.run.schedule import Schedule
 from clast.step.method import Method
 from clast.step.search_distance import search_within_step, travel_expected
@@ -72,18 +72,29 @@ def entered(
 
     ``current`` is the setting before, ``base`` that without stages.
     """
-    stage = base.schedule.stages[len(starts) - 1]
+    stages = base.schedule.stages[: len(starts)]
+    stage = stages[-1]
     setting = changed(base, current, starts)
+    before, now = (fraction_released(setting.model, some) for some in (stages[:-1], stages))
     if stage.excavate:
+        blocks = excavated_by(setting.model, stage)
         model, state = excavated(
             setting.model,
             setting.method,
             state,
-            excavated_by(setting.model, stage),
+            blocks,
             stage.relax,
             stage.relax_time,
+            now[blocks],
         )
+        before[blocks] = now[blocks]
         setting = replace(setting, model=model)
+    if stage.release:
+        held = 1.0 - before
+        fraction = np.divide(now - before, held, out=np.zeros_like(held), where=held > 0.0)
+        state = release(
+            setting.model, setting.method, state, fraction, stage.relax, stage.relax_time
+        )
     model, state = lined(setting.model, setting.method, state, stage, setting.schedule.step)
     setting = replace(setting, model=model)
     if current.method.dynamic_ratio == 0.0 < setting.method.dynamic_ratio:
@@ -132,6 +143,19 @@ def excavated_by(model: Model, stage: Stage) -> Ints:
     return blocks_called(stage.excavate, model.openings, model.block_name)
 
 
+def fraction_released(model: Model, stages: Sequence[Stage]) -> Floats:
+    """Return the fraction of the support of every block that the stages release, shape (n,).
+
+    It is 0 for blocks that none of them excavates.
+    """
+    fraction = np.zeros(model.block_count)
+    for stage in stages:
+        fraction[excavated_by(model, stage)] = 1.0
+        for name, share in stage.release.items():
+            fraction[model.blocks_called([name])] = share
+    return fraction
+
+
 def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
     """Yield the events at the start of a stage."""
 
@@ -141,6 +165,8 @@ def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
     yield event("stage begins", stage.name, f"stage '{stage.name}' begins")
     for name in stage.excavate:
         yield event("excavated", name, f"'{name}' is excavated")
+    for name, share in stage.release.items():
+        yield event("released", name, f"{share:.0%} of the support of '{name}' is released by now")
     for name in stage.install:
         yield event("installed", name, f"'{name}' is installed")
     for name, changes in stage.joints.items():
