@@ -8,7 +8,7 @@ import shapely
 
 from clast.block import polygon
 from clast.contact import detection, edge_intersections
-from clast.contact.edge_intersections import SHALLOW, with_crossings
+from clast.contact.edge_intersections import SHALLOW_CROSSING, with_crossings
 from clast.model.state import ContactMemory
 from clast.run.overlap import unseen_overlaps
 from scenes.systems import (
@@ -25,23 +25,17 @@ from scenes.systems import (
     wall,
 )
 
-NONE = (np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0), np.zeros(0, np.int64))
-NO_PAIR = np.zeros(0, np.int64)
+NO_CONTACTS = (*np.zeros((3, 0), np.int64), np.zeros(0))
 
 
 def crossings_of(outlines, floor=0.0):
     """Return the crossings of two outlines, as if there were no contacts."""
     vertices = np.concatenate(outlines)
     start = np.cumsum([0, *map(len, outlines)])
-    direction, _ = polygon.edges(vertices, start)
-    owner = polygon.owners(start)
-    box_of = polygon.boxes(vertices, start)
-    pairs = np.array([[0, 1]])
-    contacts = (*NONE[:3], owner)
-    limits, bore = (1.01, floor), np.zeros(1, np.bool_)
-    return edge_intersections.unseen(
-        (vertices, direction, start), box_of, pairs, contacts, NO_PAIR, limits, bore
-    )
+    polygons = polygon.polygon_arrays(vertices, start, polygon.owners(start))
+    box_of, pairs = polygon.boxes(vertices, start), np.array([[0, 1]])
+    limits, carried = (1.01, floor), np.zeros(1, np.bool_)
+    return edge_intersections.unseen(polygons, box_of, pairs, NO_CONTACTS, limits, carried)
 
 
 def toothed(teeth, depth, y):
@@ -261,7 +255,7 @@ def test_a_contact_across_a_corner_goes_on_until_it_has_opened(share):
 
     It did, and came back full as soon as the blocks had closed again: they swung for ever.
     """
-    give = share * SHALLOW * 0.005
+    give = share * SHALLOW_CROSSING * 0.005
     model, state = pressed_to_a_corner(give)
     assert not len(across_the_corner(model, state))
     # the upper right corner of the first box and the lower side of the fourth

@@ -53,7 +53,7 @@ def test_a_block_that_moves_over_the_corner_is_held():
     for across, expected in ((0.0, False), (1e-4, True), (-1e-4, False)):
         shift[:4] = (across, -2e-4)
         found = candidates_of(outlines, shift=shift)
-        kept = BISECTOR.choose(found, flat(outlines).vertices)
+        kept = BISECTOR.choose(found)
         tops = kept & (found.edge == 6)  # the top of the lower block
         assert tops.any() == expected
 

@@ -77,6 +77,6 @@ def test_the_bound_is_that_of_all_blocks_below_one_another():
         np.array([1e-3, -2e-4]), strain, np.array([False, True]), box
     )
     deepest = 2e-4 + 1e-5  # a penetration, and the shortening of one metre
-    assert most[0] >= flush_faces.BLOCKS_BELOW * deepest
-    assert most[0] <= 5.0 * flush_faces.BLOCKS_BELOW * deepest
+    assert most[0] >= flush_faces.BLOCKS_BELOW_MAX * deepest
+    assert most[0] <= 5.0 * flush_faces.BLOCKS_BELOW_MAX * deepest
     assert most[1] == 0.0

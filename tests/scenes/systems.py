@@ -282,7 +282,7 @@ def touches_of(
 
     return [
         Touch(local(int(found.vertex[c])), local(int(found.edge[c])), float(found.gap[c]))
-        for c in np.flatnonzero(rule.choose(found, flats.vertices))
+        for c in np.flatnonzero(rule.choose(found))
     ]
 
 

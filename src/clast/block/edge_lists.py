@@ -1,10 +1,9 @@
-"""Edges of polygons: those near a point, sorted lists of them, and how two of them cross."""
+"""Edges of polygons: those near a point, and sorted lists of them."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from clast.block.polygon import vertex_after
 from clast.compute.jit import kernel
 
 FEW = 48
@@ -12,23 +11,24 @@ FEW = 48
 
 
 @kernel()
-def edges_within(window, reach, vertices, first, last, found):
-    """Write the edges of a block within ``reach``, m, of a window, by their boxes; return how many.
+def edges_within(window, reach, vertices, after, first, last, near):
+    """Write edges ``first`` to ``last`` - 1 within ``reach``, m, of a window; return how many.
 
-    In their order.  ``window`` is xmin, ymin, xmax, ymax, m.
+    By their boxes, in their order.  ``window`` is xmin, ymin, xmax, ymax, m; ``after`` (nv,) is the
+    vertex after each one in its block.
     """
     xmin, ymin = window[0] - reach, window[1] - reach
     xmax, ymax = window[2] + reach, window[3] + reach
     count = 0
     for k in range(first, last):
-        after = vertex_after(k, first, last)
+        end = after[k]
         if (
-            min(vertices[k, 0], vertices[after, 0]) <= xmax
-            and max(vertices[k, 0], vertices[after, 0]) >= xmin
-            and min(vertices[k, 1], vertices[after, 1]) <= ymax
-            and max(vertices[k, 1], vertices[after, 1]) >= ymin
+            min(vertices[k, 0], vertices[end, 0]) <= xmax
+            and max(vertices[k, 0], vertices[end, 0]) >= xmin
+            and min(vertices[k, 1], vertices[end, 1]) <= ymax
+            and max(vertices[k, 1], vertices[end, 1]) >= ymin
         ):
-            found[count] = k
+            near[count] = k
             count += 1
     return count
 
@@ -47,12 +47,12 @@ def first_at_least(values, bound):
 
 
 @kernel()
-def left_to_right(edges, vertices, first, last):
-    """Return the left ends, m, of edges of a block in their order, the edges, and the widest, m."""
+def left_to_right(edges, vertices, after):
+    """Return the left ends, m, of edges in their order, the edges, and the widest, m."""
     left = np.empty(len(edges))
     widest = 0.0
     for k in range(len(edges)):
-        here, there = vertices[edges[k], 0], vertices[vertex_after(edges[k], first, last), 0]
+        here, there = vertices[edges[k], 0], vertices[after[edges[k]], 0]
         left[k] = min(here, there)
         widest = max(widest, abs(here - there))
     order = np.argsort(left)
@@ -60,15 +60,15 @@ def left_to_right(edges, vertices, first, last):
 
 
 @kernel()
-def edges_around(window, reach, vertices, first, last):
-    """Return the edges of a block within ``reach``, m, of a window, as ``left_to_right`` does."""
-    found = np.empty(last - first, np.int64)
-    count = edges_within(window, reach, vertices, first, last, found)
-    return left_to_right(found[:count], vertices, first, last)
+def edges_around(window, reach, vertices, after, first, last):
+    """Return edges ``first`` to ``last`` - 1 near a window (edges_within) as left_to_right does."""
+    near = np.empty(last - first, np.int64)
+    count = edges_within(window, reach, vertices, after, first, last, near)
+    return left_to_right(near[:count], vertices, after)
 
 
 @kernel()
-def edges_near(point, reach, listed, vertices, first, last, found):
+def edges_near(point, reach, listed, vertices, after, near):
     """Write the edges whose boxes come within ``reach``, m, of a point, in order; return how many.
 
     ``listed`` are edges as ``left_to_right`` gives them.
@@ -79,7 +79,7 @@ def edges_near(point, reach, listed, vertices, first, last, found):
         if left[k] > px + reach:
             break
         e = edges[k]
-        f = vertex_after(e, first, last)
+        f = after[e]
         if (
             max(vertices[e, 0], vertices[f, 0]) < px - reach
             or max(vertices[e, 1], vertices[f, 1]) < py - reach
@@ -87,64 +87,9 @@ def edges_near(point, reach, listed, vertices, first, last, found):
         ):
             continue
         at = count
-        while at > 0 and found[at - 1] > e:
-            found[at] = found[at - 1]
+        while at > 0 and near[at - 1] > e:
+            near[at] = near[at - 1]
             at -= 1
-        found[at] = e
+        near[at] = e
         count += 1
     return count
-
-
-@kernel()
-def side(ax, ay, bx, by, px, py):
-    """Return twice the area of triangle A, B, P: positive where P is left of A to B."""
-    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-
-
-@kernel()
-def cross(a, b, e, f, vertices, dx, dy):
-    """Return whether segment a to b, moved by (dx, dy), and segment e to f cross properly."""
-    ax, ay = vertices[a, 0] + dx, vertices[a, 1] + dy
-    bx, by = vertices[b, 0] + dx, vertices[b, 1] + dy
-    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
-    if (side(ax, ay, bx, by, ex, ey) > 0.0) == (side(ax, ay, bx, by, fx, fy) > 0.0):
-        return False
-    return (side(ex, ey, fx, fy, ax, ay) > 0.0) != (side(ex, ey, fx, fy, bx, by) > 0.0)
-
-
-@kernel()
-def behind(p, e, vertices, direction):
-    """Return how far vertex p lies behind the line of edge e, m."""
-    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
-    return y * direction[e, 0] - x * direction[e, 1]
-
-
-@kernel()
-def crossing_point(a, b, e, f, vertices):
-    """Return where segments a to b and e to f cross, m, x and y."""
-    ax, ay, bx, by = vertices[a, 0], vertices[a, 1], vertices[b, 0], vertices[b, 1]
-    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
-    here, there = side(ex, ey, fx, fy, ax, ay), side(ex, ey, fx, fy, bx, by)
-    if here == there:  # to the last bit in line
-        return ax, ay
-    share = here / (here - there)
-    return ax + share * (bx - ax), ay + share * (by - ay)
-
-
-@kernel()
-def sideways(a, b, e, f, vertices, direction):
-    """Return how far an end in front of the other edge stands out, m, and the way back, x and y.
-
-    From the crossing along its edge; of the two edges the one that stands out less.  The way back
-    is the unit vector along which the block of a to b moves, that of e to f being still.
-    """
-    x, y = crossing_point(a, b, e, f, vertices)
-    at_end = behind(a, e, vertices, direction) > 0.0
-    p, to = (b, -1.0) if at_end else (a, 1.0)
-    at_other = behind(e, a, vertices, direction) > 0.0
-    q, fro = (f, 1.0) if at_other else (e, -1.0)
-    of_p = np.hypot(vertices[p, 0] - x, vertices[p, 1] - y)
-    of_q = np.hypot(vertices[q, 0] - x, vertices[q, 1] - y)
-    if of_p <= of_q:
-        return of_p, to * direction[a, 0], to * direction[a, 1]
-    return of_q, fro * direction[e, 0], fro * direction[e, 1]

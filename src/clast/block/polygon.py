@@ -1,8 +1,8 @@
-"""Polygons of all blocks at once: area, centroid, moments, boxes, edges, and the way round them."""
+"""Polygons of all blocks at once: area, centroid, moments, boxes, edges, neighbours."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,28 +13,43 @@ from clast.model.model import Floats, Ints
 SMALL_ANGLE = np.sin(np.radians(3.0))
 """Sine of the angle within which edges count as parallel (Shi 1988: 3 degrees)."""
 ROUND_OFF = 1e-9
-"""Share of an edge's length that is treated as zero along the edge."""
+"""Fraction of an edge's length that is treated as zero along the edge."""
 
 
 class Polygons(NamedTuple):
-    """Outlines of all blocks, as kernels take them."""
+    """Outlines of all blocks, as kernels take them; edge e begins at vertex e."""
 
     vertices: Floats
     """Vertices, m, shape (nv, 2)."""
     direction: Floats
-    """Unit direction of the edge that starts at each vertex, shape (nv, 2)."""
+    """Unit direction of each edge, shape (nv, 2)."""
     length: Floats
-    """Length of that edge, m, shape (nv,)."""
+    """Length of each edge, m, shape (nv,)."""
     vertex_block: Ints
     """Block of each vertex, shape (nv,)."""
     block_start: Ints
     """First vertex of each block, shape (n + 1,)."""
+    before: Ints
+    """Vertex before each one in its block, shape (nv,)."""
+    after: Ints
+    """Vertex after each one in its block, shape (nv,)."""
+
+
+def polygon_arrays(vertices: Floats, block_start: Ints, vertex_block: Ints) -> tuple[Any, ...]:
+    """Return the arrays of ``Polygons``, as a plain tuple, which numba takes faster."""
+    direction, length = edges(vertices, block_start)
+    before, after = neighbours(block_start)
+    return vertices, direction, length, vertex_block, block_start, before, after
 
 
 @kernel()
-def vertex_before(k, first, last):
-    """Return the vertex before k of the block with vertices first to last - 1."""
-    return k - 1 if k > first else last - 1
+def neighbours(block_start):
+    """Return the vertices before and after each one in its block, (nv,) each."""
+    before, after = np.arange(-1, block_start[-1] - 1), np.arange(1, block_start[-1] + 1)
+    for b in range(len(block_start) - 1):
+        before[block_start[b]] = block_start[b + 1] - 1
+        after[block_start[b + 1] - 1] = block_start[b]
+    return before, after
 
 
 @kernel()
@@ -44,13 +59,53 @@ def vertex_after(k, first, last):
 
 
 @kernel()
-def turn_at(e, at_end, direction, first, last):
+def sine(a, b, direction):
+    """Return the sine of the angle from edge a to edge b."""
+    return direction[a, 0] * direction[b, 1] - direction[a, 1] * direction[b, 0]
+
+
+@kernel()
+def cosine(a, b, direction):
+    """Return the cosine of the angle between edges a and b."""
+    return direction[a, 0] * direction[b, 0] + direction[a, 1] * direction[b, 1]
+
+
+@kernel()
+def next_edge(e, at_end, outlines):
+    """Return the edge next to edge e at its end, or at its start."""
+    return outlines.after[e] if at_end else outlines.before[e]
+
+
+@kernel()
+def end_of(e, at_end, outlines):
+    """Return the vertex at the end of edge e, or at its start."""
+    return outlines.after[e] if at_end else e
+
+
+@kernel()
+def turn_at(e, at_end, outlines):
     """Return the sine of the turn at one end of edge e: positive at a convex corner."""
     if at_end:
-        f = vertex_after(e, first, last)
-        return direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
-    f = vertex_before(e, first, last)
-    return direction[f, 0] * direction[e, 1] - direction[f, 1] * direction[e, 0]
+        return sine(e, outlines.after[e], outlines.direction)
+    return sine(outlines.before[e], e, outlines.direction)
+
+
+@kernel()
+def gap_to(p, e, outlines):
+    """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
+    vertices, direction = outlines.vertices, outlines.direction
+    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+    return x * direction[e, 1] - y * direction[e, 0]
+
+
+@kernel()
+def runs_along(x, y, e, inwards, direction):
+    """Return True if the unit vector (x, y) runs along edge e within 3 degrees, or back along it.
+
+    ``inwards`` is 1 or -1 for the two.
+    """
+    tx, ty = direction[e, 0], direction[e, 1]
+    return inwards * (x * tx + y * ty) > 0.0 and abs(x * ty - y * tx) <= SMALL_ANGLE
 
 
 @kernel()

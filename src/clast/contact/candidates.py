@@ -53,18 +53,18 @@ class Candidates:
     """Distance of the foot from the edge's first vertex along the edge, m, shape (m,)."""
     remembered: Ints
     """Entrance edge of each group in the last step, or -1, shape (k,)."""
-    direction: Floats
-    """Unit direction of the edge that starts at each vertex, shape (nv, 2)."""
-    length: Floats
-    """Length of that edge, m, shape (nv,)."""
-    vertex_block: Ints
-    """Block of each vertex, shape (nv,)."""
-    block_start: Ints
-    """First vertex of each block, shape (n + 1,)."""
+    polygons: tuple[Any, ...]
+    """Arrays of ``polygon.Polygons``."""
     box: Floats
     """Bounding box of each block, m, shape (n, 4)."""
     critdis: float
     """Length by which edges are extended where corners coincide, m."""
+
+    @property
+    def arrays(self) -> tuple[Any, ...]:
+        """The candidates as kernels take them (corner_rules.GroupedCandidates)."""
+        ends = self.group_start, self.vertex, self.edge, self.pair
+        return *ends, self.gap, self.along, self.remembered
 
 
 def find_candidates(
@@ -84,93 +84,68 @@ def find_candidates(
     cannot move, (n,).  ``of_vertices`` are the block of each vertex (nv,) and its first row in the
     memory (nv + 1,), if they are known already.
     """
-    direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     if of_vertices is None:
         of_vertices = polygon.owners(block_start), first_rows(memory.vertex, len(vertices))
     vertex_block, rows = of_vertices
-    outlines = vertices, direction, length, vertex_block, block_start
+    polygons = polygon.polygon_arrays(vertices, block_start, vertex_block)
     if of_blocks is None:
         of_blocks = np.zeros((len(box), 3)), np.zeros(len(box), np.bool_)
-    bearing = _bearing_contacts(memory, outlines, (pairs, box), of_blocks, reach.critdis)
-    depth = pair_penetration(vertex_block, pairs, memory)
-    groups, pair, gap, along = _found(
-        outlines,
-        (pairs, box, depth, reach.travel_of(len(box))),
-        (
-            np.zeros_like(vertices) if shift is None else shift,
-            np.array([reach.front, reach.depth, reach.critdis, reach.tip]),
-            *bearing,
-        ),
+    start, of_block = flush_faces.rows_by_block(
+        (memory.vertex, memory.block, memory.gap), vertex_block, len(box), reach.critdis
     )
-    remembered = remembered_edges(groups, vertex_block, memory, rows)
-    return Candidates(
-        group_start=groups[0],
-        vertex=groups[1],
-        edge=groups[2],
-        pair=pair,
-        gap=gap,
-        along=along,
-        remembered=remembered,
-        direction=direction,
-        length=length,
-        vertex_block=vertex_block,
-        block_start=block_start,
-        box=box,
-        critdis=reach.critdis,
-    )
-
-
-def _bearing_contacts(
-    memory: ContactMemory,
-    outlines: Any,
-    near: tuple[Ints, Floats],
-    of_blocks: tuple[Floats, Bools],
-    critdis: float,
-) -> tuple[Any, ...]:
-    """Return the arrays of ``flush_faces.BearingContacts``.
-
-    ``near`` are the pairs of blocks (q, 2) and the boxes (n, 4), ``of_blocks`` the strains (n, 3)
-    and which cannot move, (n,).
-    """
-    pairs, box = near
-    of_memory = memory.vertex, memory.block, memory.gap
-    return (
-        *flush_faces.rows_by_block(of_memory, outlines[3], len(box), critdis),
+    looks = (
+        np.zeros_like(vertices) if shift is None else shift,
+        np.array([reach.front, reach.depth, reach.critdis, reach.tip]),
+        # the fields of flush_faces.BearingContacts
+        start,
+        of_block,
         memory.vertex,
         memory.block,
         memory.edge,
         memory.gap,
         of_blocks[0],
-        flush_faces.goes_on(pairs, box, outlines, critdis),
+        flush_faces.goes_on(pairs, box, polygons, reach.critdis),
         flush_faces.largest_settlements(memory.gap, *of_blocks, box),
+    )
+    depth = pair_penetration(vertex_block, pairs, memory)
+    near = pairs, box, depth, reach.travel_of(len(box))
+    group_start, vertex, edge, pair, gap, along = _candidate_arrays(polygons, near, looks)
+    remembered = remembered_edges((group_start, vertex, edge), vertex_block, memory, rows)
+    return Candidates(
+        group_start=group_start,
+        vertex=vertex,
+        edge=edge,
+        pair=pair,
+        gap=gap,
+        along=along,
+        remembered=remembered,
+        polygons=polygons,
+        box=box,
+        critdis=reach.critdis,
     )
 
 
-def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
-    """Return group starts, vertices and edges; of each candidate pair, gap and way along the edge.
-
-    From the output of the kernels (contact/narrow_phase.py).
-    """
+def _candidate_arrays(polygons: Any, near: Any, looks: Any) -> tuple[Any, ...]:
+    """Return the arrays of ``narrow_phase.CandidateArrays``, from the output of its kernels."""
     count = len(near[0])
     parts = max(1, -(-count // PART))
-    found = np.zeros((parts, 2), np.int64)
+    counts = np.zeros((parts, 2), np.int64)
     most = 64 + 6 * min(PART, count)
     while True:
         room = _room_for(parts * (most + 1))
-        candidates_of_parts(parts, most, outlines, near, looks, room, found)
-        wanted = int(found[0, 0] if parts == 1 else found[:, 0].max())
+        candidates_of_parts(parts, most, polygons, near, looks, room, counts)
+        wanted = int(counts[0, 0] if parts == 1 else counts[:, 0].max())
         if wanted <= most:
             break
         most = wanted
-    number, groups = found.sum(axis=0) if parts > 1 else found[0]
+    number, groups = counts.sum(axis=0) if parts > 1 else counts[0]
     if parts > 1:  # else it lies together already
         room, of_parts = _room_for(int(number)), room
-        join_parts(parts, most, found, of_parts, room)
-    start, vertex, edge, pair, gap, along = room
+        join_parts(parts, most, counts, of_parts, room)
+    start, *arrays = room
     start[0] = 0
-    groups_of = start[: groups + 1], vertex[:number], edge[:number]
-    return groups_of, pair[:number], gap[:number], along[:number]
+    return start[: groups + 1], *(one[:number] for one in arrays)
 
 
 def _room_for(number: int) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats]:

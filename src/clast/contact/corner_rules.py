@@ -10,7 +10,7 @@ re-entrant corner the vertex is inside where either edge is passed, and each is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,9 +18,12 @@ from clast.block.polygon import (
     ROUND_OFF,
     SMALL_ANGLE,
     Polygons,
+    cosine,
+    end_of,
+    gap_to,
+    next_edge,
+    sine,
     turn_at,
-    vertex_after,
-    vertex_before,
 )
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
@@ -31,7 +34,7 @@ from clast.model.model import Bools, Floats, Ints
 class CornerRule(Protocol):
     """Chooses entrance edges among the candidate edges of a vertex at a corner of a block."""
 
-    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+    def choose(self, candidates: Candidates) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
         ...
 
@@ -45,9 +48,9 @@ class Bisector:
     the shortest exit.  Where corners coincide at the end of a joint both vertices make a contact.
     """
 
-    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+    def choose(self, candidates: Candidates) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
-        return _shortest_exit(candidates, vertices)
+        return _shortest_exit(candidates)
 
 
 @dataclass(frozen=True)
@@ -66,57 +69,29 @@ class EntranceLines:
     step.
     """
 
-    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+    def choose(self, candidates: Candidates) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
-        keep = _shortest_exit(candidates, vertices)
-        _one_vertex_per_joint_end(*_taken(candidates, vertices), candidates.critdis, keep)
+        keep = _shortest_exit(candidates)
+        arrays = candidates.arrays, candidates.polygons, candidates.critdis
+        _one_vertex_per_joint_end(*arrays, keep)
         return keep
 
 
 class GroupedCandidates(NamedTuple):
-    """Candidate edges, grouped by vertex and block of the edge, as kernels take them."""
+    """Fields of ``Candidates`` as kernels take them."""
 
     group_start: Ints
-    """First candidate of each group, shape (k + 1,)."""
     vertex: Ints
-    """Vertex of each candidate, shape (m,)."""
     edge: Ints
-    """Its edge, shape (m,)."""
     pair: Ints
-    """Its pair of blocks, shape (m,)."""
     gap: Floats
-    """Distance of the vertex from the edge's line, m, shape (m,)."""
     along: Floats
-    """Distance of its foot from the start of the edge, m, shape (m,)."""
     remembered: Ints
-    """Entrance edge of each group in the last step, or -1, shape (k,)."""
 
 
-def _taken(candidates: Candidates, vertices: Floats) -> tuple[Any, Any]:
-    """Return candidates and outlines as the kernels take them."""
-    found = (
-        candidates.group_start,
-        candidates.vertex,
-        candidates.edge,
-        candidates.pair,
-        candidates.gap,
-        candidates.along,
-        candidates.remembered,
-    )
-    outlines = (
-        vertices,
-        candidates.direction,
-        candidates.length,
-        candidates.vertex_block,
-        candidates.block_start,
-    )
-    return found, outlines
-
-
-def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
+def _shortest_exit(candidates: Candidates) -> Bools:
     """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
-    found, outlines = _taken(candidates, vertices)
-    keep: Bools = _kept(found, outlines, candidates.critdis)
+    keep: Bools = _kept(candidates.arrays, candidates.polygons, candidates.critdis)
     return keep
 
 
@@ -146,36 +121,33 @@ def _shortest_exits(first, last, found, outlines, critdis, known, keep):
 
 
 @kernel()
-def _relation(a, b, found, direction, first, last):
+def _relation(a, b, found, outlines):
     """Say how the edges of two candidates, of one block, share a vertex in front of them.
 
     0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
     (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
     """
     e, f, gap_e, gap_f = found.edge[a], found.edge[b], found.gap[a], found.gap[b]
-    adjacent = vertex_after(e, first, last) == f
-    if adjacent or vertex_after(f, first, last) == e:
-        turn = direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
-        if not adjacent:
-            turn = -turn
-        cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
-        if abs(turn) <= SMALL_ANGLE and cosine > 0.0:
+    cosine_of = cosine(e, f, outlines.direction)
+    adjacent = outlines.after[e] == f
+    if adjacent or outlines.after[f] == e:
+        turn = sine(e, f, outlines.direction)
+        turn = turn if adjacent else -turn
+        if abs(turn) <= SMALL_ANGLE and cosine_of > 0.0:
             return 2
         return 1 if turn > 0.0 else 0
     # not neighbours: back to back where each foot lies behind the other edge's line
-    cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
-    behind_e = gap_e - gap_f * cosine < 0.0
-    behind_f = gap_f - gap_e * cosine < 0.0
-    return 1 if behind_e and behind_f else 0
+    return 1 if gap_e - gap_f * cosine_of < 0.0 and gap_f - gap_e * cosine_of < 0.0 else 0
 
 
 @kernel()
-def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
-    """Return True if the foot has passed from edge e to edge f at their flat corner."""
-    if vertex_after(e, first, last) == f:
+def _loses_flat_corner(a, b, found, outlines):
+    """Return True if the foot has passed from the edge of a to that of b at their flat corner."""
+    e, f, length = found.edge[a], found.edge[b], outlines.length
+    if outlines.after[e] == f:
         # beyond the end of e and beyond the start of f; on the corner itself e is kept
-        return (along_e - length[e]) + along_f > 0.0
-    return along_e + (along_f - length[f]) <= 0.0
+        return (found.along[a] - length[e]) + found.along[b] > 0.0
+    return found.along[a] + (found.along[b] - length[f]) <= 0.0
 
 
 @kernel()
@@ -187,39 +159,31 @@ def _bisect(low, high, found, outlines, critdis, keep):
     alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
     is the length by which edges are extended.
     """
-    group_start, edge, gap = found.group_start, found.edge, found.gap
-    along, remembered = found.along, found.remembered
-    direction, length = outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
+    edge, gap, length = found.edge, found.gap, outlines.length
     for g in range(low, high):
-        start, stop = group_start[g], group_start[g + 1]
+        start, stop = found.group_start[g], found.group_start[g + 1]
         if stop - start == 1:
             keep[start] = True
             continue
-        j = vertex_block[edge[start]]
-        first, last = block_start[j], block_start[j + 1]
         alive = np.ones(stop - start, np.bool_)
         for a in range(start, stop):
             for b in range(start, stop):
-                if a == b:
-                    continue
-                if _relation(a, b, found, direction, first, last) == 2 and _loses_flat_corner(
-                    edge[a], edge[b], along[a], along[b], length, first, last
-                ):
-                    alive[a - start] = False
+                if a != b and _relation(a, b, found, outlines) == 2:
+                    if _loses_flat_corner(a, b, found, outlines):
+                        alive[a - start] = False
         while True:
             best = stop  # none yet; -1 would be a type of its own to numba
             for a in range(start, stop):
                 if not alive[a - start]:
                     continue
-                if best == stop or _is_nearer(a, best, gap, edge, remembered[g], length):
+                if best == stop or _is_nearer(a, best, gap, edge, found.remembered[g], length):
                     best = a
             if best == stop:
                 break
             keep[best] = True
             alive[best - start] = False
             for a in range(start, stop):
-                if alive[a - start] and _relation(best, a, found, direction, first, last) == 1:
+                if alive[a - start] and _relation(best, a, found, outlines) == 1:
                     alive[a - start] = False
         for a in range(start, stop):
             if keep[a] and _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
@@ -234,21 +198,13 @@ def _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
     the next one (the vertex has come through the tread of a stair, not along its riser), or is
     none of the candidates, the first edge is not touched either.
     """
-    edge, along = found.edge, found.along
-    direction, length = outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    e = edge[a]
-    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
-    at_end = along[a] > 0.0
-    beyond = max(-along[a], along[a] - length[e])
-    if (
-        beyond <= ROUND_OFF * length[e]
-        or turn_at(e, at_end, direction, first, last) >= -SMALL_ANGLE
-    ):
+    e, along, length = found.edge[a], found.along[a], outlines.length[found.edge[a]]
+    at_end, beyond = along > 0.0, max(-along, along - length)
+    if beyond <= ROUND_OFF * length or turn_at(e, at_end, outlines) >= -SMALL_ANGLE:
         return False
-    other = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+    other = next_edge(e, at_end, outlines)
     for b in range(start, stop):
-        if edge[b] == other:
+        if found.edge[b] == other:
             return not keep[b]
     return beyond > critdis
 
@@ -267,19 +223,6 @@ def _is_nearer(a, b, gap, edge, remembered, length):
 
 
 @kernel()
-def _ends_at(e, p, first, last):
-    """Return True if vertex p is an end of edge e of its block."""
-    return e == p or vertex_after(e, first, last) == p
-
-
-@kernel()
-def _gap(p, e, vertices, direction):
-    """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
-    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
-    return x * direction[e, 1] - y * direction[e, 0]
-
-
-@kernel()
 def _is_entrance_passed(p, e, along, outlines):
     """Return False where vertex p, behind edge e, has not entered the corner at the end of e.
 
@@ -289,26 +232,19 @@ def _is_entrance_passed(p, e, along, outlines):
     lies in front of it, else that of P's own edge on that side, which Q has to pass.  A vertex that
     lies along e with an edge of its own (face to face) is not judged.
     """
-    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    i, j = vertex_block[p], vertex_block[e]
-    first, last = block_start[j], block_start[j + 1]
-    at_end = along > 0.5 * length[e]
-    if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
-        return True
-    corner = vertex_after(e, first, last) if at_end else e
-    f = corner if at_end else vertex_before(e, first, last)
-    if _gap(p, f, vertices, direction) < 0.0:
+    direction, at_end = outlines.direction, along > 0.5 * outlines.length[e]
+    f = next_edge(e, at_end, outlines)
+    if turn_at(e, at_end, outlines) <= SMALL_ANGLE or gap_to(p, f, outlines) < 0.0:
         return True
     # P's own edge above e, and the direction in which it leaves P
-    a = p if at_end else vertex_before(p, block_start[i], block_start[i + 1])
+    a = p if at_end else outlines.before[p]
     sign = 1.0 if at_end else -1.0
     ux, uy = sign * direction[a, 0], sign * direction[a, 1]
     if abs(ux * direction[e, 1] - uy * direction[e, 0]) <= SMALL_ANGLE:
         return True
     if ux * direction[f, 1] - uy * direction[f, 0] >= 0.0:
         return False
-    return _gap(corner, a, vertices, direction) < 0.0
+    return gap_to(end_of(e, at_end, outlines), a, outlines) < 0.0
 
 
 @kernel()
@@ -333,24 +269,16 @@ def _meets(p, e, q, a, outlines):
     lines of corners P and Q; 2: e and a run along each other from P and Q, which coincide at one
     end of a joint; 3: the same, P and Q are its two ends.
     """
-    direction, vertex_block, block_start = (
-        outlines.direction,
-        outlines.vertex_block,
-        outlines.block_start,
-    )
-    i, j = vertex_block[a], vertex_block[e]
     if (
-        i == j
-        or not _ends_at(e, q, block_start[j], block_start[j + 1])
-        or not _ends_at(a, p, block_start[i], block_start[i + 1])
+        outlines.vertex_block[a] == outlines.vertex_block[e]
+        or (e != q and outlines.after[e] != q)
+        or (a != p and outlines.after[a] != p)
     ):
         return 0
-    sine = direction[e, 0] * direction[a, 1] - direction[e, 1] * direction[a, 0]
-    if abs(sine) > SMALL_ANGLE:
+    if abs(sine(e, a, outlines.direction)) > SMALL_ANGLE:
         return 1
     # the directions in which e leaves Q and a leaves P are the same where Q and P coincide
-    cosine = direction[e, 0] * direction[a, 0] + direction[e, 1] * direction[a, 1]
-    return 2 if (cosine > 0.0) == ((e == q) == (a == p)) else 3
+    return 2 if (cosine(e, a, outlines.direction) > 0.0) == ((e == q) == (a == p)) else 3
 
 
 @kernel()

@@ -15,11 +15,11 @@ from clast.block import polygon
 from clast.block.displacement import displacements_of
 from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.equations import strains
-from clast.block.polygon import depth_inside, vertex_after
+from clast.block.polygon import depth_inside
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.broad_phase import VerletList, near_pairs
-from clast.contact.candidates import Candidates, SearchDistance, find_candidates
+from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.edge_intersections import Chosen, with_crossings
@@ -27,7 +27,14 @@ from clast.contact.joints.along_joint import contact_lengths, joints_of, springs
 from clast.contact.joints.barton_bandis import with_roughness
 from clast.contact.joints.bonds import Bonds, bonded_at_start, bonds_of, without_points_in_bonds
 from clast.contact.joints.faces import Places, with_faces
-from clast.contact.memory import carried_by, first_rows, pair_penetration, recall, taken_along
+from clast.contact.memory import (
+    carried_by,
+    first_rows,
+    pair_keys,
+    pair_penetration,
+    recall,
+    taken_along,
+)
 from clast.model.bodies import Outlines
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State
@@ -70,7 +77,7 @@ def detect(
         shift = of_all[sought.vertex]
     strain = strains(model.compliance, state.stress)[sought.block]
     of_vertices = owners, first_rows(sought.memory.vertex, len(owners))
-    found = find_candidates(
+    candidates = find_candidates(
         sought.vertices,
         sought.start,
         pairs,
@@ -80,36 +87,34 @@ def detect(
         (strain, sought.fixed),
         of_vertices,
     )
-    chosen = _chosen(corner_rule, found, sought, pairs, of_vertices, travel)
-    of_edges = owners.take(chosen[1])
-    row = recall(sought.memory, of_vertices[1], chosen[0], of_edges, chosen[1])
-    edges = found.direction, found.length
-    if model.outlines is not None:
-        row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
-        chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, edges, chosen)
-        edges, row = polygon.edges(state.vertices, model.block_start), row[order]
-    return _contacts(model, state, centroid, pairs, edges, (chosen, row), reach.critdis)
-
-
-def _chosen(
-    corner_rule: CornerRule,
-    found: Candidates,
-    sought: _Sought,
-    pairs: Ints,
-    of_vertices: tuple[Ints, Ints],
-    travel: Floats,
-) -> Chosen:
-    """Return the candidates that the corner rule chooses, and contacts of edges that cross."""
-    keep = corner_rule.choose(found, sought.vertices)
-    return with_crossings(
-        (found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]),
+    keep, polygons = corner_rule.choose(candidates), candidates.polygons
+    chosen = with_crossings(
+        (
+            candidates.vertex[keep],
+            candidates.edge[keep],
+            candidates.pair[keep],
+            candidates.gap[keep],
+        ),
         pairs,
-        (sought.vertices, found.direction, sought.start, found.box),
-        of_vertices,
+        polygons,
+        candidates.box,
+        of_vertices[1],
         sought.memory,
         travel,
-        found.critdis,
+        reach.critdis,
     )
+    row = recall(sought.memory, of_vertices[1], chosen[0], owners.take(chosen[1]), chosen[1])
+    if model.outlines is not None:
+        row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
+        direction = polygons[1]
+        chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, direction, chosen)
+        polygons, row = _polygons(model, state), row[order]
+    return _contacts(model, state, centroid, pairs, polygons, (chosen, row), reach.critdis)
+
+
+def _polygons(model: Model, state: State) -> tuple[Any, ...]:
+    """Return the arrays of ``Polygons`` of all blocks."""
+    return polygon.polygon_arrays(state.vertices, model.block_start, model.vertex_block)
 
 
 def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> Contacts:
@@ -118,14 +123,14 @@ def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> 
     Their gaps are those of the memory, those inside faces between them; ``centroid`` (n, 2) in m.
     """
     memory, count = state.memory.corners, model.block_count
-    own = model.vertex_block[memory.vertex]
-    key = np.minimum(own, memory.block) * count + np.maximum(own, memory.block)
+    key = pair_keys(model.vertex_block[memory.vertex], memory.block, count)
     order = np.argsort(key, kind="stable")
     keys, pair = np.unique(key[order], return_inverse=True)
     pairs = np.stack([keys // count, keys % count], axis=1)
     chosen = memory.vertex[order], memory.edge[order], pair, memory.gap[order]
-    edges = polygon.edges(state.vertices, model.block_start)
-    return _contacts(model, state, centroid, pairs, edges, (chosen, order), critdis)
+    return _contacts(
+        model, state, centroid, pairs, _polygons(model, state), (chosen, order), critdis
+    )
 
 
 # where fixed blocks are one body (model/bodies.py) ----------------------------------------------
@@ -199,19 +204,19 @@ def _of_blocks(
     one: Outlines,
     state: State,
     sought: _Sought,
-    edges: tuple[Floats, Floats],
+    direction: Floats,
     chosen: Chosen,
 ) -> tuple[Chosen, Ints, Ints]:
     """Return contacts found on outlines as those of blocks, the pairs of these, and their order.
 
-    Each belongs to the block on whose edge its foot is.  ``edges`` are those of the outlines.
+    Each belongs to the block on whose edge its foot is.  ``direction`` is that of the outlines.
     """
     vertex, edge, _, _ = chosen
     from_begin = sought.vertices[vertex] - sought.vertices[edge]
-    along = np.sum(from_begin * edges[0][edge], axis=1)
+    along = np.sum(from_begin * direction[edge], axis=1)
     vertex, edge = one.vertex[vertex], one.edges_at(edge, along)
-    i, j, count = model.vertex_block[vertex], model.vertex_block[edge], model.block_count
-    key = np.minimum(i, j) * count + np.maximum(i, j)
+    count = model.block_count
+    key = pair_keys(model.vertex_block[vertex], model.vertex_block[edge], count)
     order = np.lexsort((vertex * len(model.vertex_block) + edge, key))
     vertex, edge, key = vertex[order], edge[order], key[order]
     begins = np.ones(len(key), np.bool_)
@@ -228,28 +233,46 @@ def _contacts(
     state: State,
     centroid: Floats,
     pairs: Ints,
-    edges: tuple[Floats, Floats],
+    polygons: tuple[Any, ...],
     chosen: tuple[Chosen, Ints],
     critdis: float,
 ) -> Contacts:
     """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and arms.
 
     ``chosen`` has them, and the rows (m,) of the state's memory that are theirs, -1 where none is.
-    ``edges`` are the directions (nv, 2) and the lengths (nv,) of all edges.
+    ``polygons`` are the arrays of ``Polygons`` of all blocks.
     """
-    direction, _ = edges
+    direction = polygons[1]
     (vertex, edge, pair, gap), row = chosen
-    pair, touching = _that_touch(pair, pairs)
+    pair, which = _numbered(pair)
+    touching = pairs.take(which, axis=0)
     ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
-    corners = _at_vertices(model, state, centroid, (ends, gap, touching, row), edges, critdis)
+    foot, arms = _geometry(ends[:4], gap, polygons[:2], centroid)
+    length, of_springs = contact_lengths(ends, polygons, critdis)
+    corners = Places(
+        vertex=vertex,
+        edge=edge,
+        vertex_block=ends[2],
+        edge_block=ends[3],
+        pair=pair,
+        point=np.zeros(len(gap), np.int64),
+        along=np.zeros(len(gap)),
+        gap=gap,
+        foot=foot,
+        arms=arms,
+        joint=joints_of(model, ends, touching, direction),
+        length=length,
+        of_springs=of_springs,
+        row=row,
+    )
     joints = model.joint_table
     if joints.binds:
         bonded = np.append(state.memory.bonded, False)[row]
         if state.time == 0.0:
             bonded |= bonded_at_start(corners, model, direction)
         corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
-    places = with_faces(corners, model, state, centroid, edges)
-    found = _memory_and_strength(model, state, places, direction)
+    places = with_faces(corners, model, state, centroid, polygons)
+    carried = _memory_and_strength(model, state, places, direction)
     return Contacts(
         joint=places.joint,
         vertex=places.vertex,
@@ -258,7 +281,7 @@ def _contacts(
         edge_block=places.edge_block,
         pair=places.pair,
         pairs=touching,
-        gap=places.gap - found["rest_gap"] if joints.opens else places.gap,
+        gap=places.gap - carried["rest_gap"] if joints.opens else places.gap,
         normal=places.arms[:, :2],
         foot=places.foot,
         length=places.length,
@@ -266,7 +289,7 @@ def _contacts(
         point=places.point,
         along=places.along,
         arms=places.arms,
-        **found,
+        **carried,
     )
 
 
@@ -289,7 +312,7 @@ def _memory_and_strength(
         carried, speed = taken_along(carried, speed, places, memory, direction, model)
     strengths = bonds_of(bonds, slid, speed, places, memory, direction, model)
     normal, shear, share = springs_of_joints(model, places.joint, places.of_springs)
-    found = {
+    fields = {
         "rest_gap": carried["dilation"],
         "normal_stiffness": normal,
         "shear_stiffness": shear,
@@ -299,18 +322,9 @@ def _memory_and_strength(
         **strengths,
         "slide_speed": speed,
     }
-    return (
-        with_roughness(joints, places, strengths["slide_length"], found) if joints.opens else found
-    )
-
-
-def _that_touch(pair: Ints, pairs: Ints) -> tuple[Ints, Ints]:
-    """Return the pairs (k, 2) of ``pairs`` (q, 2) that have contacts, and those of contacts, (m,).
-
-    ``pair`` (m,) are the pairs of the contacts, ascending.
-    """
-    of_contacts, which = _numbered(pair)
-    return of_contacts, pairs.take(which, axis=0)
+    if not joints.opens:
+        return fields
+    return with_roughness(joints, places, strengths["slide_length"], fields)
 
 
 @kernel()
@@ -324,39 +338,6 @@ def _numbered(pair):
             count += 1
         of_contacts[c] = count - 1
     return of_contacts, which[:count]
-
-
-def _at_vertices(
-    model: Model,
-    state: State,
-    centroid: Floats,
-    chosen: tuple[Any, Floats, Ints, Ints],
-    edges: tuple[Floats, Floats],
-    critdis: float,
-) -> Places:
-    """Return where the contacts of vertices are, ``chosen`` by ends, gaps, pairs and rows."""
-    ends, gap, touching, row = chosen
-    vertex, edge, i, j, pair = ends
-    count = len(gap)
-    foot, arms = _geometry(ends[:4], gap, (state.vertices, edges[0]), centroid)
-    of_edges = state.vertices, model.block_start, *edges
-    length, of_springs = contact_lengths(ends, of_edges, critdis)
-    return Places(
-        vertex=vertex,
-        edge=edge,
-        vertex_block=i,
-        edge_block=j,
-        pair=pair,
-        point=np.zeros(count, np.int64),
-        along=np.zeros(count),
-        gap=gap,
-        foot=foot,
-        arms=arms,
-        joint=joints_of(model, ends, touching, edges[0]),
-        length=length,
-        of_springs=of_springs,
-        row=row,
-    )
 
 
 @kernel()
@@ -403,7 +384,7 @@ def find_tunnelled(
         np.maximum.at(deepest, of_bodies.ravel(), known)
         known = deepest[of_bodies.ravel()]
     jump, vertex, block = np.zeros(len(pairs)), np.full(len(pairs), -1), np.full(len(pairs), -1)
-    outlines = before, vertices, model.block_start, box
+    outlines = before, vertices, model.block_start, model.vertex_after, box
     _jumps(len(pairs), outlines, pairs, known, (jump, vertex, block))
     if not len(pairs):
         return 0.0, -1, -1
@@ -412,14 +393,14 @@ def find_tunnelled(
 
 
 @kernel()
-def _is_inside(px, py, left, edges, widest, vertices, first, last):
+def _is_inside(px, py, left, edges, widest, vertices, after):
     """Return whether a point lies inside a polygon, by its edges from left to right."""
     inside = False
     for k in range(first_at_least(left, px - widest), len(left)):
         if left[k] > px:
             break
         e = edges[k]
-        f = vertex_after(e, first, last)
+        f = after[e]
         x1, y1 = vertices[e, 0] - px, vertices[e, 1] - py
         x2, y2 = vertices[f, 0] - px, vertices[f, 1] - py
         if (x1 > 0.0) != (x2 > 0.0) and y1 + (y2 - y1) * (-x1) / (x2 - x1) > 0.0:
@@ -434,33 +415,29 @@ def _jumps(low, high, outlines, pairs, known, deepest):
     ``known`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex that is
     much deeper, and was not as deep ``before`` the step, has jumped there within it.
     """
-    before, vertices, block_start, box = outlines
+    before, vertices, block_start, after, box = outlines
     jump, of_vertex, into = deepest
     left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
     for q in range(low, high):
         worst = 0.0
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
-            few = block_start[j + 1] - block_start[j] <= FEW
+            first, last = block_start[j], block_start[j + 1]
+            few = last - first <= FEW
             if not few:
                 window = (box[i, 0], box[j, 1], box[i, 2], box[j, 3])
-                first, last = block_start[j], block_start[j + 1]
-                left, listed, widest = edges_around(window, 0.0, vertices, first, last)
+                left, listed, widest = edges_around(window, 0.0, vertices, after, first, last)
             for p in range(block_start[i], block_start[i + 1]):
                 px, py = vertices[p, 0], vertices[p, 1]
                 # the outline is nearer than the sides of the box around it
                 most = min(px - box[j, 0], box[j, 2] - px, py - box[j, 1], box[j, 3] - py)
                 if most - 2.0 * known[q] <= worst:
                     continue
-                if not few and not _is_inside(
-                    px, py, left, listed, widest, vertices, block_start[j], block_start[j + 1]
-                ):
+                if not (few or _is_inside(px, py, left, listed, widest, vertices, after)):
                     continue
-                depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
-                depth -= 2.0 * known[q]
+                depth = depth_inside(px, py, vertices, first, last) - 2.0 * known[q]
                 if depth <= worst:
                     continue
-                first, last = block_start[j], block_start[j + 1]
                 depth -= depth_inside(before[p, 0], before[p, 1], before, first, last)
                 if depth > worst:
                     worst, of_vertex[q], into[q] = depth, p, j

@@ -36,18 +36,21 @@ from clast.block.polygon import (
     ROUND_OFF,
     SMALL_ANGLE,
     Polygons,
+    cosine,
+    end_of,
+    next_edge,
+    runs_along,
+    sine,
     turn_at,
-    vertex_after,
-    vertex_before,
 )
 from clast.compute.jit import kernel
 from clast.model.model import Floats, Ints
 
 FACES_LIKE, BEND = np.cos(np.radians(45.0)), np.sin(np.radians(45.0))
 """Cosine and sine of the largest bend of a surface at a seam."""
-BLOCKS_BELOW = 64
+BLOCKS_BELOW_MAX = 64
 """Blocks below one another whose settlement is added up, at most."""
-WAY_ROUND = 64
+EDGES_ROUND_MAX = 64
 """Edges of an outline between the two sides of a step or a notch, at most."""
 
 
@@ -115,7 +118,7 @@ def largest_settlements(gap, strain, fixed, box):
     most = np.zeros(len(box))
     for b in range(len(box)):
         if not fixed[b]:
-            most[b] = BLOCKS_BELOW * (1.01 * (deepest + shorter))
+            most[b] = BLOCKS_BELOW_MAX * (1.01 * (deepest + shorter))
     return most
 
 
@@ -161,7 +164,7 @@ def _settlement(block, nx, ny, outlines, bearing):
     start, rows = bearing.start, bearing.rows
     strain, most = bearing.strain, bearing.largest_settlement
     down = 0.0
-    for _ in range(BLOCKS_BELOW):
+    for _ in range(BLOCKS_BELOW_MAX):
         if most[block] == 0.0:
             break
         deepest, below = 0.0, -1
@@ -186,21 +189,17 @@ def _goes_on(g, p, top, outlines):
     has turned back as far as it had turned.  Round a convex corner it has not.
     """
     direction = outlines.direction
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    first, last = block_start[vertex_block[p]], block_start[vertex_block[p] + 1]
-    k, before = p, vertex_before(p, first, last)
+    k, before = p, outlines.before[p]
     more = (direction[p, 1] - direction[before, 1]) * top[0]
     more -= (direction[p, 0] - direction[before, 0]) * top[1]
     if more < 0.0:
         k = before
     turned = 0.0
-    for _ in range(WAY_ROUND):
+    for _ in range(EDGES_ROUND_MAX):
         if k == g:
             return abs(turned) < 0.5 * np.pi
-        on = vertex_after(k, first, last) if more < 0.0 else vertex_before(k, first, last)
-        sine = direction[k, 0] * direction[on, 1] - direction[k, 1] * direction[on, 0]
-        cosine = direction[k, 0] * direction[on, 0] + direction[k, 1] * direction[on, 1]
-        turned += np.arctan2(sine, cosine)
+        on = next_edge(k, more < 0.0, outlines)
+        turned += np.arctan2(sine(k, on, direction), cosine(k, on, direction))
         k = on
     return False
 
@@ -245,15 +244,12 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     ``Polygons``, ``bearing`` the ``BearingContacts``.
     """
     direction, length = outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    i, j = vertex_block[v], vertex_block[e]
-    first, last = block_start[j], block_start[j + 1]
-    if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+    i, j = outlines.vertex_block[v], outlines.vertex_block[e]
+    if turn_at(e, at_end, outlines) <= SMALL_ANGLE:
         at_end = not at_end  # at the foot of a step: its top is the corner
-        if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+        if turn_at(e, at_end, outlines) <= SMALL_ANGLE:
             return False
-    corner = vertex_after(e, first, last) if at_end else e
-    f = corner if at_end else vertex_before(e, first, last)
+    corner, f = end_of(e, at_end, outlines), next_edge(e, at_end, outlines)
     nx, ny = direction[f, 1], -direction[f, 0]
     ax, ay, bx, by = own
     if ax * nx + ay * ny < -BEND or bx * nx + by * ny < -BEND:
@@ -269,22 +265,18 @@ def is_covered(v, e, at_end, own, outlines, bearing):
 
 
 @kernel()
-def _join(p, q, i, k, critdis, outlines, beyond):
-    """Note where the outlines of blocks i and k go on over a joint that begins at p of i, q of k.
+def _join(p, q, critdis, outlines, beyond):
+    """Note where the outlines of two blocks go on over a joint that begins at their p and q.
 
     The edge that begins at p and the one that ends at q lie in the joint, if any two do.
     """
-    vertices, direction, block_start = outlines.vertices, outlines.direction, outlines.block_start
+    vertices, direction = outlines.vertices, outlines.direction
     if np.hypot(vertices[p, 0] - vertices[q, 0], vertices[p, 1] - vertices[q, 1]) > critdis:
         return
-    into_q = vertex_before(q, block_start[k], block_start[k + 1])
-    sine = direction[p, 0] * direction[into_q, 1] - direction[p, 1] * direction[into_q, 0]
-    cosine = direction[p, 0] * direction[into_q, 0] + direction[p, 1] * direction[into_q, 1]
-    if cosine > 0.0 or abs(sine) > SMALL_ANGLE:
+    into_p, into_q = outlines.before[p], outlines.before[q]
+    if cosine(p, into_q, direction) > 0.0 or abs(sine(p, into_q, direction)) > SMALL_ANGLE:
         return
-    into_p = vertex_before(p, block_start[i], block_start[i + 1])
-    bend = direction[into_p, 0] * direction[q, 0] + direction[into_p, 1] * direction[q, 1]
-    if bend >= FACES_LIKE:
+    if cosine(into_p, q, direction) >= FACES_LIKE:
         beyond[p, 1], beyond[q, 0] = q, into_p
 
 
@@ -311,16 +303,9 @@ def goes_on(pairs, box, outlines, critdis):
                 continue
             for p in range(block_start[i], block_start[i + 1]):
                 if abs(vertices[p, 0] - x) <= critdis and abs(vertices[p, 1] - y) <= critdis:
-                    _join(p, q, i, k, critdis, polygons, beyond)
-                    _join(q, p, k, i, critdis, polygons, beyond)
+                    _join(p, q, critdis, polygons, beyond)
+                    _join(q, p, critdis, polygons, beyond)
     return beyond
-
-
-@kernel()
-def _end_of(e, vertex_block, block_start):
-    """Return the vertex at which edge e ends."""
-    j = vertex_block[e]
-    return vertex_after(e, block_start[j], block_start[j + 1])
 
 
 @kernel()
@@ -330,10 +315,8 @@ def _is_level(v, e, side, outlines, bearing):
     But for the settlement of the blocks of both.  ``side`` is 0 where e comes before v.
     """
     vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    i, k = vertex_block[v], vertex_block[e]
-    corner = e if side == 1 else _end_of(e, vertex_block, block_start)
-    own = vertex_before(v, block_start[i], block_start[i + 1]) if side == 1 else v
+    i, k = outlines.vertex_block[v], outlines.vertex_block[e]
+    corner, own = end_of(e, side == 0, outlines), outlines.before[v] if side == 1 else v
     x, y = vertices[v, 0] - vertices[corner, 0], vertices[v, 1] - vertices[corner, 1]
     for edge in (own, e):
         nx, ny = direction[edge, 1], -direction[edge, 0]
@@ -375,11 +358,11 @@ def is_no_corner(v, j, nx, ny, own, outlines, bearing):
 @kernel()
 def is_in_joint(e, at_end, i, outlines, bearing):
     """Return True if edge e lies in a joint at one of its ends, with a block other than i."""
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    v = _end_of(e, vertex_block, block_start) if at_end else e
-    side = 0 if at_end else 1
+    v, side = end_of(e, at_end, outlines), 0 if at_end else 1
     other = bearing.beyond[v, side]
-    return other >= 0 and vertex_block[other] != i and _is_level(v, other, side, outlines, bearing)
+    if other < 0 or outlines.vertex_block[other] == i:
+        return False
+    return _is_level(v, other, side, outlines, bearing)
 
 
 @kernel()
@@ -393,16 +376,6 @@ def _pressed_in(p, block, bearing):
             depth = max(depth, -gap[at])
         at += 1
     return depth
-
-
-@kernel()
-def _runs_along(x, y, e, inwards, direction):
-    """Return True if the unit vector (x, y) runs along edge e within 3 degrees, or back along it.
-
-    ``inwards`` is 1 or -1 for the two.
-    """
-    tx, ty = direction[e, 0], direction[e, 1]
-    return inwards * (x * tx + y * ty) > 0.0 and abs(x * ty - y * tx) <= SMALL_ANGLE
 
 
 @kernel()
@@ -425,18 +398,15 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
     edge beyond the joint at p.  They overlap by ``inside``, m; it is no more than the settlement of
     that edge and below it.
     """
-    direction, length = outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
+    direction, vertex_block = outlines.direction, outlines.vertex_block
     i, j = vertex_block[p], vertex_block[e]
-    first, last = block_start[j], block_start[j + 1]
-    beyond, slack = bearing.beyond, ROUND_OFF * length[e]
-    v, inwards = (vertex_after(e, first, last), -1.0) if at_end else (e, 1.0)
-    side = 1 if at_end else 0
-    f = beyond[v, side]
+    beyond, slack = bearing.beyond, ROUND_OFF * outlines.length[e]
+    v, inwards = end_of(e, at_end, outlines), -1.0 if at_end else 1.0
+    f = beyond[v, 1 if at_end else 0]
     if f >= 0 and vertex_block[f] != i:
-        corner = f if side == 1 else _end_of(f, vertex_block, block_start)
+        corner = end_of(f, not at_end, outlines)
         for k in range(2):
-            if _runs_along(own[2 * k], own[2 * k + 1], f, -inwards, direction) and (
+            if runs_along(own[2 * k], own[2 * k + 1], f, -inwards, direction) and (
                 inside <= slack
                 or inside <= slack + _has_given_way(p, i, corner, f, outlines, bearing)
             ):
@@ -448,8 +418,8 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
         # away from p: the edge beyond the joint, and p's own on this side of it
         x, y = (-1.0 + 2.0 * k) * direction[f, 0], (-1.0 + 2.0 * k) * direction[f, 1]
         ox, oy = own[2 * (1 - k)], own[2 * (1 - k) + 1]
-        corner = f if k == 1 else _end_of(f, vertex_block, block_start)
-        if _runs_along(x, y, e, inwards, direction) and _runs_along(ox, oy, e, -inwards, direction):
+        corner = end_of(f, k == 0, outlines)
+        if runs_along(x, y, e, inwards, direction) and runs_along(ox, oy, e, -inwards, direction):
             if inside <= slack + _has_given_way(v, j, corner, f, outlines, bearing):
                 return True
     return False

@@ -45,6 +45,11 @@ def _rows_of_key(vertex, block, start, memory_block):
     return first, last
 
 
+def pair_keys(one: Ints, other: Ints, width: int) -> Ints:
+    """Return a number for each pair of blocks (k,), in any order, below ``width``; it ascends."""
+    return np.asarray(np.minimum(one, other) * width + np.maximum(one, other))
+
+
 # the entrance edge of the last step ------------------------------------------------------------
 
 

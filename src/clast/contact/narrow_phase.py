@@ -18,9 +18,10 @@ from clast.block.polygon import (
     ROUND_OFF,
     SMALL_ANGLE,
     Polygons,
+    gap_to,
+    next_edge,
+    runs_along,
     turn_at,
-    vertex_after,
-    vertex_before,
 )
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, EACH, shared
@@ -92,27 +93,21 @@ class CandidateArrays(NamedTuple):
 
 
 @kernel()
-def _foot_allowance(e, own, beyond_end, distances, direction):
-    """Return how far beyond the end of edge e the foot may lie, m.
+def _has_face_on(e, at_end, own, direction):
+    """Return True if an edge of a vertex at one end of edge e runs along e from there.
 
-    critdis where the vertex's own edge runs back along the candidate edge within 3 degrees (face to
-    face: the corners coincide, as in walls and arches); else the allowance of a tip.  Without this
-    distinction a tip that passes beside a corner would be held by air.
+    Two blocks have a face in common then, whatever third block meets them at its end.
     """
     ax, ay, bx, by = own
-    tx, ty = direction[e, 0], direction[e, 1]
-    back = -1.0 if beyond_end else 1.0
-    for ux, uy in ((ax, ay), (bx, by)):
-        if back * (ux * tx + uy * ty) > 0.0 and abs(ux * ty - uy * tx) <= SMALL_ANGLE:
-            return distances.critdis
-    return distances.tip
+    back = -1.0 if at_end else 1.0
+    return runs_along(ax, ay, e, back, direction) or runs_along(bx, by, e, back, direction)
 
 
 @kernel()
-def _points_behind(own, nx, ny, most):
-    """Return True if one of a vertex's own edges points behind a line by more than ``most``."""
+def _points_behind(own, nx, ny):
+    """Return True if one of a vertex's own edges points behind a line by more than 3 degrees."""
     ax, ay, bx, by = own
-    return ax * nx + ay * ny < -most or bx * nx + by * ny < -most
+    return ax * nx + ay * ny < -SMALL_ANGLE or bx * nx + by * ny < -SMALL_ANGLE
 
 
 @kernel()
@@ -122,14 +117,9 @@ def _is_behind_next(p, gap, e, at_end, outlines):
     It is inside the corner then, so that e counts although the foot lies beyond its end: at an
     obtuse corner, and at a re-entrant one, where both feet can lie beyond their ends.
     """
-    vertices, direction = outlines.vertices, outlines.direction
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
-    if gap >= 0.0 and turn_at(e, at_end, direction, first, last) >= 0.0:
+    if gap >= 0.0 and turn_at(e, at_end, outlines) >= 0.0:
         return False
-    k = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
-    nx, ny = direction[k, 1], -direction[k, 0]
-    return (vertices[p, 0] - vertices[k, 0]) * nx + (vertices[p, 1] - vertices[k, 1]) * ny < 0.0
+    return gap_to(p, next_edge(e, at_end, outlines), outlines) < 0.0
 
 
 @kernel()
@@ -140,17 +130,15 @@ def _is_hidden(p, e, along, critdis, outlines):
     the tip of a wedge.  Near a corner of e the choice is left to the corner rule.
     """
     vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
+    block_start, j = outlines.block_start, outlines.vertex_block[e]
     px, py = vertices[p, 0], vertices[p, 1]
     share = min(max(along, 0.0), length[e])
     fx = vertices[e, 0] + share * direction[e, 0] - px
     fy = vertices[e, 1] + share * direction[e, 1] - py
-    following = vertex_after(e, first, last)
-    for k in range(first, last):
+    for k in range(block_start[j], block_start[j + 1]):
         if k == e:
             continue
-        after = vertex_after(k, first, last)
+        after = outlines.after[k]
         ax, ay = vertices[k, 0] - px, vertices[k, 1] - py
         bx, by = vertices[after, 0] - px, vertices[after, 1] - py
         if (fx * ay - fy * ax > 0.0) == (fx * by - fy * bx > 0.0):
@@ -159,7 +147,7 @@ def _is_hidden(p, e, along, critdis, outlines):
         there = (ax - fx) * (by - fy) - (ay - fy) * (bx - fx)
         if (here > 0.0) == (there > 0.0):
             continue
-        if k != following and after != e:
+        if k != outlines.after[e] and after != e:
             return True
         in_front = ay * direction[k, 0] - ax * direction[k, 1]
         if in_front > critdis and 0.0 < along < length[e]:
@@ -186,75 +174,44 @@ def _passes_by(p, e, gap, at_end, own, shift, outlines):
     moving towards e it would slide along the next edge and not come to rest on this one, unless the
     step's motion takes it in.
     """
-    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
-    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
-    if gap < -ROUND_OFF * length[e] or turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+    direction, length = outlines.direction, outlines.length
+    if gap < -ROUND_OFF * length[e] or turn_at(e, at_end, outlines) <= SMALL_ANGLE:
         return False
-    f = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+    f = next_edge(e, at_end, outlines)
     nx, ny = direction[f, 1], -direction[f, 0]
     flush = ROUND_OFF * length[f]
-    if abs((vertices[p, 0] - vertices[f, 0]) * nx + (vertices[p, 1] - vertices[f, 1]) * ny) > flush:
+    if abs(gap_to(p, f, outlines)) > flush or _points_behind(own, nx, ny):
         return False
-    if _points_behind(own, nx, ny, SMALL_ANGLE):
-        return False
-    mx, my = _motion_past(p, f, vertex_after(f, first, last), 0.0 if at_end else 1.0, shift)
+    mx, my = _motion_past(p, f, outlines.after[f], 0.0 if at_end else 1.0, shift)
     return -(mx * nx + my * ny) <= flush
-
-
-@kernel()
-def _meeting_point(p, e, e_end, gap, along, shift, outlines):
-    """Return where the step's motion takes vertex p across the line of edge e, m along it.
-
-    Infinity where it does not come there.
-    """
-    tx, ty = outlines.direction[e, 0], outlines.direction[e, 1]
-    mx, my = _motion_past(p, e, e_end, along / outlines.length[e], shift)
-    closing = -(mx * ty - my * tx)
-    if closing <= gap:
-        return np.inf
-    return along + (gap / closing) * (mx * tx + my * ty)
 
 
 @kernel()
 def _comes_in(p, e, gap, along, own, outlines, looks):
     """Return True if vertex p, whose foot lies beyond an end of e, comes upon e in the step."""
-    shift, distances, bearing = looks.shift, looks.distances, looks.bearing
-    length, vertex_block, block_start = outlines.length, outlines.vertex_block, outlines.block_start
-    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
-    e_end, at_end = vertex_after(e, first, last), along > 0.5 * length[e]
-    meets = _meeting_point(p, e, e_end, gap, along, shift, outlines)
-    if 0.0 <= meets <= length[e]:
+    length, tx, ty = outlines.length[e], outlines.direction[e, 0], outlines.direction[e, 1]
+    mx, my = _motion_past(p, e, outlines.after[e], along / length, looks.shift)
+    closing = -(mx * ty - my * tx)
+    if closing <= gap:
+        return False
+    # where the step's motion takes p across the line of e
+    meets, at_end = along + (gap / closing) * (mx * tx + my * ty), along > 0.5 * length
+    if 0.0 <= meets <= length:
         return True
     # one that is pressed in a little meets the line before the seam where it bends
-    over = length[e] if at_end else 0.0
-    behind = e_end if at_end else vertex_before(e, first, last)
-    return abs(meets - over) <= distances.depth and is_covered(
-        p, behind, not at_end, own, outlines, bearing
+    behind, over = next_edge(e, at_end, outlines), length if at_end else 0.0
+    return abs(meets - over) <= looks.distances.depth and is_covered(
+        p, behind, not at_end, own, outlines, looks.bearing
     )
-
-
-@kernel()
-def _has_face_on(e, at_end, own, direction):
-    """Return True if an edge of a vertex at one end of edge e runs along e from there.
-
-    Two blocks have a face in common then, whatever third block meets them at its end.
-    """
-    back = -1.0 if at_end else 1.0
-    tx, ty = back * direction[e, 0], back * direction[e, 1]
-    ax, ay, bx, by = own
-    for ux, uy in ((ax, ay), (bx, by)):
-        if ux * tx + uy * ty > 0.0 and abs(ux * ty - uy * tx) <= SMALL_ANGLE:
-            return True
-    return False
 
 
 @kernel(inline="always")
 def _is_candidate(p, e, gap, along, own, outlines, looks):
     """Return True if vertex p could be in contact with edge e: the entrance test.
 
-    ``gap`` and ``along`` are its distance from the line of e and the way to its foot from the start
-    of e, m.
+    ``gap`` and ``along`` are its distance from the line of e and that of its foot from the start of
+    e, m.  critdis beyond an end counts where the two have a face in common (the corners coincide,
+    as in walls and arches), else ``tip``: a tip that passes beside a corner is not held by air.
     """
     shift, distances, bearing = looks.shift, looks.distances, looks.bearing
     front, depth = distances.front, distances.depth
@@ -264,14 +221,15 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     if beyond > max(critdis, depth, front):
         return False
     nx, ny = direction[e, 1], -direction[e, 0]
-    if _points_behind(own, nx, ny, SMALL_ANGLE):
+    if _points_behind(own, nx, ny):
         return False
     ax, ay, bx, by = own
     # into its own block: the sum of the two edges' inward normals
     if (ay - by) * nx + (bx - ax) * ny <= 0.0:  # a flat vertex on the wrong side
         return False
     at_end = along > 0.5 * length[e]
-    allowance = _foot_allowance(e, own, at_end, distances, direction)
+    along_face = _has_face_on(e, at_end, own, direction)
+    allowance = critdis if along_face else tip
     at_very_end = abs(beyond) <= ROUND_OFF * length[e] and allowance == tip
     if at_very_end and _passes_by(p, e, gap, at_end, own, shift, outlines):
         return False
@@ -287,7 +245,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     if gap < -tie and _is_hidden(p, e, along, critdis, outlines):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
-    has_face = at_corner and _has_face_on(e, at_end, own, direction)
+    has_face = at_corner and along_face
     # a force at the end of a face must not come and go with the surfaces around; a face shorter
     # than critdis may be a step that is pressed in as deep as it is high, which what slides passes
     if has_face and length[e] > critdis:
@@ -317,11 +275,9 @@ def _of_vertex(p, edges, outlines, looks, room, found):
     Those that exceed the ``room`` (edge, gap, along) are counted only.
     """
     vertices, direction = outlines.vertices, outlines.direction
-    vertex_block, block_start = outlines.vertex_block, outlines.block_start
     out_edge, out_gap, out_along = room
     front, depth = looks.distances.front, looks.distances.depth
-    i = vertex_block[p]
-    before = vertex_before(p, block_start[i], block_start[i + 1])
+    before = outlines.before[p]
     own = -direction[before, 0], -direction[before, 1], direction[p, 0], direction[p, 1]
     if own[2] * own[1] - own[3] * own[0] < -SMALL_ANGLE:  # re-entrant: it cannot enter an edge
         return found
@@ -354,7 +310,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
 
     And the number of their groups; valid where as many fit.
     """
-    vertices, block_start = outlines.vertices, outlines.block_start
+    vertices, block_start, after = outlines.vertices, outlines.block_start, outlines.after
     pairs, box = near.pairs, near.box
     pair_depth, travel = near.depth, near.travel
     shift, distances, bearing = looks.shift, looks.distances, looks.bearing
@@ -379,7 +335,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
             few = last - first <= FEW
             if not few:
                 window = box[i, 0], box[i, 1], box[i, 2], box[i, 3]
-                around_it = edges_around(window, far, vertices, first, last)
+                around_it = edges_around(window, far, vertices, after, first, last)
                 close = np.empty(len(around_it[1]), np.int64)
             for p in range(block_start[i], block_start[i + 1]):
                 if not _is_around(p, vertices, box, j, around):
@@ -387,7 +343,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
                 start, ranges = found, 1
                 if not few:
                     point = vertices[p, 0], vertices[p, 1]
-                    ranges = edges_near(point, far, around_it, vertices, first, last, close)
+                    ranges = edges_near(point, far, around_it, vertices, after, close)
                 for k in range(ranges):
                     edges = (first, last) if few else (close[k], close[k] + 1)
                     found = _of_vertex(p, edges, outlines, of_pair, (edge, gap, along), found)

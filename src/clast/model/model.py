@@ -300,6 +300,11 @@ class Model:
         return owners(self.block_start)
 
     @kept_property
+    def vertex_before(self) -> Ints:
+        """Vertex before each one in its block, shape (nv,)."""
+        return np.argsort(self.vertex_after)
+
+    @kept_property
     def vertex_after(self) -> Ints:
         """Vertex after each one in its block, shape (nv,)."""
         return following(self.block_start)

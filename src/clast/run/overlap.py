@@ -45,15 +45,14 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     vertices, block_start = state.vertices, model.block_start
     near = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, absent=model.absent)
     pairs = model.meeting(near)  # others may overlap: their links say so
-    contacts, pair = _closed(model, state.memory.corners, pairs)
-    direction, _ = polygon.edges(vertices, block_start)
+    contacts = _closed(model, state.memory.corners, pairs)
     box = polygon.boxes(vertices, block_start)
-    outlines = (vertices, direction, block_start)
+    polygons = polygon.polygon_arrays(vertices, block_start, model.vertex_block)
     limits, carried = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
-    crossed = edge_intersections.unseen(outlines, box, pairs, contacts, pair, limits, carried)
+    crossed = edge_intersections.unseen(polygons, box, pairs, contacts, limits, carried)
     inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
-    np.maximum.at(deepest, pair, -contacts[2])
+    np.maximum.at(deepest, contacts[2], -contacts[3])
     give = np.zeros(model.block_count)
     np.maximum.at(give, pairs, deepest[:, None])
     result = []
@@ -76,13 +75,8 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     return result
 
 
-def _closed(
-    model: Model, memory: ContactMemory, pairs: Ints
-) -> tuple[tuple[Ints, Ints, Floats, Ints], Ints]:
-    """Return vertex, edge and stretch of closed contacts (m,), block of each vertex; their pairs.
-
-    Sorted by pair.
-    """
+def _closed(model: Model, memory: ContactMemory, pairs: Ints) -> tuple[Ints, Ints, Ints, Floats]:
+    """Return vertex, edge, pair and stretch of closed contacts (m,), sorted by pair."""
     own, other = model.vertex_block[memory.vertex], memory.block
     width = model.block_count
     key = np.minimum(own, other) * width + np.maximum(own, other)
@@ -97,8 +91,7 @@ def _closed(
     near[near] = keys[at[near]] == key[near]
     rows = np.flatnonzero(near & (stretch < 0.0))
     rows = rows[np.argsort(at[rows], kind="stable")]
-    contacts = (memory.vertex[rows], memory.edge[rows], stretch[rows], model.vertex_block)
-    return contacts, at[rows]
+    return memory.vertex[rows], memory.edge[rows], at[rows], stretch[rows]
 
 
 def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:

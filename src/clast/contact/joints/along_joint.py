@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block.polygon import SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import SMALL_ANGLE, Polygons, end_of, next_edge, sine, turn_at
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.model.model import Floats, Ints, Model
@@ -36,7 +36,7 @@ def joints_of(
     of_pairs, named = table.of_pairs(model.block_rock, pairs)
     joint = of_pairs[ends[4]]
     if model.edges_name_joints:
-        places = ends[0], ends[1], model.block_start[ends[2]], model.block_start[ends[2] + 1]
+        places = ends[0], ends[1], model.vertex_before
         _along_edges(len(joint), places, model.edge_joint, direction, named[ends[4]], joint)
     return joint
 
@@ -47,25 +47,18 @@ def _along_edges(first, last, places, edge_joint, direction, named, joint):
 
     That of the entrance edge, else that of the vertex's own edge more nearly parallel to it.
     """
-    vertex, edge, block_first, block_last = places
+    vertex, edge, before = places
     for c in range(first, last):
         if named[c]:
             continue
         p, e = vertex[c], edge[c]
-        found = edge_joint[e]
-        if found < 0:
-            before = vertex_before(p, block_first[c], block_last[c])
-            found = edge_joint[_more_parallel(before, p, e, direction)]
-        if found >= 0:
-            joint[c] = found
-
-
-@kernel()
-def _more_parallel(one, other, edge, direction):
-    """Return which of two edges is more nearly parallel to another."""
-    sine_one = direction[one, 0] * direction[edge, 1] - direction[one, 1] * direction[edge, 0]
-    sine_other = direction[other, 0] * direction[edge, 1] - direction[other, 1] * direction[edge, 0]
-    return one if abs(sine_one) < abs(sine_other) else other
+        named_by = edge_joint[e]
+        if named_by < 0:
+            a = before[p]
+            is_nearer = abs(sine(a, e, direction)) < abs(sine(p, e, direction))
+            named_by = edge_joint[a if is_nearer else p]
+        if named_by >= 0:
+            joint[c] = named_by
 
 
 # how much of it ----------------------------------------------------------------------------------
@@ -79,9 +72,8 @@ def _overlap(p, w, e, others, outlines, critdis):
     (coinciding corners, which then count half each where both are among the contacts of the two
     blocks, ``others``); every end stands for half of the piece.
     """
-    vertices, block_start, direction, length = outlines
-    vertex, start, stop, j = others
-    first, last = block_start[j], block_start[j + 1]
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
+    vertex, start, stop = others
     tx, ty = direction[e, 0], direction[e, 1]
     here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
     there = (vertices[w, 0] - vertices[e, 0]) * tx + (vertices[w, 1] - vertices[e, 1]) * ty
@@ -91,7 +83,7 @@ def _overlap(p, w, e, others, outlines, critdis):
     at_end = here > there
     coincide = abs(here - (length[e] if at_end else 0.0)) <= COINCIDE * critdis
     if coincide:
-        corner = vertex_after(e, first, last) if at_end else e
+        corner = end_of(e, at_end, outlines)
         for c in range(start, stop):
             if vertex[c] == corner:
                 return 0.25 * (high - low)
@@ -99,24 +91,24 @@ def _overlap(p, w, e, others, outlines, critdis):
 
 
 @kernel(inline="always")
-def edge_along(p, w, e, j, outlines, critdis):
+def edge_along(p, w, e, outlines, critdis):
     """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
-    vertices, block_start, direction, length = outlines
-    first, last = block_start[j], block_start[j + 1]
+    vertices, direction, length = outlines.vertices, outlines.direction, outlines.length
     tx, ty = direction[e, 0], direction[e, 1]
     here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
     at_end = (vertices[w, 0] - vertices[p, 0]) * tx + (vertices[w, 1] - vertices[p, 1]) * ty > 0.0
     left = length[e] - here if at_end else here
-    if left > critdis or abs(turn_at(e, at_end, direction, first, last)) > SMALL_ANGLE:
+    if left > critdis or abs(turn_at(e, at_end, outlines)) > SMALL_ANGLE:
         return e
-    return vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+    return next_edge(e, at_end, outlines)
 
 
 @shared(CONTACTS)
-def _lengths(low, high, contacts, outlines, critdis, result, bearing):
+def _lengths(low, high, contacts, polygons, critdis, result, bearing):
     """Write the lengths of joint, and of their springs, of contacts ``low`` to ``high`` - 1."""
-    vertex, edge, vertex_block, edge_block, pair = contacts
-    _, block_start, direction, _ = outlines
+    vertex, edge, _, _, pair = contacts
+    outlines = Polygons(*polygons)
+    direction = outlines.direction
     start = low
     while start > 0 and start < len(pair) and pair[start - 1] == pair[start]:
         start -= 1
@@ -127,33 +119,31 @@ def _lengths(low, high, contacts, outlines, critdis, result, bearing):
             while stop < len(vertex) and pair[stop] == pair[start]:
                 stop += 1
         result[c], tip, is_flush = 0.0, 0.0, False
-        p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
-        before = vertex_before(p, block_start[i], block_start[i + 1])
-        after = vertex_after(p, block_start[i], block_start[i + 1])
+        p, e = vertex[c], edge[c]
+        before, after = outlines.before[p], outlines.after[p]
         nx, ny = direction[e, 1], -direction[e, 0]
         sines = (
             direction[before, 0] * nx + direction[before, 1] * ny,
             direction[p, 0] * nx + direction[p, 1] * ny,
         )
-        # the two edges of a thin wedge run the same way: only one of them lies along e
-        ways = direction[before, 1] * nx - direction[before, 0] * ny
-        is_wedge = ways * (direction[p, 1] * nx - direction[p, 0] * ny) < 0.0
+        # the two edges of a thin wedge run in one direction: only one of them lies along e
+        along = direction[before, 1] * nx - direction[before, 0] * ny
+        is_wedge = along * (direction[p, 1] * nx - direction[p, 0] * ny) < 0.0
         for side in range(2):
             w = before if side == 0 else after
-            others = vertex, start, stop, j
-            sine = sines[side]
-            if is_wedge and abs(sine) > abs(sines[1 - side]):
+            others, across = (vertex, start, stop), sines[side]
+            if is_wedge and abs(across) > abs(sines[1 - side]):
                 continue
-            if abs(sine) > SMALL_ANGLE:
-                tip += (1.0 - sine * sine) * _overlap(p, w, e, others, outlines, critdis)
+            if abs(across) > SMALL_ANGLE:
+                tip += (1.0 - across * across) * _overlap(p, w, e, others, outlines, critdis)
                 continue
-            along, is_flush = edge_along(p, w, e, j, outlines, critdis), True
-            result[c] += _overlap(p, w, along, others, outlines, critdis)
+            beside, is_flush = edge_along(p, w, e, outlines, critdis), True
+            result[c] += _overlap(p, w, beside, others, outlines, critdis)
         bearing[c] = max(result[c] if is_flush else tip, LEAST * critdis)
 
 
 @kernel()
-def contact_lengths(contacts, outlines, critdis):
+def contact_lengths(contacts, polygons, critdis):
     """Return the length of joint that each contact stands for, and that of its springs, m, (m,).
 
     Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
@@ -162,12 +152,12 @@ def contact_lengths(contacts, outlines, critdis):
     do for as much as its own edges have in front of the entrance edge, times the squared cosine of
     the angle between them, so that a block that tilts keeps the springs that it tilts about.
     No spring stands for less than a thousandth of critdis.
-    ``contacts`` are vertex, edge, their blocks and pair (m,) each; ``outlines`` the vertices, first
-    vertex of each block, direction and length of edges; corners within ``critdis``, m, coincide.
+    ``contacts`` are vertex, edge, their blocks and pair (m,) each; ``polygons`` the arrays of
+    ``Polygons``; corners within ``critdis``, m, coincide.
     """
     count = len(contacts[0])
     result, bearing = np.empty(count), np.empty(count)
-    _lengths(count, contacts, outlines, critdis, result, bearing)
+    _lengths(count, contacts, polygons, critdis, result, bearing)
     return result, bearing
 
 

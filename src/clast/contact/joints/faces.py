@@ -20,11 +20,12 @@ stiffness and bond keep their corners alone, about which blocks then tip exactly
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
-from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, vertex_after, vertex_before
+from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, Polygons, cosine, sine
 from clast.compute.jit import kernel
 from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
@@ -98,22 +99,22 @@ class Places:
 
 
 def with_faces(
-    corners: Places, model: Model, state: State, centroid: Floats, edges: tuple[Floats, Floats]
+    corners: Places, model: Model, state: State, centroid: Floats, polygons: tuple[Any, ...]
 ) -> Places:
     """Return the contacts of vertices with those inside the faces that are to be integrated.
 
-    ``edges`` are the directions (nv, 2) and the lengths, m, (nv,) of all edges.
+    ``polygons`` are the arrays of ``Polygons``.
     """
     integrated = model.joint_table.integrated
     if not model.joint_table.integrates or not integrated[corners.joint].any():
         return corners
     share = np.where(integrated[corners.joint], OF_TWO_CORNERS, 1.0)
     length, of_springs = share * corners.length, share * corners.of_springs
-    own, edge, pair = _shared_edges(corners, integrated, model, state.vertices, edges)
-    inner = _inside(own, edge, pair, model, state, centroid, edges)
+    shared = _shared_edges(corners, integrated, model, polygons)
+    inner = _inside(*shared, model, state, centroid, polygons[1:3])
+    corners = replace(corners, length=length, of_springs=of_springs)
     if not len(inner.pair):
-        return _with(corners, length=length, of_springs=of_springs)
-    corners = _with(corners, length=length, of_springs=of_springs)
+        return corners
     order = np.argsort(np.concatenate([corners.pair, inner.pair]), kind="stable")
     joined = {
         one.name: np.concatenate([getattr(corners, one.name), getattr(inner, one.name)])[order]
@@ -122,17 +123,8 @@ def with_faces(
     return Places(**joined)
 
 
-def _with(places: Places, **changed: Floats) -> Places:
-    """Return the places with other lengths."""
-    return Places(**{one.name: getattr(places, one.name) for one in fields(Places)} | changed)
-
-
 def _shared_edges(
-    corners: Places,
-    integrated: Bools,
-    model: Model,
-    vertices: Floats,
-    edges: tuple[Floats, Floats],
+    corners: Places, integrated: Bools, model: Model, polygons: tuple[Any, ...]
 ) -> tuple[Ints, Ints, Ints]:
     """Return edges that face each other: the one with the points P, the other, and the pair.
 
@@ -140,10 +132,7 @@ def _shared_edges(
     """
     some = np.flatnonzero(integrated[corners.joint])
     own, other = np.full((2, 2 * len(some)), -1, np.int64)
-    ends = corners.vertex[some], corners.edge[some]
-    blocks = corners.vertex_block[some], corners.edge_block[some]
-    outlines = vertices, model.block_start, *edges
-    _edges_facing_each_other(ends, blocks, outlines, own, other)
+    _edges_facing_each_other(corners.vertex[some], corners.edge[some], polygons, own, other)
     there = own >= 0
     own, other, which = own[there], other[there], np.repeat(some, 2)[there]
     # the vertex that goes in deepest tells first, where two do that of the block that comes first
@@ -152,8 +141,8 @@ def _shared_edges(
     own, other, which = own[deepest], other[deepest], which[deepest]
     ahead = rank[corners.vertex_block[which]] < rank[corners.edge_block[which]]
     leading, following = np.where(ahead, own, other), np.where(ahead, other, own)
-    _, at = np.unique(leading * len(vertices) + following, return_index=True)
-    one, two = edges[0][own[at]], edges[0][other[at]]
+    _, at = np.unique(leading * len(model.vertex_block) + following, return_index=True)
+    one, two = polygons[1][own[at]], polygons[1][other[at]]
     flush = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) <= SMALL_ANGLE
     first = np.where(flush, leading[at], own[at])
     second = np.where(flush, following[at], other[at])
@@ -161,25 +150,21 @@ def _shared_edges(
 
 
 @kernel()
-def _edges_facing_each_other(ends, blocks, outlines, own, other):
+def _edges_facing_each_other(vertex, edge, polygons, own, other):
     """Write the own edge of each vertex that faces its entrance edge, and that edge.
 
     Two places (2 m,) for the two own edges of each contact, -1 where they do not.
     """
-    vertex, edge = ends
-    vertices, block_start, direction, length = outlines
-    of_edges = vertices, block_start, direction, length
+    outlines = Polygons(*polygons)
+    direction = outlines.direction
     for c in range(len(vertex)):
-        p, e, i, j = vertex[c], edge[c], blocks[0][c], blocks[1][c]
-        first, last = block_start[i], block_start[i + 1]
-        before, after = vertex_before(p, first, last), vertex_after(p, first, last)
+        p, e = vertex[c], edge[c]
         for side in range(2):
-            a, w = (before, before) if side == 0 else (p, after)
-            sine = direction[a, 0] * direction[e, 1] - direction[a, 1] * direction[e, 0]
-            cosine = direction[a, 0] * direction[e, 0] + direction[a, 1] * direction[e, 1]
-            if abs(sine) <= FACING and cosine < 0.0:
+            before = outlines.before[p]
+            a, w = (before, before) if side == 0 else (p, outlines.after[p])
+            if abs(sine(a, e, direction)) <= FACING and cosine(a, e, direction) < 0.0:
                 own[2 * c + side] = a
-                other[2 * c + side] = edge_along(p, w, e, j, of_edges, 0.0)
+                other[2 * c + side] = edge_along(p, w, e, outlines, 0.0)
 
 
 def _inside(
