@@ -113,7 +113,7 @@ def test_scripts_are_told_as_well(name: str):
 def test_two_waters_of_one_name_are_refused():
     builder = script(name="pool")
     builder.water(1.0, name="pool")
-    with pytest.raises(ModelError, match=r"two \[\[water\]\] tables"):
+    with pytest.raises(ModelError, match=r"two waters with that name"):
         builder.build()
 
 

@@ -193,7 +193,10 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
     ),
     # traces
     "trace of nothing": (TRACE, ["[[trace]] 1", "neither points nor file"]),
-    "trace of both": (TRACE + 'points = [[0,0],[1,1]]\nfile = "a.csv"\n', ["[[trace]] 1", "both"]),
+    "trace of both": (
+        TRACE + 'points = [[0,0],[1,1]]\nfile = "a.csv"\n',
+        ["[[trace]] 1", "points and file"],
+    ),
     "trace outside": (TRACE + "points = [[0, 90], [9, 90]]\n", ["trace 1", "82 m", "units"]),
     "joint of a trace": (
         TRACE + 'points = [[0, 4], [10, 4]]\njoint = "crosss"\n',

@@ -219,10 +219,8 @@ def simulate(
     """
     model = model.build() if isinstance(model, model_builder.InputBuilder) else model
     if not isinstance(model, Model):
-        raise CaseError(
-            f"a {type(model).__name__} is not a model",
-            remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
-        )
+        remedy = "give builder.build(); a case runs by itself: clast.load(file).run()"
+        raise CaseError(f"a {type(model).__name__} is not a model", remedy=remedy)
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
     # a bad model is refused before anything slow is loaded
@@ -293,9 +291,8 @@ def _tables(keys: dict[str, Any]) -> dict[str, Any]:
         home = next((name for name, kind in TABLES.items() if key in kind.model_fields), None)
         if home is None:
             known = [*WHOLE, *(name for kind in TABLES.values() for name in kind.model_fields)]
-            raise CaseError(
-                f"there is no key '{key}'", remedy=spelling.advice(key, known, kind="key")
-            )
+            what = f"there is no key '{key}'"
+            raise CaseError(what, remedy=spelling.advice(key, known, kind="key"))
         tables.setdefault(home, {})[key] = as_plain(value)
     return tables
 
@@ -305,10 +302,8 @@ def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
     for name, value in given.items():
         if value is not None and tables.get(name):
             said = name if name in WHOLE else ", ".join(tables[name])
-            raise CaseError(
-                f"{said} and a {type(value).__name__} are both given",
-                remedy=f"give the keys, or put them into the {type(value).__name__}",
-            )
+            remedy = f"give the keys, or put them into the {type(value).__name__}"
+            raise CaseError(f"{said} and a {type(value).__name__} are both given", remedy=remedy)
 
 
 def _plane_name(plane: Plane) -> str:

@@ -25,7 +25,7 @@ from clast.inputs.declaring import table as case_writing
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Share, Table
-from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusal
+from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusals
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
@@ -171,7 +171,7 @@ class Case(BaseModel):
     def _references_have_points(self) -> Self:
         faults = list(point_faults(self.measured_point, self.reference))
         if faults:
-            raise refusal(*faults)
+            raise refusals(faults)
         return self
 
     @model_validator(mode="after")
@@ -195,7 +195,7 @@ class Case(BaseModel):
                 if tables
             ]
         if faults:
-            raise refusal(*faults)
+            raise refusals(faults)
         return self
 
     @model_validator(mode="after")
@@ -221,7 +221,7 @@ class Case(BaseModel):
             if isinstance(one.until, str) and one.until not in stages
         ]
         if faults:
-            raise refusal(*faults)
+            raise refusals(faults)
         return self
 
     @classmethod
@@ -327,11 +327,9 @@ class Case(BaseModel):
             with self._located():
                 rock_mass = self._rock_mass
                 if rock_mass is None:
-                    raise ModelError(
-                        "is missing, so there is nothing to cut",
-                        where="[domain]",
-                        remedy="give it with a boundary, and [[joint_set]] that cut it",
-                    )
+                    what = "is missing, so there is nothing to cut"
+                    remedy = "give it with a boundary, and [[joint_set]] that cut it"
+                    raise ModelError(what, where="[domain]", remedy=remedy)
                 self._cut = rock_mass.cut(self._folder)
         return self._cut
 

@@ -96,11 +96,9 @@ def cut_of(drawing: Drawing) -> CutCase:
     tables = "".join([_domain(drawing), *_tables(drawing)])
     content = tomllib.loads(tables)
     if "domain" not in content:
-        raise ModelError(
-            "has no outline of the domain, and so no blocks",
-            where=drawing.file,
-            remedy="draw it, or write [domain] and [[joint_set]] into the case",
-        )
+        what = "has no outline of the domain, and so no blocks"
+        remedy = "draw it, or write [domain] and [[joint_set]] into the case"
+        raise ModelError(what, where=drawing.file, remedy=remedy)
     lists: dict[str, Any] = {
         "joint_sets": [],
         "traces": [TraceTable(**one) for one in content.get("trace", [])],

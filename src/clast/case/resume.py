@@ -184,11 +184,9 @@ def _prepared_again(
     stage it is.
     """
     if source.gives != TEXT:
-        raise CaseError(
-            "comes from a script, where a stage cannot be run again by itself",
-            where=str(path),
-            remedy="write the model as a case file (builder.to_toml), or run the script again",
-        )
+        what = "comes from a script, where a stage cannot be run again by itself"
+        remedy = "write the model as a case file (builder.to_toml), or run the script again"
+        raise CaseError(what, where=str(path), remedy=remedy)
     _as_it_was(source, path)
     case = Case.from_text(
         source.text, str(_folder(source, path) / Path(source.file).name), settings
@@ -303,11 +301,9 @@ def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
     }[source.gives]
     if missing:
         wanted = ", ".join(f"{name}=..." for name in missing)
-        raise CaseError(
-            "comes from a script: the objects that a file cannot hold must be given again",
-            where=str(path),
-            remedy=f"in the script: clast.resume('{path.name}', {wanted})",
-        )
+        what = "comes from a script: the objects that a file cannot hold must be given again"
+        remedy = f"in the script: clast.resume('{path.name}', {wanted})"
+        raise CaseError(what, where=str(path), remedy=remedy)
 
 
 def _check_settings(settings: Sequence[str]) -> None:
@@ -362,11 +358,9 @@ def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, pat
         return end
     end = _known(case).time.end
     if end < checkpoint.time:
-        raise CaseError(
-            f"{end:g} s is over: the checkpoint is of t = {checkpoint.time:.6g} s",
-            where="--set time.end",
-            remedy="set a later end, or run the case again",
-        )
+        what = f"{end:g} s is over: the checkpoint is of t = {checkpoint.time:.6g} s"
+        remedy = "set a later end, or run the case again"
+        raise CaseError(what, where="--set time.end", remedy=remedy)
     return end
 
 
@@ -399,39 +393,32 @@ def stage_before(
     """
     names = [one.name for one in _stages(checkpoint.source.schedule)]
     if stage not in names:
-        raise CaseError(
-            f"the run has no stage '{shortened(stage)}'",
-            where="--stage",
-            remedy=spelling.advice(stage, names, kind="stage") if names else "leave it out",
-        )
+        what = f"the run has no stage '{shortened(stage)}'"
+        remedy = spelling.advice(stage, names, kind="stage") if names else "leave it out"
+        raise CaseError(what, where="--stage", remedy=remedy)
     at = names.index(stage)
     if at == 0:
-        raise CaseError(
-            f"'{stage}' is the first stage: there is none before it",
-            where="--stage",
-            remedy="run the case again: clast run CASE --set ...",
-        )
+        what = f"'{stage}' is the first stage: there is none before it"
+        remedy = "run the case again: clast run CASE --set ..."
+        raise CaseError(what, where="--stage", remedy=remedy)
     if checkpoint.stage == names[at - 1]:
         return path, _at_its_end(checkpoint, path, names[:at])
     if not is_file_name(checkpoint.recorded.file):
         raise damaged(path, "it names a result file that does not lie beside it")
     before = checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
     if not before.exists():
-        raise CaseError(
-            f"there is no checkpoint of the end of stage '{shortened(names[at - 1])}'",
-            where=str(before),
-            remedy="put it beside the named one, or run the case again",
-        )
+        what = f"there is no checkpoint of the end of stage '{shortened(names[at - 1])}'"
+        remedy = "put it beside the named one, or run the case again"
+        raise CaseError(what, where=str(before), remedy=remedy)
     found = _at_its_end(read_checkpoint(before, known), before, names[:at])
     runs = [(one.recorded.lineage, one.recorded.frames) for one in (found, checkpoint)]
     (first, frames), (second, later) = runs
     if not belongs(first, frames, second) and not belongs(second, later, first):
-        raise CaseError(
-            f"belongs to another run than {path.name}",
-            where=str(before),
-            remedy="name a checkpoint of the run that wrote the result file last, or run the case "
-            "again",
+        what = f"belongs to another run than {path.name}"
+        remedy = (
+            "name a checkpoint of the run that wrote the result file last, or run the case again"
         )
+        raise CaseError(what, where=str(before), remedy=remedy)
     return before, found
 
 
@@ -440,11 +427,8 @@ def _at_its_end(checkpoint: Checkpoint, path: Path, names: Sequence[str]) -> Che
     position: Any = getattr(checkpoint.run, "position", None)
     at_end = checkpoint.stage == names[-1] and position is not None and position.over
     if not at_end or len(position.starts) != len(names):
-        raise CaseError(
-            f"is not a checkpoint of the end of stage '{shortened(names[-1])}'",
-            where=str(path),
-            remedy="run the case again",
-        )
+        what = f"is not a checkpoint of the end of stage '{shortened(names[-1])}'"
+        raise CaseError(what, where=str(path), remedy="run the case again")
     return checkpoint
 
 
@@ -460,26 +444,17 @@ def check_fits(
     before = source.fingerprints
     other = [name for name in KEPT if before.get(f"model.{name}") != digest(getattr(model, name))]
     if other:
-        raise CaseError(
-            f"has other blocks or points than the case with these settings: {', '.join(other)}",
-            where=str(path),
-            remedy=remedy,
-        )
+        what = f"has other blocks or points than the case with these settings: {', '.join(other)}"
+        raise CaseError(what, where=str(path), remedy=remedy)
     for was, now in zip(_stages(source.schedule), _stages(schedule), strict=False):
         if digest(was) != digest(now):
-            raise CaseError(
-                f"the settings change stage '{was.name}', which has already finished",
-                where="--set",
-                remedy=remedy,
-            )
+            what = f"the settings change stage '{was.name}', which has already finished"
+            raise CaseError(what, where="--set", remedy=remedy)
         if was.name == checkpoint.stage:
             break
     if not _same_things(state, model, stiffness):
-        raise CaseError(
-            "the settings add or remove loads, supports or other actions",
-            where="--set",
-            remedy=remedy,
-        )
+        what = "the settings add or remove loads, supports or other actions"
+        raise CaseError(what, where="--set", remedy=remedy)
 
 
 def not_as_before(checkpoint: Checkpoint, now: Mapping[str, str]) -> Iterator[str]:

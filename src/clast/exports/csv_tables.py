@@ -38,17 +38,13 @@ def write_csv(
     """
     folder = Path(folder)
     if folder.suffix.casefold() == ".csv":
-        raise CaseError(
-            "is not a valid folder name", where=str(folder), remedy="leave out the .csv"
-        )
+        what = "is not a valid folder name"
+        raise CaseError(what, where=str(folder), remedy="leave out the .csv")
     chosen = frames_in(results, frames)
     for name in tables or ():
         if name not in TABLES:
-            raise CaseError(
-                f"there is no table '{shortened(name)}'",
-                where="tables",
-                remedy=spelling.advice(name, TABLES, kind="table"),
-            )
+            remedy = spelling.advice(name, TABLES, kind="table")
+            raise CaseError(f"there is no table '{shortened(name)}'", where="tables", remedy=remedy)
     lacking = {name: said for name, said in _lacking(results) if name in (tables or TABLES)}
     for name, said in lacking.items():
         if tables:
@@ -67,11 +63,9 @@ def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
         folder.mkdir(exist_ok=True)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CaseError(
-            f"cannot be the folder of tables: {reason}",
-            where=str(folder),
-            remedy="name a folder; it is made in one that exists and may be written",
-        ) from error
+        what = f"cannot be the folder of tables: {reason}"
+        remedy = "name a folder; it is made in one that exists and may be written"
+        raise CaseError(what, where=str(folder), remedy=remedy) from error
 
 
 def _lacking(results: Recording) -> Iterator[tuple[str, str]]:

@@ -30,11 +30,8 @@ def edge_joints(results: Recording) -> list[str]:
 def check_ending(path: Path, ending: str, what: str) -> None:
     """Raise CaseError unless the name of a file has an ending."""
     if path.suffix.casefold() != ending:
-        raise CaseError(
-            f"is not a valid name for {what}",
-            where=str(path),
-            remedy=f"use a name ending in {ending}",
-        )
+        remedy = f"use a name ending in {ending}"
+        raise CaseError(f"is not a valid name for {what}", where=str(path), remedy=remedy)
 
 
 def numbered(path: Path, frames: Iterable[int], ending: str) -> list[Path]:
@@ -46,8 +43,7 @@ def check_free(paths: Iterable[Path]) -> None:
     """Raise CaseError for the first file that exists, or whose folder does not."""
     for path in paths:
         if path.exists() or path.is_symlink():
-            raise CaseError(
-                "already exists", where=str(path), remedy="choose another name, or remove it"
-            )
+            what = "already exists"
+            raise CaseError(what, where=str(path), remedy="choose another name, or remove it")
         if not path.absolute().parent.is_dir():
             raise CaseError("its folder does not exist", where=str(path), remedy="create it first")

@@ -12,7 +12,7 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
-from clast.inputs.declaring.validation_messages import SHOWN, Fault, refusal
+from clast.inputs.declaring.validation_messages import SHOWN, Fault, refusals
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class GeometryTable(Table):
             if not 1 <= vertex <= count
         ]
         if faults:
-            raise refusal(*faults)
+            raise refusals(faults)
         return self
 
     def remarks(self, folder: Path) -> Iterator[str]:
@@ -136,11 +136,9 @@ class BlockFileTable(Table):
         blocks = self._blocks(folder)
         beyond = [number for number in self.fixed if number > blocks.count]
         if beyond:
-            raise ModelError(
-                f"there is no block {beyond[0]}",
-                where=f"block_file '{self.file}', fixed",
-                remedy=f"the file has {blocks.count} blocks, numbered from 1",
-            )
+            what = f"there is no block {beyond[0]}"
+            remedy = f"the file has {blocks.count} blocks, numbered from 1"
+            raise ModelError(what, where=f"block_file '{self.file}', fixed", remedy=remedy)
         held = np.isin(np.arange(1, blocks.count + 1), self.fixed)
         for name in sorted(set(blocks.edge_joint)):
             if name == WELDED or name.startswith(CONSTRUCTION):
@@ -190,11 +188,9 @@ class RepairTable(Table):
         if keys is not None:
             record_of(cls, keys, (key,))
         elif not callable(value) or isinstance(value, type):
-            raise ModelError(
-                f"{shortened(repr(value))} does not describe a repair",
-                where=key,
-                remedy="give the keys of [repair], or clast.rockmass.BlockRepair(tolerance=1e-3)",
-            )
+            what = f"{shortened(repr(value))} does not describe a repair"
+            remedy = "give the keys of [repair], or clast.rockmass.BlockRepair(tolerance=1e-3)"
+            raise ModelError(what, where=key, remedy=remedy)
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Have the builder put its blocks together."""

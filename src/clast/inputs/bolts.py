@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TEXT, Length, Loop, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.loads import check_length
 from clast.model import ranges
 from clast.model.model import Floats
@@ -58,15 +58,15 @@ class BoltKind(Table):
         lacking = [key for key in AXIAL if key not in given]
         if self.stiffness is not None and given:
             what = f"stiffness and {', '.join(given)} are both given"
-            remedy = "give stiffness, N/m per m of thickness, or young, area and "
-            raise refusal(Fault(what=what, remedy=remedy + "out_of_plane_spacing"))
+            remedy = f"give stiffness, N/m per m of thickness, or {', '.join(AXIAL)}"
+            raise refusal(what, remedy)
         if self.stiffness is None and lacking:
             half = f"{' and '.join(given)} without {' and '.join(lacking)}"
             remedy = (
                 "give stiffness, N/m per m of thickness, or all of young (Pa), area (m2 of one "
                 "bolt) and out_of_plane_spacing (m between bolts along the thickness)"
             )
-            raise refusal(Fault(what=half if given else "has no stiffness", remedy=remedy))
+            raise refusal(half if given else "has no stiffness", remedy)
         return self
 
     @model_validator(mode="after")
@@ -78,11 +78,10 @@ class BoltKind(Table):
                 f"{self.yield_force:g} {unit}"
             )
             remedy = "lower it: a bolt cannot be tensioned beyond its yield force"
-            raise refusal(Fault(place=("pretension",), what=what, remedy=remedy))
+            raise refusal(what, remedy, "pretension")
         if self.rupture_elongation is not None and self.rupture_strain is not None:
             what = "rupture_elongation and rupture_strain are both given"
-            remedy = "give one of them: m, or a share of the length"
-            raise refusal(Fault(what=what, remedy=remedy))
+            raise refusal(what, "give one of them: m, or a share of the length")
         return self
 
     def per_metre(self, force: float) -> float:
@@ -128,13 +127,12 @@ class Anchorage(Table):
                 "give the free length on each side of a joint, m, e.g. a few diameters: "
                 "free_length = 0.1"
             )
-            raise refusal(Fault(what="free_length is missing", remedy=remedy))
+            raise refusal("free_length is missing", remedy)
         if self.anchorage == "ends" and self.free_length is not None:
-            what = (
-                "a bolt anchored at its ends has no free_length: it is free over its whole length"
+            raise refusal(
+                "a bolt anchored at its ends has no free_length: it is free over its whole length",
+                'leave it out, or anchorage = "grouted"',
             )
-            remedy = 'leave it out, or anchorage = "grouted"'
-            raise refusal(Fault(what=what, remedy=remedy))
         return self
 
 
@@ -155,8 +153,7 @@ class Bolt(Anchorage):
         check_length(self.start, self.end)
         if self.anchorage == "grouted" and self.blocks is not None:
             what = "a grouted bolt is bonded to every block along it"
-            remedy = 'leave blocks out; they are for anchorage = "ends"'
-            raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
+            raise refusal(what, 'leave blocks out; they are for anchorage = "ends"', "blocks")
         return self
 
 
@@ -181,7 +178,7 @@ class BoltPattern(Anchorage):
         if not 0.0 < self.to - self.from_ <= 360.0:
             what = f"from {self.from_:g} to {self.to:g} degrees is not part of an outline"
             remedy = "give from below to, counter-clockwise from +x, at most 360 degrees apart"
-            raise refusal(Fault(what=what, remedy=remedy))
+            raise refusal(what, remedy)
         return self
 
     def label(self, number: int) -> str:

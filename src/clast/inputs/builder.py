@@ -37,7 +37,6 @@ from clast.inputs.declaring.values import (
     check_numbers,
     check_point_names,
     check_title,
-    number_of,
 )
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
@@ -49,8 +48,10 @@ from clast.inputs.loads import (
     LineLoad,
     PointLoad,
     Pressure,
-    located,
-    places_of,
+    fixed_points_in,
+    line_loads_in,
+    measured_points_in,
+    point_loads_in,
     pressed_edges,
 )
 from clast.inputs.materials import joint_table, joints_of_edges
@@ -87,19 +88,9 @@ from clast.model import checks as model_checks
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.edges import edges_on
-from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
 from clast.model.joints import WELD_STRENGTH
-from clast.model.model import (
-    Bools,
-    Floats,
-    Ints,
-    LineLoads,
-    MaterialPoints,
-    MeasuredPoints,
-    Model,
-    PointLoads,
-)
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.ranges import check_names
 from clast.model.surroundings import InSituStress
 
@@ -275,32 +266,28 @@ class InputBuilder(Inputs):
         )
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(rocks)}
-        factors = tuple(one.factor(name) for name, one in self.named(Amplitude).items())
-        factor_number = {factor.name: index for index, factor in enumerate(factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         joints = place_linings.with_bonds(self.named(materials.Joint), self._placed)
         table = joint_table(joints, rock_number, block_number, along)
         waits = place_linings.waiting_of(self._placed, outlines.names)
         there = np.where(waits, shapely.Polygon(), polygons)
 
-        fixed, measured, points, lines = (
-            located(entries, block_number, factor_number, outlines, polygons, repaired.moved)
-            for entries in places_of(self).values()
-        )
         held = self._fixed(outlines)
-        ground = Ground(
+        everything = Ground(
             outlines=outlines,
-            tree=shapely.STRtree(there),
+            tree=shapely.STRtree(polygons),
             moved=repaired.moved,
-            factors=factors,
+            factors=tuple(one.factor(name) for name, one in self.named(Amplitude).items()),
             fixed=held,
-            points=MaterialPoints(block=fixed.block, at=fixed.at),
         )
+        fixed = fixed_points_in(self.all(FixedPoint), everything)
+        measured = measured_points_in(self.all(MeasuredPoint), everything)
+        points = point_loads_in(self.all(PointLoad), everything)
+        lines = line_loads_in(self.all(LineLoad), everything)
+        ground = replace(everything, tree=shapely.STRtree(there), points=fixed)
         blocks_of_openings = [one.name for one in self.all(OpeningTable)]
         bolts = placed_bolts(self, self.opening_outlines, blocks_of_openings, ground)
-        pressures, uncovered = pressed_edges(
-            self.all(Pressure), block_number, factor_number, outlines
-        )
+        pressures, uncovered = pressed_edges(self.all(Pressure), ground)
         linked = sum(one.block is not None for one in self.all(Link))
         check_ground_motion(self.ground_motion, len(fixed.block) + linked)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
@@ -309,7 +296,7 @@ class InputBuilder(Inputs):
         gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
         density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
-        bed = Bed(outlines, table, own_joints, block_rock, gravity, factors)
+        bed = Bed(outlines, table, own_joints, block_rock, gravity, ground.factors)
         water, wet = waters_in(self.all(Water), bed)
         in_situ = self._stress_in_situ(outlines, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
@@ -322,9 +309,7 @@ class InputBuilder(Inputs):
             title=self.title,
             plane=self.plane,
             gravity=gravity + self._push(gravity),
-            gravity_factor=NO_FACTOR
-            if self.gravity_amplitude is None
-            else number_of(self.gravity_amplitude, factor_number, "amplitude", "gravity_amplitude"),
+            gravity_factor=ground.amplitude(self.gravity_amplitude, "gravity_amplitude"),
             origin=outlines.origin,
             rocks=rocks,
             joint_table=table,
@@ -340,30 +325,13 @@ class InputBuilder(Inputs):
             viscous_edges=viscous,
             area=outlines.area,
             fixed_points=ground.points,
-            point_loads=PointLoads(
-                block=points.block,
-                at=points.at,
-                force=points.load,
-                factor=points.factor,
-                name=points.name,
-            ),
-            line_loads=LineLoads(
-                block=lines.block,
-                start=lines.at,
-                end=lines.end,
-                traction=lines.load,
-                factor=lines.factor,
-                name=lines.name,
-            ),
+            point_loads=points,
+            line_loads=lines,
             pressures=pressures,
             bolts=bolts,
             water=water,
-            factors=factors,
-            measured_points=MeasuredPoints(
-                block=measured.block,
-                at=measured.at,
-                name=tuple(one.name for one in self.all(MeasuredPoint)),
-            ),
+            factors=ground.factors,
+            measured_points=measured,
             measured_contacts=contacts_measured(self.all(MeasuredContact), table, outlines.origin),
             ground_motion=self.ground_motion,
             actions=actions,
@@ -424,11 +392,8 @@ class InputBuilder(Inputs):
         where = "seismic_coefficient"
         share = check_numbers(self.seismic_coefficient, 2, where, ranges.FACTOR)
         if share.any() and not gravity.any():
-            raise ModelError(
-                "is a share of the weight, but there is no gravity",
-                where=where,
-                remedy="give gravity, or leave it out",
-            )
+            what = "is a share of the weight, but there is no gravity"
+            raise ModelError(what, where=where, remedy="give gravity, or leave it out")
         return np.asarray(np.hypot(*gravity) * share)
 
     def _repaired(
@@ -501,11 +466,8 @@ class InputBuilder(Inputs):
         )
         moving = velocity.any(axis=1) & self._fixed(outlines)
         for index in np.flatnonzero(moving)[:1]:
-            raise ModelError(
-                "a fixed block has no velocity",
-                where=f"{outlines.label(index)}, velocity",
-                remedy="remove the velocity, or fixed = true",
-            )
+            what, remedy = "a fixed block has no velocity", "remove the velocity, or fixed = true"
+            raise ModelError(what, where=f"{outlines.label(index)}, velocity", remedy=remedy)
         return velocity
 
     def _initial_stresses(

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, StrictStr, model_validator
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, Acceleration, Instant, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.records.columns import check_rising, check_sizes, doubted_times, read_record
 from clast.inputs.records.components import (
     OTHER_UNIT,
@@ -59,7 +59,7 @@ def _known_baseline(name: str) -> str:
     try:
         correction_of(name)
     except CaseError as error:
-        raise refusal(Fault(what=error.what, remedy=error.remedy)) from None
+        raise refusal(error.what, error.remedy) from None
     return name
 
 
@@ -138,15 +138,13 @@ class GroundMotionTable(Table):
             lists["vertical"] = self.vertical
         given = {key: len(values) for key, values in lists.items() if values is not None}
         if self.file is not None and given:
-            remedy = "name the file, or give the lists"
-            raise refusal(Fault(place=("file",), what="there are lists as well", remedy=remedy))
+            raise refusal("there are lists as well", "name the file, or give the lists", "file")
         if self.file is None and not {"time", "acceleration"} <= set(given):
             remedy = 'give file = "record.csv", or time = [...] and acceleration = [...]'
-            raise refusal(Fault(what="there is no accelerogram", remedy=remedy))
+            raise refusal("there is no accelerogram", remedy)
         if len(set(given.values())) > 1:
             counted = ", ".join(f"{key} {count}" for key, count in given.items())
-            remedy = "give lists of equal length"
-            raise refusal(Fault(what=f"the lists differ in length: {counted}", remedy=remedy))
+            raise refusal(f"the lists differ in length: {counted}", "give lists of equal length")
         return self
 
     @model_validator(mode="after")
@@ -154,12 +152,11 @@ class GroundMotionTable(Table):
         keys = [key for key in OF_FILES if key in self.model_fields_set]
         keys += ["vertical"] if isinstance(self.vertical, VerticalRecordTable) else []
         if self.file is None and keys:
-            what = "belongs to a record in a file, but there are lists"
             remedy = "leave it out; lists are m/s2 along x, and vertical = [...] along y"
-            raise refusal(Fault(place=(keys[0],), what=what, remedy=remedy))
+            raise refusal("belongs to a record in a file, but there are lists", remedy, keys[0])
         if self.direction is not None and not any(self.direction):
-            what, remedy = "[0, 0] is not a direction", "give e.g. [1, 0], to the right"
-            raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
+            what = "[0, 0] is not a direction"
+            raise refusal(what, "give e.g. [1, 0], to the right", "direction")
         return self
 
     @classmethod
@@ -284,11 +281,9 @@ class GroundMotionTable(Table):
 def _check_single(found: Component, key: str) -> None:
     """Refuse two components in one file where one is needed."""
     if found.samples.acceleration.shape[1] != 1:
-        raise CaseError(
-            "the file has two components, x and y, where one is wanted",
-            where=key,
-            remedy="leave direction and vertical out, or give one column beside the time",
-        )
+        what = "the file has two components, x and y, where one is wanted"
+        remedy = "leave direction and vertical out, or give one column beside the time"
+        raise CaseError(what, where=key, remedy=remedy)
 
 
 def _offset(samples: Samples, file: str) -> Iterator[str]:
@@ -325,15 +320,12 @@ def check_ground_motion(motion: GroundMotion, attached: int) -> None:
     if isinstance(motion, Recorded):
         time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
         if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
-            raise ModelError(
-                f"time has shape {time.shape} and acceleration {acceleration.shape}",
-                where=where,
-                remedy="give at least 2 instants, and an acceleration (x, y) for each",
-            )
+            what = f"time has shape {time.shape} and acceleration {acceleration.shape}"
+            remedy = "give at least 2 instants, and an acceleration (x, y) for each"
+            raise ModelError(what, where=where, remedy=remedy)
         if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
-            raise ModelError(
-                "is not finite", where=where, remedy="give times in s and accelerations in m/s2"
-            )
+            what = "is not finite"
+            raise ModelError(what, where=where, remedy="give times in s and accelerations in m/s2")
         ranges.check_size(float(np.abs(time).max()), ranges.TIME, f"{where}, time", "give s")
         largest = float(np.abs(acceleration).max())
         ranges.check_size(largest, ranges.ACCELERATION, f"{where}, acceleration", "give m/s2")

@@ -13,7 +13,7 @@ from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.model import ranges
 from clast.model.model import Floats
 from clast.model.surroundings import InSituStress
@@ -49,17 +49,14 @@ class InSituTable(Table):
 
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
-        if (self.stress is None) == (self.vertical is None):
-            found = "neither stress nor" if self.stress is None else "both stress and"
-            what = f"has {found} vertical"
-            remedy = 'give stress, or vertical = "overburden" with k0'
-            raise refusal(Fault(what=what, remedy=remedy))
+        remedy = 'give stress, or vertical = "overburden" with k0'
+        check_one(self, ("stress", "vertical"), remedy)
         if (self.vertical is None) != (self.k0 is None):
             what = 'vertical = "overburden" and k0 belong together'
-            raise refusal(Fault(what=what, remedy="give both, or a stress"))
+            raise refusal(what, "give both, or a stress")
         if self.vertical is not None and any(self.gradient):
             what = "the gradient of the overburden is that of the weight"
-            raise refusal(Fault(place=("gradient",), what=what, remedy="remove gradient"))
+            raise refusal(what, "remove gradient", "gradient")
         return self
 
     @classmethod
@@ -80,11 +77,9 @@ class InSituTable(Table):
     def judge(cls, value: Any, key: str) -> None:
         """Refuse an object that is not a stress, and one that only differs by its springs."""
         if not isinstance(value, InSituStress | Overburden):
-            raise ModelError(
-                f"{shortened(repr(value))} is not a valid in-situ stress",
-                where=key,
-                remedy="give the keys of [in_situ], clast.InSituStress or clast.Overburden",
-            )
+            what = f"{shortened(repr(value))} is not a valid in-situ stress"
+            remedy = "give the keys of [in_situ], clast.InSituStress or clast.Overburden"
+            raise ModelError(what, where=key, remedy=remedy)
         record_of(cls, _numbers(value), (key,))
         if not (_is_within(value.held, 2, np.inf) and _is_within([value.in_contacts], 1, 1.0)):
             raise ModelError(
@@ -154,11 +149,9 @@ class Overburden:
     def stress(self, density: float, gravity: Floats, top: float) -> InSituStress:
         """Return the stress for a mean density, kg/m3, gravity (x, y), m/s2, and a top, m."""
         if gravity[0] != 0.0 or gravity[1] >= 0.0:
-            raise ModelError(
-                f"gravity is [{gravity[0]:g}, {gravity[1]:g}], not downwards",
-                where="in_situ, vertical",
-                remedy="give stress and gradient instead of the overburden",
-            )
+            what = f"gravity is [{gravity[0]:g}, {gravity[1]:g}], not downwards"
+            remedy = "give stress and gradient instead of the overburden"
+            raise ModelError(what, where="in_situ, vertical", remedy=remedy)
         if self.datum is not None and self.datum < top:
             raise ModelError(
                 f"{self.datum:g} m is below the highest block, {top:g} m: the rock above it would "

@@ -8,7 +8,7 @@ from pydantic import Field, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.rock_mass import Seed, check_keys
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ class JointSetTable(Table):
     def _has_one_scatter(self) -> Self:
         if self.angle_spread is not None and self.fisher_kappa is not None:
             what = "angle_spread and fisher_kappa are both given"
-            raise refusal(Fault(place=("fisher_kappa",), what=what, remedy="give one of them"))
+            raise refusal(what, "give one of them", "fisher_kappa")
         return self
 
     def build(self) -> JointSet:

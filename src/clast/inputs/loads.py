@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, ClassVar, NoReturn, Self, TypeVar
+from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
 
 import numpy as np
 import shapely
@@ -13,14 +13,22 @@ from pydantic import StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import OR_PAIR, Force, Inputs, Instant, Point, Stress, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
-from clast.inputs.declaring.values import number_of
+from clast.inputs.declaring.table import OR_PAIR, Force, Instant, Point, Stress, Table
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.measurements import MeasuredPoint
+from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
-from clast.model.checks import TOUCHING, BlockOutlines, Geometries, locate, point_text
-from clast.model.factors import NO_FACTOR, Factor
-from clast.model.model import EdgePressures, Floats, Ints
+from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
+from clast.model.factors import Factor
+from clast.model.model import (
+    EdgePressures,
+    Floats,
+    Ints,
+    LineLoads,
+    MaterialPoints,
+    MeasuredPoints,
+    PointLoads,
+)
 from clast.model.ranges import check_text
 
 
@@ -48,19 +56,18 @@ class Amplitude(Table):
 
     @model_validator(mode="after")
     def _is_a_function_of_time(self) -> Self:
-        count, place = len(self.time), ("time",)
+        count = len(self.time)
         if len(self.value) != count:
             what = f"has {len(self.value)} values for {count} instants"
-            remedy = "give one value for each instant"
-            raise refusal(Fault(place=("value",), what=what, remedy=remedy))
+            raise refusal(what, "give one value for each instant", "value")
         if count < 2:
             remedy = "give at least 2; a load that is constant needs no amplitude"
-            raise refusal(Fault(place=place, what=f"has {count} instants", remedy=remedy))
+            raise refusal(f"has {count} instants", remedy, "time")
         for k, (before, after) in enumerate(pairwise(self.time), 1):
             if after <= before:
                 what = f"instant {k + 1}, {after:g} s, is not after instant {k}, {before:g} s"
                 remedy = "order the instants by time, each once (for a jump, 1e-9 s apart)"
-                raise refusal(Fault(place=place, what=what, remedy=remedy))
+                raise refusal(what, remedy, "time")
         return self
 
     def factor(self, name: str) -> Factor:
@@ -126,106 +133,92 @@ class Pressure(AlongLine):
 def check_length(start: Point, end: Point) -> None:
     """Refuse a line whose ends are one point."""
     if start == end:
-        raise refusal(Fault(what="has no length", remedy="give two different ends"))
-
-
-@dataclass(frozen=True)
-class LoadPlace:
-    """A point, or a line from ``at`` to ``end``, on a block; ``load`` is its force or traction."""
-
-    label: str
-    at: Point
-    block: str | None
-    end: Point | None = None
-    load: Point = (0.0, 0.0)
-    factor: str | None = None
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class LoadPlaces:
-    """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors, names."""
-
-    block: Ints
-    at: Floats
-    end: Floats
-    load: Floats
-    factor: Ints
-    name: tuple[str, ...]
-
-
-def places_of(given: Inputs) -> dict[type[Table], list[LoadPlace]]:
-    """Return where everything is that is at points or along lines, by its kind."""
-    return {
-        FixedPoint: [
-            LoadPlace(f"fixed point {k}", one.at, one.block)
-            for k, one in enumerate(given.all(FixedPoint), 1)
-        ],
-        MeasuredPoint: [
-            LoadPlace(f"measured point '{shortened(one.name)}'", one.at, one.block)
-            for one in given.all(MeasuredPoint)
-        ],
-        PointLoad: [
-            LoadPlace(label, one.at, one.block, load=one.force, factor=one.amplitude, name=name)
-            for label, name, one in named_loads(given.all(PointLoad), "point load")
-        ],
-        LineLoad: [
-            LoadPlace(label, one.start, one.block, one.end, one.traction, one.amplitude, name)
-            for label, name, one in named_loads(given.all(LineLoad), "line load")
-        ],
-    }
+        raise refusal("has no length", "give two different ends")
 
 
 L = TypeVar("L", bound=Load)
 
 
-def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, str, L]]:
-    """Give each load with how messages call it, and its name, "" where it has none."""
+def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, L]]:
+    """Give each load with how messages call it."""
     for number, one in enumerate(loads, 1):
         label = f"{kind} {number}"
         if one.name is not None:
             check_text(one.name, label)
-        yield label, one.name or "", one
+        yield label, one
 
 
-def located(
-    entries: list[LoadPlace],
-    block_number: dict[str, int],
-    factor_number: dict[str, int],
-    outlines: BlockOutlines,
-    polygons: Geometries,
-    moved: float,
-) -> LoadPlaces:
-    """Return blocks and coordinates about the origin of points or lines.
+def _placed(records: Iterable[tuple[str, Any]], ground: Ground) -> tuple[Ints, Floats]:
+    """Return the blocks (k,) of labelled records, and their points about the origin, m, (k, e, 2).
 
-    ``moved``, m, is how far vertices may have moved since they were drawn.
+    Points of a line are its ends, e = 2.
     """
-    count = len(entries)
-    at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
-    named, factor = np.full(count, -1, np.int64), np.full(count, NO_FACTOR, np.int64)
-    for k, entry in enumerate(entries):
-        at[k] = np.array(entry.at) - outlines.origin
-        if entry.end is not None:
-            end[k] = np.array(entry.end) - outlines.origin
-        load[k] = entry.load
-        if entry.block is not None:
-            named[k] = number_of(entry.block, block_number, "block", entry.label)
-        if entry.factor is not None:
-            factor[k] = number_of(
-                entry.factor, factor_number, "amplitude", f"{entry.label}, amplitude"
-            )
-    lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
-    shapes = np.array(shapely.points(at))
-    if lines.any():
-        shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
-    if count == 0:
-        return LoadPlaces(np.zeros(0, np.int64), at, end, load, factor, ())
+    labels, given = zip(*records, strict=True) if records else ((), ())
+    ends = [(one.start, one.end) if isinstance(one, AlongLine) else (one.at,) for one in given]
+    if not ends:
+        return np.zeros(0, np.int64), np.zeros((0, 2, 2))
+    origin = ground.outlines.origin
+    at = np.array(ends) - origin
+    shapes = shapely.points(at[:, 0]) if at.shape[1] == 1 else shapely.linestrings(at)
+    named = [
+        -1 if one.block is None else ground.block(one.block, label)
+        for label, one in zip(labels, given, strict=True)
+    ]
 
     def where(k: int) -> str:
-        return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
+        return f"{labels[k]} at {point_text(at[k, 0] + origin)}"
 
-    block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
-    return LoadPlaces(block, at, end, load, factor, tuple(entry.name for entry in entries))
+    outlines, tree = ground.outlines, ground.tree
+    block = locate(np.array(shapes), np.array(named), where, outlines, tree, ground.moved)
+    return block, at
+
+
+def fixed_points_in(records: Sequence[FixedPoint], ground: Ground) -> MaterialPoints:
+    """Return the fixed points of the model."""
+    block, at = _placed([(f"fixed point {k}", one) for k, one in enumerate(records, 1)], ground)
+    return MaterialPoints(block=block, at=at[:, 0])
+
+
+def measured_points_in(records: Sequence[MeasuredPoint], ground: Ground) -> MeasuredPoints:
+    """Return the measured points of the model."""
+    block, at = _placed(
+        [(f"measured point '{shortened(one.name)}'", one) for one in records], ground
+    )
+    return MeasuredPoints(block=block, at=at[:, 0], name=tuple(one.name for one in records))
+
+
+def point_loads_in(records: Sequence[PointLoad], ground: Ground) -> PointLoads:
+    """Return the point loads of the model."""
+    named = list(named_loads(records, "point load"))
+    block, at = _placed(named, ground)
+    return PointLoads(
+        block=block,
+        at=at[:, 0],
+        force=np.array([one.force for one in records], float).reshape(-1, 2),
+        factor=_factors(named, ground),
+        name=tuple(one.name or "" for one in records),
+    )
+
+
+def line_loads_in(records: Sequence[LineLoad], ground: Ground) -> LineLoads:
+    """Return the line loads of the model."""
+    named = list(named_loads(records, "line load"))
+    block, at = _placed(named, ground)
+    return LineLoads(
+        block=block,
+        start=at[:, 0],
+        end=at[:, 1],
+        traction=np.array([one.traction for one in records], float).reshape(-1, 2),
+        factor=_factors(named, ground),
+        name=tuple(one.name or "" for one in records),
+    )
+
+
+def _factors(named: Iterable[tuple[str, Load]], ground: Ground) -> Ints:
+    """Return the number of the amplitude of each load, NO_FACTOR where it has none, (k,)."""
+    return np.array(
+        [ground.amplitude(one.amplitude, f"{label}, amplitude") for label, one in named], np.int64
+    )
 
 
 @dataclass(frozen=True)
@@ -243,53 +236,48 @@ class _Line:
 
 
 def pressed_edges(
-    pressures: Sequence[Pressure],
-    block_number: dict[str, int],
-    factor_number: dict[str, int],
-    outlines: BlockOutlines,
+    pressures: Sequence[Pressure], ground: Ground
 ) -> tuple[EdgePressures, tuple[str, ...]]:
     """Return the parts of edges on which pressures act, and notes of lines that leave edges.
 
     Raises ModelError where no edge lies along a line, or edges of two blocks do.
     """
-    found = [EdgePressures()]
+    parts = [EdgePressures()]
     notes: list[str] = []
-    for label, name, one in named_loads(pressures, "pressure"):
-        line = _line(one, outlines)
+    outlines = ground.outlines
+    for label, one in named_loads(pressures, "pressure"):
+        start, end = (np.array(point) - outlines.origin for point in (one.start, one.end))
+        length = float(np.hypot(*(end - start)))
+        line = _Line(start, (end - start) / length, length)
         ends = one.value if isinstance(one.value, tuple) else (one.value, one.value)
         edges = np.arange(len(outlines.vertices))
         if one.block is not None:
-            own = number_of(one.block, block_number, "block", f"{label}, block")
-            edges = edges[outlines.owner == own]
-        factor = NO_FACTOR
-        if one.amplitude is not None:
-            factor = number_of(one.amplitude, factor_number, "amplitude", f"{label}, amplitude")
+            edges = edges[outlines.owner == ground.block(one.block, f"{label}, block")]
+        factor = ground.amplitude(one.amplitude, f"{label}, amplitude")
         edge, share, place = _parts(line, edges, outlines)
         if len(edge) == 0:
             _refuse_no_edge(label, line, edges, outlines)
         _refuse_two_blocks(label, line, edge, np.sort(place, axis=1), outlines)
-        notes += _uncovered(label, line, place)
-        found.append(
+        pressed = float(np.abs(np.diff(place, axis=1)).sum())
+        if pressed < (1.0 - TOUCHING) * line.length:
+            notes.append(
+                f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
+                "of it: the pressure acts on these only"
+            )
+        parts.append(
             EdgePressures(
                 block=outlines.owner[edge],
                 edge=edge,
                 share=share,
                 pressure=ends[0] + (ends[1] - ends[0]) * place / line.length,
                 factor=np.full(len(edge), factor),
-                name=(name,) * len(edge),
+                name=(one.name or "",) * len(edge),
             )
         )
     keys = ("block", "edge", "share", "pressure", "factor")
-    joined = {key: np.concatenate([getattr(part, key) for part in found]) for key in keys}
-    names = tuple(name for part in found for name in part.name)
+    joined = {key: np.concatenate([getattr(part, key) for part in parts]) for key in keys}
+    names = tuple(name for part in parts for name in part.name)
     return EdgePressures(**joined, name=names), tuple(notes)
-
-
-def _line(pressure: Pressure, outlines: BlockOutlines) -> _Line:
-    """Return the line of a pressure about the origin."""
-    start, end = (np.array(one) - outlines.origin for one in (pressure.start, pressure.end))
-    length = float(np.hypot(*(end - start)))
-    return _Line(start, (end - start) / length, length)
 
 
 def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
@@ -359,14 +347,4 @@ def _refuse_two_blocks(
             f"{point_text(at)} on",
             where=label,
             remedy=f'name the one that is loaded, e.g. block = "{outlines.names[one]}"',
-        )
-
-
-def _uncovered(label: str, line: _Line, place: Floats) -> Iterator[str]:
-    """Say where a line has parts along no edge: nothing is pressed there."""
-    pressed = float(np.abs(np.diff(place, axis=1)).sum())
-    if pressed < (1.0 - TOUCHING) * line.length:
-        yield (
-            f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
-            "of it: the pressure acts on these only"
         )

@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import Fault, refusal, refusals
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.place_blocks import Names
 from clast.model import joints, model, ranges
@@ -97,10 +97,10 @@ class Joint(Table):
     def _does_not_contradict_itself(self) -> Self:
         faults = tuple(_faults_of_law(self))
         if faults:
-            raise refusal(*faults)
+            raise refusals(faults)
         found = contradiction(self.joint("default"), is_small_meant=self.allow_small_friction_angle)
         if found is not None:
-            raise refusal(Fault(place=(found.key,), what=found.what, remedy=found.remedy))
+            raise refusal(found.what, found.remedy, found.key)
         return self
 
     def joint(self, name: str) -> joints.Joint:
@@ -245,11 +245,9 @@ def _faults_of_closure(joint: Joint) -> Iterator[Fault]:
 def check_rock(rock: model.Rock, plane: model.Plane) -> None:
     """Refuse a Poisson's ratio that is impossible in a plane."""
     if isinstance(plane, model.PlaneStrain) and rock.poisson == 0.5:
-        raise ModelError(
-            f"{rock.poisson:g} is impossible in plane {plane.name}",
-            where=f"rock '{shortened(rock.name)}', poisson",
-            remedy="Poisson's ratio is above -1 and below 0.5; rocks have 0.1 to 0.4",
-        )
+        what = f"{rock.poisson:g} is impossible in plane {plane.name}"
+        remedy = "Poisson's ratio is above -1 and below 0.5; rocks have 0.1 to 0.4"
+        raise ModelError(what, where=f"rock '{shortened(rock.name)}', poisson", remedy=remedy)
 
 
 def joint_table(
@@ -269,12 +267,11 @@ def joint_table(
     for index, (name, joint) in enumerate(ordered):
         placed = joint.between or joint.between_rocks or name in along_edges
         if index > 0 and not placed:
-            raise ModelError(
-                "is assigned to no contact",
-                where=f"joint '{name}'",
-                remedy="name it default, or assign it by between (pairs of blocks), "
-                "between_rocks (pairs of rocks) or the edge_joint of blocks",
+            remedy = (
+                "name it default, or assign it by between (pairs of blocks), "
+                "between_rocks (pairs of rocks) or the edge_joint of blocks"
             )
+            raise ModelError("is assigned to no contact", where=f"joint '{name}'", remedy=remedy)
         _assign(joint.between_rocks, "rock", rock_number, index, rock_joint, names)
         _assign(joint.between, "block", block_number, index, block_joint, names)
     rock_pair = np.zeros((len(rock_number), len(rock_number)), np.int64)
@@ -314,15 +311,9 @@ def _assign(
         found = (number_of(one, number, kind, where), number_of(other, number, kind, where))
         pair = (min(found), max(found))
         if kind == "block" and found[0] == found[1]:
-            raise ModelError(
-                f"block '{one}' cannot have a joint with itself",
-                where=f"{where}, between",
-                remedy="name two different blocks",
-            )
+            what = f"block '{one}' cannot have a joint with itself"
+            raise ModelError(what, where=f"{where}, between", remedy="name two different blocks")
         before = assigned.setdefault(pair, index)
         if before != index:
-            raise ModelError(
-                f"the {kind}s '{one}' and '{other}' already belong to joint '{names[before]}'",
-                where=where,
-                remedy="name the pair in one joint only",
-            )
+            what = f"the {kind}s '{one}' and '{other}' already belong to joint '{names[before]}'"
+            raise ModelError(what, where=where, remedy="name the pair in one joint only")

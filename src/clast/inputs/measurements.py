@@ -14,7 +14,7 @@ from clast.actions.motions import Motions, OneMotion
 from clast.block import polygon
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.table import Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import Fault, check_one
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model.joints import JointTable
@@ -46,15 +46,7 @@ class MeasuredContact(Table):
 
     @model_validator(mode="after")
     def _is_somewhere(self) -> Self:
-        if (self.at is None) == (self.joint is None):
-            what = "neither" if self.at is None else "both"
-            raise refusal(
-                Fault(
-                    place=("at",),
-                    what=f"{what} of at and joint is given",
-                    remedy="give one of them: a place [x, y] in m, or the name of a joint",
-                )
-            )
+        check_one(self, ("at", "joint"), "give a place [x, y] in m, or the name of a joint")
         return self
 
 
@@ -74,12 +66,8 @@ class MeasuredReaction(Table):
 
     @model_validator(mode="after")
     def _names_something(self) -> Self:
-        keys = ("block", "blocks", "fixed_point")
-        given = [key for key in keys if getattr(self, key) is not None]
-        if len(given) != 1:
-            said = " and ".join(given) or "nothing"
-            remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
-            raise refusal(Fault(what=f"names {said}", remedy=remedy))
+        remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
+        check_one(self, ("block", "blocks", "fixed_point"), remedy)
         return self
 
 
@@ -124,24 +112,18 @@ def contacts_measured(
 
     ``origin`` (2,), m, is the origin of the model's coordinates.
     """
+    check_names("measured contact", [one.name for one in given])
     joints = {joint.name: k for k, joint in enumerate(table.joints)}
-    names: list[str] = []
-    number: list[int] = []
-    for k, one in enumerate(given, 1):
-        where = f"measured_contact {k}"
-        if not one.name.strip() or one.name in names:
-            what = "is used twice" if one.name in names else "is not a valid name"
-            raise ModelError(
-                f"'{shortened(one.name)}' {what}", where=f"{where}, name", remedy="give another"
-            )
-        number.append(
-            -1 if one.joint is None else number_of(one.joint, joints, "joint", f"{where}, joint")
-        )
-        names.append(one.name)
+    number = [
+        -1
+        if one.joint is None
+        else number_of(one.joint, joints, "joint", f"measured contact {k}, joint")
+        for k, one in enumerate(given, 1)
+    ]
     nowhere = np.full(2, np.nan)
     places = [nowhere if one.at is None else np.asarray(one.at) - origin for one in given]
     return MeasuredContacts(
-        name=tuple(names),
+        name=tuple(one.name for one in given),
         at=np.array(places, np.float64).reshape(-1, 2),
         joint=np.array(number, np.int64),
     )
@@ -233,18 +215,10 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
     where = f"measured reaction '{shortened(one.name)}'"
     blocks, points = none, none
     if one.fixed_point is not None:
-        at = np.array(one.fixed_point) - ground.outlines.origin
-        points = ground.fixed_points_at(at)
-        if not len(points):
-            what = f"there is no fixed point at {ground.text(at)}"
-            remedy = "give the coordinates of a [[fixed_point]]"
-            raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
+        points = ground.fixed_point(one.fixed_point, where)
     else:
-        number = {name: k for k, name in enumerate(ground.outlines.names)}
         key, names = ("blocks", one.blocks) if one.block is None else ("block", [one.block])
-        blocks = np.array(
-            [number_of(name, number, "block", f"{where}, {key}") for name in names or ()]
-        )
+        blocks = ground.blocks(names or (), f"{where}, {key}")
         loose = [b for b in blocks.tolist() if not ground.fixed[b] and b not in supports.moved]
         if loose or not len(blocks):
             said = shortened(ground.outlines.names[loose[0]]) if loose else ""

@@ -15,7 +15,7 @@ from clast.inputs.declaring.alternatives import (
     within,
 )
 from clast.inputs.declaring.table import Fraction, Interval, Length, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.model import ranges
 from clast.model.model import Model
 
@@ -219,30 +219,17 @@ class TimeTable(Table):
     def _in_order(self) -> Self:
         steps = min(self.end / self.step, 1e300)
         if steps > ranges.MOST_STEPS:
-            raise refusal(
-                Fault(
-                    place=("end",),
-                    what=f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
-                    f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours",
-                    remedy="lower end, or raise step",
-                )
+            what = (
+                f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
+                f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours"
             )
+            raise refusal(what, "lower end, or raise step", "end")
         if self.step > self.end:
-            raise refusal(
-                Fault(
-                    place=("step",),
-                    what=f"{self.step:g} s is longer than the whole run of {self.end:g} s",
-                    remedy="lower step, or raise end",
-                )
-            )
+            what = f"{self.step:g} s is longer than the whole run of {self.end:g} s"
+            raise refusal(what, "lower step, or raise end", "step")
         if self.smallest_step is not None and self.smallest_step > self.step:
-            raise refusal(
-                Fault(
-                    place=("smallest_step",),
-                    what=f"{self.smallest_step:g} s is longer than step, {self.step:g} s",
-                    remedy="lower it below step, or leave it out",
-                )
-            )
+            what = f"{self.smallest_step:g} s is longer than step, {self.step:g} s"
+            raise refusal(what, "lower it below step, or leave it out", "smallest_step")
         return self
 
     def largest_movement(self, model: Model) -> float:

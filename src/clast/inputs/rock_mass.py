@@ -14,7 +14,7 @@ from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, Inputs, Length, Loop, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import Fault, check_one, refusal, refusals
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.ranges import check_text
@@ -91,13 +91,10 @@ class TraceTable(Table):
 
 def check_source(table: TraceTable | OpeningTable, key: str, remedy: str) -> None:
     """Refuse tables with both or none of a file and ``key``, and layers without a file."""
-    here, file = getattr(table, key), table.file
-    if (here is None) == (file is None):
-        what = f"{key} and file are both given" if file else f"has neither {key} nor file"
-        raise refusal(Fault(what=what, remedy=remedy))
+    check_one(table, (key, "file"), remedy)
     for name in ("layer", "unit"):
-        if file is None and getattr(table, name) is not None:
-            raise refusal(Fault(place=(name,), what="there is no file", remedy="name the drawing"))
+        if table.file is None and getattr(table, name) is not None:
+            raise refusal("there is no file", "name the drawing", name)
 
 
 SHAPES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -159,15 +156,14 @@ class OpeningTable(Table):
             check_keys(given, (), (), "opening of blocks")
             if self.excavated:
                 what = "blocks cannot be void from the start"
-                remedy = "remove the blocks, or excavated = true"
-                raise refusal(Fault(place=("excavated",), what=what, remedy=remedy))
+                raise refusal(what, "remove the blocks, or excavated = true", "excavated")
             return self
         if self.weld is not None:
-            remedy = "remove it: the outline of a shape is welded automatically"
-            raise refusal(Fault(place=("weld",), what="there are no blocks", remedy=remedy))
+            what = "there are no blocks"
+            raise refusal(what, "remove it: the outline of a shape is welded automatically", "weld")
         if "blocks" in self.model_fields_set:
             remedy = "name the blocks inside, or give a shape in place of blocks"
-            raise refusal(Fault(place=("blocks",), what="is an empty list", remedy=remedy))
+            raise refusal("is an empty list", remedy, "blocks")
         check_source(self, "shape", 'give shape = "circle" (or another), or a file')
         given = [key for key in SHAPE_KEYS if getattr(self, key) is not None]
         if self.shape is None:
@@ -207,7 +203,7 @@ def check_keys(
         if key not in have
     ]
     if faults:
-        raise refusal(*faults)
+        raise refusals(faults)
 
 
 class RegionTable(Table):
@@ -270,31 +266,23 @@ def openings_of(
         check_text(one.name, "opening")
         if one.name in found or one.name in block_number:
             taken = "an opening" if one.name in found else "a block"
-            raise ModelError(
-                f"there already is {taken} with this name",
-                where=where,
-                remedy="give it another name: stages excavate openings and blocks by their names",
-            )
+            remedy = "give it another name: stages excavate openings and blocks by their names"
+            raise ModelError(f"there already is {taken} with this name", where=where, remedy=remedy)
         numbers = []
         for name in one.blocks:
             number = number_of(name, block_number, "block", where)
             if number in owner:
-                raise ModelError(
-                    f"block '{shortened(name)}' already belongs to opening '{owner[number]}'",
-                    where=where,
-                    remedy="put each block in one opening only",
-                )
+                what = f"block '{shortened(name)}' already belongs to opening '{owner[number]}'"
+                raise ModelError(what, where=where, remedy="put each block in one opening only")
             owner[number] = one.name
             numbers.append(number)
         welded = np.zeros(0, np.int64)
         if one.weld is not None:
             welded = np.flatnonzero(edge_joint == one.weld).astype(np.int64)
             if not len(welded):
-                raise ModelError(
-                    f"no edge has the joint '{shortened(one.weld)}'",
-                    where=f"{where}, weld",
-                    remedy="name the joint between the inside and the outside",
-                )
+                what = f"no edge has the joint '{shortened(one.weld)}'"
+                remedy = "name the joint between the inside and the outside"
+                raise ModelError(what, where=f"{where}, weld", remedy=remedy)
         block = np.array(sorted(numbers), np.int64)
         found[one.name] = OpeningBlocks(name=one.name, block=block, welded=welded)
     return tuple(found.values())

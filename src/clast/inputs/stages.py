@@ -20,7 +20,7 @@ from clast.inputs.declaring.table import (
     Table,
     as_plain,
 )
-from clast.inputs.declaring.validation_messages import Fault, faults_of, keys_text, refusal
+from clast.inputs.declaring.validation_messages import faults_of, keys_text, refusal
 from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
 from clast.model.stages import Stage
@@ -50,7 +50,7 @@ class StrengthTable(Table):
     def _changes_something(self) -> Self:
         if not self.model_fields_set:
             remedy = "give friction_angle or a strength such as cohesion, or leave the joint out"
-            raise refusal(Fault(what="changes nothing of the joint", remedy=remedy))
+            raise refusal("changes nothing of the joint", remedy)
         return self
 
 
@@ -127,11 +127,8 @@ def given_stages(stages: Any) -> tuple[Stage, ...]:
     found = tuple(stages)
     for one in found:
         if not isinstance(one, Stage):
-            raise CaseError(
-                f"{shortened(repr(one))} is not a stage",
-                where="stages",
-                remedy='give a list of them: stages=[clast.Stage(name="gravity"), ...]',
-            )
+            remedy = 'give a list of them: stages=[clast.Stage(name="gravity"), ...]'
+            raise CaseError(f"{shortened(repr(one))} is not a stage", where="stages", remedy=remedy)
     return tuple(_table(one).stage() for one in found)
 
 

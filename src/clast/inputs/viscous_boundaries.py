@@ -12,7 +12,7 @@ from pydantic import Field, StrictStr, model_validator
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.in_situ import Side
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, Geometries, point_text
@@ -36,10 +36,8 @@ class Where(Table):
 
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
-        if len(self.model_fields_set) != 1:
-            given = " and ".join(sorted(self.model_fields_set)) or "nothing"
-            remedy = 'give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]'
-            raise refusal(Fault(what=f"places it by {given}", remedy=remedy))
+        remedy = 'give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]'
+        check_one(self, ("side", "edges", "polygon"), remedy)
         return self
 
 
@@ -68,19 +66,15 @@ class ViscousBoundary(Table):
     @model_validator(mode="after")
     def _begins_once(self) -> Self:
         if self.stage == "":
-            what, remedy = (
-                "'' is not the name of a stage",
-                'give the name of a [[stage]], e.g. "quake"',
-            )
-            raise refusal(Fault(place=("stage",), what=what, remedy=remedy))
+            what = "'' is not the name of a stage"
+            raise refusal(what, 'give the name of a [[stage]], e.g. "quake"', "stage")
         if self.stage is not None and self.begins:
             named = shortened(self.stage)
             what = f"begins both at {self.begins:g} s and with the stage '{named}'"
-            raise refusal(Fault(what=what, remedy="give begins or stage"))
+            raise refusal(what, "give begins or stage")
         if self.normal == self.tangential == 0.0:
             what = "normal and tangential are both 0, which is a free edge"
-            remedy = "leave the boundary out, or give normal = 1 and tangential = 1"
-            raise refusal(Fault(what=what, remedy=remedy))
+            raise refusal(what, "leave the boundary out, or give normal = 1 and tangential = 1")
         return self
 
 
@@ -118,11 +112,9 @@ def viscous_edges(
         _refuse_fixed(label, edge, outlines, fixed)
         for k in edge.tolist():
             if k in seen:
-                raise ModelError(
-                    f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too",
-                    where=label,
-                    remedy="list each edge in one viscous boundary only",
-                )
+                what = f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too"
+                remedy = "list each edge in one viscous boundary only"
+                raise ModelError(what, where=label, remedy=remedy)
         seen |= dict.fromkeys(edge.tolist(), label)
         numbers = {
             "normal": one.normal,
@@ -162,11 +154,9 @@ def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometri
         edge = _on_lines(label, place.edges, outlines)
         inner = edge[~_is_outer(edge, outlines, polygons)]
         for one in inner[:1].tolist():
-            raise ModelError(
-                f"{_edge_text(one, outlines)} borders on another block",
-                where=f"{label}, where",
-                remedy="give edges with no block beyond them: the waves leave the model there",
-            )
+            what = f"{_edge_text(one, outlines)} borders on another block"
+            remedy = "give edges with no block beyond them: the waves leave the model there"
+            raise ModelError(what, where=f"{label}, where", remedy=remedy)
     else:
         edge = _within(label, place.polygon or [], outlines, polygons)
     return np.unique(edge)
@@ -175,11 +165,9 @@ def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometri
 def _on_side(label: str, side: str, outlines: BlockOutlines) -> Ints:
     edge = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
     if len(edge) == 0:
-        raise ModelError(
-            f"no edge lies on the {side} side of the box around all blocks, only corners",
-            where=f"{label}, where",
-            remedy="name the edges: edges = [[p, q], ...] with points p and q, or a polygon",
-        )
+        what = f"no edge lies on the {side} side of the box around all blocks, only corners"
+        remedy = "name the edges: edges = [[p, q], ...] with points p and q, or a polygon"
+        raise ModelError(what, where=f"{label}, where", remedy=remedy)
     return edge
 
 
@@ -203,18 +191,13 @@ def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockO
             on &= (away @ along >= -near) & (away @ along <= length + near)
         if not on.any():
             ends_text = " to ".join(point_text(end) for end in ends)
-            raise ModelError(
-                f"no edge lies on the line from {ends_text}",
-                where=where,
-                remedy="give the corners of edges on the outline of the model",
-            )
+            what = f"no edge lies on the line from {ends_text}"
+            remedy = "give the corners of edges on the outline of the model"
+            raise ModelError(what, where=where, remedy=remedy)
         found.append(np.flatnonzero(on))
     if not found:
-        raise ModelError(
-            "is an empty list",
-            where=f"{label}, where, edges",
-            remedy="name the edges: edges = [[p, q], ...] with points p and q",
-        )
+        remedy = "name the edges: edges = [[p, q], ...] with points p and q"
+        raise ModelError("is an empty list", where=f"{label}, where, edges", remedy=remedy)
     return np.concatenate(found)
 
 
@@ -222,25 +205,19 @@ def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geomet
     """Return the outer edges whose middle lies in a polygon."""
     where = f"{label}, where, polygon"
     if len(polygon) < 3:
-        raise ModelError(
-            f"{len(polygon)} points do not make a polygon",
-            where=where,
-            remedy="give 3 points or more",
-        )
+        what = f"{len(polygon)} points do not make a polygon"
+        raise ModelError(what, where=where, remedy="give 3 points or more")
     shape = shapely.Polygon(np.array(polygon) - outlines.origin)
     if not shape.is_valid:
-        raise ModelError(
-            "the polygon crosses itself", where=where, remedy="order its points along its outline"
-        )
+        what = "the polygon crosses itself"
+        raise ModelError(what, where=where, remedy="order its points along its outline")
     middle = 0.5 * (outlines.vertices + outlines.vertices[outlines.following])
     edge = np.flatnonzero(shapely.covers(shape, shapely.points(middle)))
     edge = edge[_is_outer(edge, outlines, polygons)]
     if len(edge) == 0:
-        raise ModelError(
-            "no edge on the outline of the model has its middle in the polygon",
-            where=where,
-            remedy="enclose the edges through which waves should leave",
-        )
+        what = "no edge on the outline of the model has its middle in the polygon"
+        remedy = "enclose the edges through which waves should leave"
+        raise ModelError(what, where=where, remedy=remedy)
     return edge
 
 

@@ -13,7 +13,7 @@ from pydantic import Field, StrictStr, model_validator
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Coordinate, Inputs, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
@@ -22,7 +22,7 @@ from clast.model.edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
 from clast.model.model import Floats, Ints
-from clast.model.ranges import check_text
+from clast.model.ranges import check_names
 from clast.model.water import Water as WetWater
 from clast.model.water import (
     WetFaces,
@@ -75,10 +75,8 @@ class Water(Table):
 
     @model_validator(mode="after")
     def _has_one_surface(self) -> Self:
-        if (self.level is None) == (self.line is None):
-            what = "has neither level nor line" if self.level is None else "has both level and line"
-            remedy = "give the level y of a horizontal surface, or the points of a phreatic line"
-            raise refusal(Fault(what=what, remedy=remedy))
+        remedy = "give the level y of a horizontal surface, or the points of a phreatic line"
+        check_one(self, ("level", "line"), remedy)
         return self
 
     @model_validator(mode="after")
@@ -88,24 +86,22 @@ class Water(Table):
             if low <= self.density < high:
                 what = f"{self.density:g} looks like {unit}, but densities are in kg/m3"
                 remedy = f"write {self.density * factor:.4g}; the weight follows from gravity"
-                raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+                raise refusal(what, remedy, "density")
         if not self.density > 0.0:
             what = f"{self.density:g} is not a valid density"
-            raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+            raise refusal(what, remedy, "density")
         if self.density < LIGHTEST:
             what = f"{self.density:g} kg/m3 is not the density of a liquid"
-            raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+            raise refusal(what, remedy, "density")
         return self
 
     @model_validator(mode="after")
     def _suits_what_it_acts_on(self) -> Self:
         if not isinstance(self.amplitude, str) and not 0.0 <= self.amplitude <= 1.0:
-            what = f"{self.amplitude:g} is not a valid share"
-            raise refusal(Fault(place=("amplitude",), what=what, remedy=SHARE))
+            raise refusal(f"{self.amplitude:g} is not a valid share", SHARE, "amplitude")
         if self.acts_on == "faces" and (self.joints is not None or self.drained_at):
-            what = "names joints or drains, but the water acts on outer faces only"
             remedy = 'give acts_on = "joints" or "both", or remove joints and drained_at'
-            raise refusal(Fault(what=what, remedy=remedy))
+            raise refusal("names joints or drains, but the water acts on outer faces only", remedy)
         return self
 
     def add_to(self, builder: Inputs, key: str, folder: Path) -> None:
@@ -124,11 +120,9 @@ def _points(path: Path) -> list[tuple[float, float]]:
         table = table_of(path)
         for column in ("x", "y"):
             if column not in table.columns:
-                raise CaseError(
-                    f"has no column {column}",
-                    where=f"{table.file}: its heading",
-                    remedy="a phreatic line has the heading x,y and a row for each point",
-                )
+                what = f"has no column {column}"
+                remedy = "a phreatic line has the heading x,y and a row for each point"
+                raise CaseError(what, where=f"{table.file}: its heading", remedy=remedy)
         return [(row.number("x"), row.number("y")) for row in table.rows]
     except CaseError as error:
         place = f"[[water]], line: {error.where}"
@@ -174,17 +168,7 @@ def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], 
         water, said = _water(f"water {number}", one, bed, edges, facing)
         found.append(water)
         notes += said
-    names = [one.name for one in waters if one.name is not None]
-    for number, one in enumerate(waters, start=1):
-        if one.name is not None:
-            check_text(one.name, f"water {number}")
-    for name in names:
-        if names.count(name) > 1:
-            raise ModelError(
-                "two [[water]] tables have this name",
-                where=f"water '{shortened(name)}'",
-                remedy="rename one of them",
-            )
+    check_names("water", [one.name for one in waters if one.name is not None])
     return tuple(found), tuple(notes)
 
 
@@ -223,11 +207,8 @@ def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
     where = f"{label}, line"
     points = np.array(given.line).reshape(-1, 2)
     if len(points) < 2:
-        raise ModelError(
-            f"has {len(points)} points",
-            where=where,
-            remedy="give at least 2, or a level",
-        )
+        what = f"has {len(points)} points"
+        raise ModelError(what, where=where, remedy="give at least 2, or a level")
     across = np.diff(points[:, 0])
     if (across < 0.0).all():
         points, across = points[::-1], -across[::-1]
@@ -263,11 +244,8 @@ def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float
         factor = factors[number_of(name, known, "amplitude", where)]
         values = factor.value
         if values.min() < 0.0 or values.max() > 1.0:
-            raise ModelError(
-                f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
-                where=where,
-                remedy=SHARE,
-            )
+            what = f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}"
+            raise ModelError(what, where=where, remedy=SHARE)
         return 1.0, factor
     return name, None
 
@@ -295,11 +273,9 @@ def _joints(
         chosen = _chosen(label, given.joints, bed, facing)
         facing = Facing(facing.edge[chosen], facing.share[chosen])
     if not len(facing.edge):
-        raise ModelError(
-            "no two blocks share a face: there is no joint for the water to enter",
-            where=label,
-            remedy='give acts_on = "faces", or use blocks that touch',
-        )
+        what = "no two blocks share a face: there is no joint for the water to enter"
+        remedy = 'give acts_on = "faces", or use blocks that touch'
+        raise ModelError(what, where=label, remedy=remedy)
     near = edges.near[facing.edge].min(axis=1)
     apart = np.zeros((len(facing.edge), 2))
     joints = WetJoints(edge=facing.edge, share=facing.share, lowered=apart)
@@ -382,11 +358,9 @@ def _said(label: str, water: WetWater, edges: Edges) -> str:
     one, other = faces_of_joints(water.joints, edges.vertices, edges.after)
     joints = wetted(water.surface, 0.5 * (one + other), water.joints.lowered)
     if not len(faces.line) and not len(joints.line):
-        raise ModelError(
-            "wets no edge: no joint or outer face lies below its surface",
-            where=label,
-            remedy="raise the level, drain less, or set acts_on to both faces and joints",
-        )
+        what = "wets no edge: no joint or outer face lies below its surface"
+        remedy = "raise the level, drain less, or set acts_on to both faces and joints"
+        raise ModelError(what, where=label, remedy=remedy)
     parts, most = [], 0.0
     weight = water.weight * (water.share if water.factor is None else 1.0)
     if len(faces.line):

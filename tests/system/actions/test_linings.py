@@ -281,7 +281,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         {"polyline": [(8.0, 8.0), (8.05, 8.0), (8.05, 9.0)], "thickness": 0.12},
         "beyond the radius of curvature",
     ),
-    "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "this name is used twice"),
+    "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "two linings with that name"),
     "part": (
         {"opening": "hole", "stage": "line", "part": [(9.0, 9.0), (1.0, 1.0)]},
         "from the outline",

@@ -320,6 +320,9 @@ def lined(keys: str, thickness: float = 0.1) -> list[str]:
     return ["lining=[{" + usual + (f", {keys}" if keys else "") + "}]"]
 
 
+STILL = ["viscous_boundary=[]", "ground_motion.acts='body-force'"]
+"""Leaves the dashpots out, that blocks may be fixed."""
+
 SETTINGS: dict[str, list[str]] = {
     "two surfaces": ["water.1.line=[[0, 1], [4, 1]]"],
     "water below": ["water.1.level=-5"],
@@ -343,6 +346,14 @@ SETTINGS: dict[str, list[str]] = {
     "motion at once with another": ["motion.2.stage=first"],
     "motion against a fixed point": ["motion.1.blocks=['base']"],
     "motions of a name": ["motion.2.name=raised"],
+    "motion of a fixed point about": ["motion.1={fixed_point=[2, -0.5], x=1, about=[0, 0]}"],
+    "motion of a fixed point by force": [
+        "motion.1={fixed_point=[2, -0.5], force=[0, -1], limit_speed=1}"
+    ],
+    "servo on a fixed block": [*STILL, "block.2.fixed=true", "motion.1.until=first"],
+    "servo on different blocks": [
+        "motion=[{blocks=['wall', 'base'], stress=[0, 1], limit_speed=1}]"
+    ],
     "servo of force and stress": ["motion.2.force=[0, 1]"],
     "servo without a speed": ["motion.2={block='wall', force=[0, 1]}"],
     "servo of nothing": ["motion.2.stress=[0, 0]"],
@@ -359,6 +370,22 @@ SETTINGS: dict[str, list[str]] = {
         "link.1={at=[0, 0], blocks=['wall', 'base'], x=1e8, yield_moment=1}"
     ],
     "link of no stage": ["link.1.stage=late"],
+    "link of two fixed blocks": [*STILL, "block.1.fixed=true", "block.2.fixed=true", "motion=[]"],
+    "link of a fixed block": [
+        *STILL,
+        "link.1={at=[0.5, 0], block='wall', x=1e8}",
+        "block.2.fixed=true",
+    ],
+    **{
+        f"link without {key} to act along": [
+            f"link.1={{at=[0, 0], blocks=['wall', 'base'], rotation=1e3, {key}=0.1}}"
+        ]
+        for key in ("yield_force", "gap", "rupture")
+    },
+    "link of no rotation": ["link.1={at=[0, 0], blocks=['wall', 'base'], x=1, rupture_rotation=5}"],
+    "reaction of block and point": ["measured_reaction.2.fixed_point=[2, -0.5]"],
+    "reaction of a total": ["measured_reaction.2.name='fixed points'"],
+    "joint weakens nothing": ["joint.default={friction_angle=30, slip_weakening=0.01}"],
     "link rigidly misspelt": ["link.1.x=rigd"],
     "lining of nothing": lined(""),
     "lining of two lines": lined("polyline=[[2, 0], [3.5, 0]], opening='void'"),

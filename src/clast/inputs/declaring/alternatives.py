@@ -36,7 +36,7 @@ from pydantic_core import CoreSchema, core_schema
 from clast import spelling
 from clast.errors import shortened
 from clast.inputs.declaring.field_docs import field_docstrings
-from clast.inputs.declaring.validation_messages import Fault, faults_of, refusal
+from clast.inputs.declaring.validation_messages import faults_of, refusal, refusals
 from clast.model.ranges import AllowedRange
 
 Number = Annotated[float, Strict()]
@@ -48,7 +48,7 @@ def within(limits: AllowedRange) -> AfterValidator:
     def validate(value: Any) -> Any:
         fault = None if value is None else limits.fault(value)
         if fault is not None:
-            raise refusal(Fault(what=fault))
+            raise refusal(fault)
         return value
 
     return AfterValidator(validate)
@@ -185,21 +185,16 @@ class Choice:
             table = {"name": self.usual, **table}
         known = ", ".join(f'"{name}"' for name in self.names)
         if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-            raise refusal(
-                Fault(
-                    what="must be a name or a table with a name",
-                    remedy=f'one of {known}, or e.g. {{name = "{next(iter(self.names))}", ...}}',
-                )
-            )
+            remedy = f'one of {known}, or e.g. {{name = "{next(iter(self.names))}", ...}}'
+            raise refusal("must be a name or a table with a name", remedy)
         name = table["name"]
         if name not in self.names:
-            remedy = spelling.advice(name, self.names, kind=self.key)
             what = f"there is no {self.key} '{shortened(name)}'"
-            raise refusal(Fault(what=what, remedy=remedy))
+            raise refusal(what, spelling.advice(name, self.names, kind=self.key))
         try:
             parsed = options_table(self, name).model_validate(table)
         except ValidationError as error:
-            raise refusal(*faults_of(error, explained_table(self, name))) from None
+            raise refusals(faults_of(error, explained_table(self, name))) from None
         given = {key: getattr(parsed, key) for key in table if key != "name"}
         return Chosen(name, self.names[name], given)
 
@@ -226,15 +221,14 @@ class Choice:
         """Return an object of a script, if it is of the right kind."""
         if isinstance(value, type):
             what = f"{value.__name__} is a class, not an instance"
-            raise refusal(Fault(what=what, remedy=f"give {value.__name__}(...)"))
+            raise refusal(what, f"give {value.__name__}(...)")
         needed = self.alternatives.needs.get(self.key, ())
         missing = [name for name in needed if not hasattr(value, name)]
         if missing:
-            what = (
-                f"{type(value).__name__} is not a valid {self.key}: it has no {', '.join(missing)}"
+            raise refusal(
+                f"{type(value).__name__} is not a valid {self.key}: it has no {', '.join(missing)}",
+                f"a {self.key} has {', '.join(needed)}; see clast.step.method",
             )
-            remedy = f"a {self.key} has {', '.join(needed)}; see clast.step.method"
-            raise refusal(Fault(what=what, remedy=remedy))
         return GivenObject(value, self)
 
     def __get_pydantic_core_schema__(
@@ -335,7 +329,7 @@ class OrAuto:
     def _validate(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
         if isinstance(value, str):
             if value != AUTO:
-                raise refusal(Fault(what=f'must be a number or "{AUTO}", not "{shortened(value)}"'))
+                raise refusal(f'must be a number or "{AUTO}", not "{shortened(value)}"')
             return value
         return number(value)
 

@@ -190,8 +190,6 @@ def without_objects(content: Mapping[str, Any], instead: Instead) -> dict[str, A
 
 def refuse_object(value: Any, where: str) -> str:
     """Raise CaseError: no file holds an object of a script."""
-    raise CaseError(
-        f"{type(value).__name__} is an object of a script, which a case file cannot hold",
-        where=where,
-        remedy="register a name for it (see CONTRIBUTING), or run the case from the script",
-    )
+    what = f"{type(value).__name__} is an object of a script, which a case file cannot hold"
+    remedy = "register a name for it (see CONTRIBUTING), or run the case from the script"
+    raise CaseError(what, where=where, remedy=remedy)

@@ -50,28 +50,23 @@ def _readable(path: Path, advice: str) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        raise CaseError(
-            "there is no such file", where=where, remedy=advice or _beside(path)
-        ) from None
+        what = "there is no such file"
+        raise CaseError(what, where=where, remedy=advice or _beside(path)) from None
     except IsADirectoryError:
         remedy = advice or _beside(path / "x")
         raise CaseError("is a directory, not a file", where=where, remedy=remedy) from None
     except UnicodeDecodeError as error:
-        raise CaseError(
-            f"is not a text file (byte {error.start})",
-            where=where,
-            remedy=advice
-            or "a case file is TOML in UTF-8; results are read by clast info and clast plot",
-        ) from None
+        what = f"is not a text file (byte {error.start})"
+        remedy = (
+            advice or "a case file is TOML in UTF-8; results are read by clast info and clast plot"
+        )
+        raise CaseError(what, where=where, remedy=remedy) from None
     except ValueError:  # a NUL in the name
         remedy = "write a path without it"
         raise CaseError("is not a valid file name", where=repr(where), remedy=remedy) from None
     except OSError as error:
-        raise CaseError(
-            f"cannot be read: {error.strerror}",
-            where=where,
-            remedy="check the file's name and permissions",
-        ) from None
+        what = f"cannot be read: {error.strerror}"
+        raise CaseError(what, where=where, remedy="check the file's name and permissions") from None
 
 
 def _check_regular(path: Path) -> None:
@@ -80,11 +75,8 @@ def _check_regular(path: Path) -> None:
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError
     if not stat.S_ISREG(status.st_mode):
-        raise CaseError(
-            "is a pipe, a socket or a device, not a regular file",
-            where=str(path),
-            remedy="write its content into a file first",
-        )
+        what = "is a pipe, a socket or a device, not a regular file"
+        raise CaseError(what, where=str(path), remedy="write its content into a file first")
     if status.st_size > LARGEST_FILE:
         raise CaseError(
             f"has {status.st_size:.3g} bytes, which is more than any text file of clast should "
@@ -119,25 +111,18 @@ def parse(text: str, file: str) -> dict[str, Any]:
         line = (
             shortened(lines[number - 1].strip(), LONGEST_ECHO) if 1 <= number <= len(lines) else ""
         )
+        remedy = f"the line reads: {line}" if line else "a bracket or quote is not closed"
         raise CaseError(
-            f"is not TOML: {what[:1].lower()}{what[1:]}",
-            where=place,
-            remedy=f"the line reads: {line}" if line else "a bracket or quote is not closed",
+            f"is not TOML: {what[:1].lower()}{what[1:]}", where=place, remedy=remedy
         ) from None
     except RecursionError:
-        raise CaseError(
-            "is nested too deeply",
-            where=file,
-            remedy="close all brackets and braces; a few levels are enough",
-        ) from None
+        remedy = "close all brackets and braces; a few levels are enough"
+        raise CaseError("is nested too deeply", where=file, remedy=remedy) from None
     except ValueError:  # Python converts no whole number of more than some thousand digits
         long = re.search(r"\d{1000}", text)
         row = text.count("\n", 0, long.start()) + 1 if long else 1
-        raise CaseError(
-            "holds a number of more than 1000 digits",
-            where=f"{file}: line {row}",
-            remedy="write it in fewer digits",
-        ) from None
+        what, remedy = "holds a number of more than 1000 digits", "write it in fewer digits"
+        raise CaseError(what, where=f"{file}: line {row}", remedy=remedy) from None
 
 
 def with_values(content: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:
@@ -149,11 +134,8 @@ def with_values(content: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     for setting in settings:
         path, equals, written = setting.partition("=")
         if not equals or not path.strip():
-            raise CaseError(
-                f"'{shortened(setting)}' sets no value",
-                where="--set",
-                remedy="write it as table.key=value, e.g. --set time.end=2",
-            )
+            remedy = "write it as table.key=value, e.g. --set time.end=2"
+            raise CaseError(f"'{shortened(setting)}' sets no value", where="--set", remedy=remedy)
         where = f"--set {shortened(setting, LONGEST_ECHO)}"
         _set(result, path.strip().split("."), _value(written.strip(), where), where)
     return dict(result)
@@ -166,11 +148,8 @@ def _value(written: str, where: str) -> Any:
     except tomllib.TOMLDecodeError:
         return written
     except (RecursionError, ValueError):
-        raise CaseError(
-            "is nested too deeply, or has too many digits",
-            where=where,
-            remedy="write a number, a text or a list",
-        ) from None
+        what = "is nested too deeply, or has too many digits"
+        raise CaseError(what, where=where, remedy="write a number, a text or a list") from None
     return table["value"] if len(table) == 1 else written
 
 
@@ -183,12 +162,11 @@ def _set(table: Any, keys: list[str], value: Any, where: str) -> None:
         if isinstance(here, list):
             position = _position(key, len(here)) - 1
             if position < 0:
-                raise CaseError(
+                what = (
                     f"'{shortened('.'.join(keys[:depth]))}' has entries 1 to {len(here)}, not "
-                    f"'{shortened(key)}'",
-                    where=where,
-                    remedy="give the number of an entry, from 1",
+                    f"'{shortened(key)}'"
                 )
+                raise CaseError(what, where=where, remedy="give the number of an entry, from 1")
         if last:
             here[position] = value
             return
@@ -197,11 +175,8 @@ def _set(table: Any, keys: list[str], value: Any, where: str) -> None:
             # A choice given by its name alone gets numbers of its own.
             inner = here[position] = {"name": inner}
         if not isinstance(inner, dict | list):
-            raise CaseError(
-                f"'{shortened('.'.join(keys[: depth + 1]))}' is a single value",
-                where=where,
-                remedy="set it as a whole",
-            )
+            what = f"'{shortened('.'.join(keys[: depth + 1]))}' is a single value"
+            raise CaseError(what, where=where, remedy="set it as a whole")
         here = inner
 
 

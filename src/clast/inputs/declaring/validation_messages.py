@@ -92,9 +92,23 @@ class Fault:
     """The remedy."""
 
 
-def refusal(*faults: Fault) -> PydanticCustomError:
+def refusal(what: str, remedy: str = "", *place: str) -> PydanticCustomError:
+    """Return the error by which a validator hands over one fault, of the key at ``place``."""
+    return refusals([Fault(place=place, what=what, remedy=remedy)])
+
+
+def refusals(faults: Sequence[Fault]) -> PydanticCustomError:
     """Return the error by which a validator hands over faults worded by itself."""
     return PydanticCustomError("faults", "see faults", {"faults": list(faults)})
+
+
+def check_one(table: BaseModel, keys: Sequence[str], remedy: str) -> None:
+    """Refuse a table that has none of some keys, or several of them."""
+    given = [key for key in keys if getattr(table, key) is not None]
+    if not given:
+        raise refusal(f"has neither {' nor '.join(keys)}", remedy)
+    if len(given) > 1:
+        raise refusal(f"has {' and '.join(given)}, of which one is needed", remedy)
 
 
 def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:

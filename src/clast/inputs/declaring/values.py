@@ -41,11 +41,8 @@ def check_numbers(
     except (TypeError, ValueError, OverflowError):
         array = np.zeros(0)
     if array.shape != (count,) or not np.isfinite(array).all():
-        raise ModelError(
-            f"{shortened(repr(values))} is not a list of {count} finite numbers",
-            where=where,
-            remedy=f"give {count} numbers in SI units",
-        )
+        what = f"{shortened(repr(values))} is not a list of {count} finite numbers"
+        raise ModelError(what, where=where, remedy=f"give {count} numbers in SI units")
     for value in array:
         ranges.check_size(float(value), limits, where, "give SI units")
     return array
@@ -55,11 +52,8 @@ def check_name(name: Any, kind: str, where: str) -> str:
     """Return the name of something, or say that it is none."""
     if isinstance(name, str):
         return name
-    raise ModelError(
-        f"{shortened(repr(name))} is not a valid {kind} name",
-        where=where,
-        remedy=f'name the {kind} by its text, e.g. "1"',
-    )
+    what = f"{shortened(repr(name))} is not a valid {kind} name"
+    raise ModelError(what, where=where, remedy=f'name the {kind} by its text, e.g. "1"')
 
 
 def check_point_names(names: Sequence[str]) -> None:
@@ -67,33 +61,27 @@ def check_point_names(names: Sequence[str]) -> None:
     check_names("measured point", names)
     for name in names:
         if name in (".", ".."):
-            raise ModelError(
-                "its history is kept in the result file under its name, which must not be . or ..",
-                where=f"measured point '{name}'",
-                remedy="give it another name",
+            what = (
+                "its history is kept in the result file under its name, which must not be . or .."
             )
+            raise ModelError(what, where=f"measured point '{name}'", remedy="give it another name")
 
 
 def check_title(title: str) -> None:
     """Refuse titles that a result file cannot hold."""
     if not isinstance(title, str):
-        raise ModelError(
-            f"{shortened(repr(title))} is not text", where="title", remedy="give it in quotes"
-        )
+        what = f"{shortened(repr(title))} is not text"
+        raise ModelError(what, where="title", remedy="give it in quotes")
     if "\0" in title or len(title) > LONGEST_TITLE:
         what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
-        raise ModelError(
-            what, where="title", remedy=f"give a text of at most {LONGEST_TITLE} characters"
-        )
+        remedy = f"give a text of at most {LONGEST_TITLE} characters"
+        raise ModelError(what, where="title", remedy=remedy)
 
 
 def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
     name = check_name(name, kind, where)
     if name not in number:
-        raise ModelError(
-            f"there is no {kind} '{shortened(name)}'",
-            where=where,
-            remedy=spelling.advice(name, number, kind=kind),
-        )
+        what = f"there is no {kind} '{shortened(name)}'"
+        raise ModelError(what, where=where, remedy=spelling.advice(name, number, kind=kind))
     return number[name]

@@ -86,11 +86,8 @@ class LinesOfRock:
         """Return the outline of blocks that are in one piece, counter-clockwise, (c, 2)."""
         outside = [loop for loop in _loops(polygons) if _is_counterclockwise(loop)]
         if len(outside) != 1:
-            raise ModelError(
-                "its blocks are in several pieces",
-                where=where,
-                remedy="give a lining to each piece, along a polyline",
-            )
+            remedy = "give a lining to each piece, along a polyline"
+            raise ModelError("its blocks are in several pieces", where=where, remedy=remedy)
         return _from_a_start(outside[0])
 
     def _free_side(self, points: Floats, thickness: float) -> str:
@@ -171,11 +168,8 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
     for point in ends:
         away = line.distance(shapely.Point(point))
         if away > TO_OUTLINE_SHARE_MAX * line.length:
-            raise ModelError(
-                f"{point_text(np.array(point))} is {away:.3g} m from the outline",
-                where=where,
-                remedy="give points on it",
-            )
+            what = f"{point_text(np.array(point))} is {away:.3g} m from the outline"
+            raise ModelError(what, where=where, remedy="give points on it")
     first, last = (_on_line(line, marks, point) for point in ends)
     span = (last - first) % line.length
     between = sorted(((mark - first) % line.length, k) for k, mark in enumerate(marks[:-1]))
@@ -252,18 +246,13 @@ def cut_line(
     # the length is that along the line as it is given
     length *= marks[-1] / _marks(given)[-1]
     if marks[-1] > SEGMENTS_MAX * length:
-        raise ModelError(
-            f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m",
-            where=f"{where}, segment",
-            remedy="give longer segments, m, or check the corners of the line",
-        )
+        what = f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m"
+        remedy = "give longer segments, m, or check the corners of the line"
+        raise ModelError(what, where=f"{where}, segment", remedy=remedy)
     ends = _ends(points, marks, comes_back, length)
     if comes_back and len(ends) < 4:
-        raise ModelError(
-            f"a ring of {marks[-1]:.3g} m cannot be divided into three segments of {length:g} m",
-            where=f"{where}, segment",
-            remedy="give shorter segments",
-        )
+        what = f"a ring of {marks[-1]:.3g} m cannot be divided into three segments of {length:g} m"
+        raise ModelError(what, where=f"{where}, segment", remedy="give shorter segments")
     at, first = _points(points, marks, ends, comes_back)
     count = np.diff(np.concatenate([first, [len(at) if comes_back else len(at) - 1]])) + 1
     inner = _place(points, marks, ends) + thickness * _normals_at(points, marks, ends, comes_back)
@@ -390,13 +379,12 @@ def _check(found: CutLine, thickness: float, where: str) -> None:
             remedy="give a thinner lining, or smooth the line there",
         )
     for k in np.flatnonzero(thickness > 1.5 * length)[:1]:
-        raise ModelError(
+        what = (
             f"{thickness:g} m is more than the segment of {length[k]:.3g} m at "
-            f"{point_text(found.at[found.first[k]])}",
-            where=f"{where}, thickness",
-            remedy="leave out corners of the line that are close together, or give a thinner "
-            "lining",
+            f"{point_text(found.at[found.first[k]])}"
         )
+        remedy = "leave out corners of the line that are close together, or give a thinner lining"
+        raise ModelError(what, where=f"{where}, thickness", remedy=remedy)
     polygons = shapely.polygons([shapely.linearrings(found.polygon(k)) for k in range(len(inner))])
     one, other = shapely.STRtree(polygons).query(polygons)
     count = len(polygons)
@@ -406,8 +394,6 @@ def _check(found: CutLine, thickness: float, where: str) -> None:
     bad = ~shapely.is_valid(polygons)
     bad[one[far][common > 1e-6 * thickness**2]] = True
     for k in np.flatnonzero(bad)[:1]:
-        raise ModelError(
-            f"crosses itself near {point_text(found.at[found.first[k]])}",
-            where=where,
-            remedy="give a line that does not come so close to itself, or a thinner lining",
-        )
+        what = f"crosses itself near {point_text(found.at[found.first[k]])}"
+        remedy = "give a line that does not come so close to itself, or a thinner lining"
+        raise ModelError(what, where=where, remedy=remedy)

@@ -23,7 +23,7 @@ from clast.actions.links import LinkRows, Links
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
+from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.linings.lines import ROUNDED, CutLine, LinesOfRock, cut_line
 from clast.inputs.materials import Joint, Rock
@@ -31,6 +31,7 @@ from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import ManyBlocks
 from clast.model import model, ranges
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
+from clast.model.ranges import check_names
 from clast.model.supports import GROUND
 
 End = Literal["free", "hinged", "clamped"]
@@ -83,19 +84,14 @@ class Lining(Table):
 
     @model_validator(mode="after")
     def _follows_one_line(self) -> Self:
-        given = [key for key in ("opening", "polyline") if getattr(self, key)]
-        if len(given) != 1:
-            what = f"follows {' and '.join(given)}" if given else "has no line to follow"
-            remedy = 'give one of opening = "NAME" and polyline = [[x, y], ...]'
-            raise refusal(Fault(what=what, remedy=remedy))
+        remedy = 'give one of opening = "NAME" and polyline = [[x, y], ...]'
+        check_one(self, ("opening", "polyline"), remedy)
         of_lines = (("part", "opening", "an opening"), ("side", "polyline", "a polyline"))
         for key, line, kind in of_lines:
-            if getattr(self, key) is not None and given != [line]:
-                what, remedy = f"{key} is that of a lining along {kind}", "leave it out"
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+            if getattr(self, key) is not None and getattr(self, line) is None:
+                raise refusal(f"{key} is that of a lining along {kind}", "leave it out", key)
         if self.part is not None and self.part[0] == self.part[1]:
-            what, remedy = "begins and ends at the same point", "give two distinct points"
-            raise refusal(Fault(place=("part",), what=what, remedy=remedy))
+            raise refusal("begins and ends at the same point", "give two distinct points", "part")
         return self
 
     @model_validator(mode="after")
@@ -105,39 +101,34 @@ class Lining(Table):
             apart = np.hypot(*np.diff(np.array(points, float).reshape(-1, 2), axis=0).T)
             if len(points) < 2 or not apart.all():
                 what = "has fewer than two points" if len(points) < 2 else "has a point twice"
-                remedy = "give distinct points [x, y], m"
-                raise refusal(Fault(place=("polyline",), what=what, remedy=remedy))
+                raise refusal(what, "give distinct points [x, y], m", "polyline")
         if self.closed and not self.is_ring:
-            what = "is closed, but its line is open"
             remedy = "repeat the first point at the end of polyline, or leave closed out"
-            raise refusal(Fault(place=("closed",), what=what, remedy=remedy))
+            raise refusal("is closed, but its line is open", remedy, "closed")
         ring = self.is_ring and self.closed is not False
         for key in ("start", "end"):
             if ring and getattr(self, key) != "free":
-                what, remedy = "a closed lining has no ends", f"leave {key} out, or closed = false"
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+                what = "a closed lining has no ends"
+                raise refusal(what, f"leave {key} out, or closed = false", key)
         return self
 
     @model_validator(mode="after")
     def _has_sensible_numbers(self) -> Self:
         if (self.tension is None) != (self.compression is None):
             key = "tension" if self.tension is None else "compression"
-            what = f"{key} is missing: a section needs both strengths"
             remedy = "give it in Pa (tension = 0 for plain concrete), or neither: it is elastic"
-            raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+            raise refusal(f"{key} is missing: a section needs both strengths", remedy, key)
         if self.thickness > self.segment:
             what = f"{self.thickness:g} m is more than the length of a segment, {self.segment:g} m"
             remedy = "give longer segments: a beam segment is longer than it is thick"
-            raise refusal(Fault(place=("thickness",), what=what, remedy=remedy))
+            raise refusal(what, remedy, "thickness")
         strength = self.compression
         if strength is not None and strength < WEAKEST * self.young:
             what = f"{strength:g} looks like another unit than that of young, {self.young:g}"
-            remedy = f"if these are MPa and Pa, write {strength * 1e6:g}"
-            raise refusal(Fault(place=("compression",), what=what, remedy=remedy))
+            raise refusal(what, f"if these are MPa and Pa, write {strength * 1e6:g}", "compression")
         if self.tension and self.compression and self.tension > self.compression:
-            what = "is more than the compressive strength"
             remedy = "give a tension of about a tenth of compression, both in Pa"
-            raise refusal(Fault(place=("tension",), what=what, remedy=remedy))
+            raise refusal("is more than the compressive strength", remedy, "tension")
         return self
 
     @property
@@ -217,11 +208,10 @@ def placed_linings(
 ) -> tuple[PlacedLining, ...]:
     """Return the linings cut into segments, blocks (n,) being there.  Raises ModelError."""
     lines = LinesOfRock(polygons, names, openings, blocks_of_openings)
+    check_names("lining", [one.name for one in tables])
     tree, found = shapely.STRtree(polygons), []
-    for number, one in enumerate(tables):
+    for one in tables:
         where = f"lining '{shortened(one.name)}'"
-        if any(one.name == other.name for other in tables[:number]):
-            raise ModelError("this name is used twice", where=where, remedy="rename one of them")
         found.append(_placed(one, where, lines, tree, names))
     _refuse_crossing(found)
     return tuple(found)
@@ -242,11 +232,8 @@ def _placed(
     )
     count = len(cut.first)
     if count < 2 and one.start == one.end == "free":
-        raise ModelError(
-            "is a single segment without supports: it cannot bend",
-            where=f"{where}, segment",
-            remedy="give shorter segments",
-        )
+        what = "is a single segment without supports: it cannot bend"
+        raise ModelError(what, where=f"{where}, segment", remedy="give shorter segments")
     polygons = np.array([shapely.Polygon(cut.polygon(k)) for k in range(count)])
     segment, block = tree.query(polygons, predicate="intersects")
     # on a grid: where faces lie on each other but for rounding, GEOS may find all of a segment
@@ -258,12 +245,11 @@ def _placed(
     deep = common > ROOM * shapely.area(polygons[segment])
     inside = tuple(names[k] for k in np.unique(block[deep]).tolist())
     if inside and one.stage is None:
-        raise ModelError(
-            f"lies in rock: block '{shortened(inside[0])}'"
-            + (f" and {len(inside) - 1} more" if len(inside) > 1 else ""),
-            where=where,
-            remedy="give it a stage that comes after their excavation, or another side",
+        what = f"lies in rock: block '{shortened(inside[0])}'" + (
+            f" and {len(inside) - 1} more" if len(inside) > 1 else ""
         )
+        remedy = "give it a stage that comes after their excavation, or another side"
+        raise ModelError(what, where=where, remedy=remedy)
     near = TOUCHES * one.thickness
     segment, block = tree.query(polygons, predicate="dwithin", distance=near)
     own = [f"{one.name}/{k + 1}" for k in range(count)]
@@ -286,11 +272,9 @@ def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
             common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
             thin = min(one.table.thickness, other.table.thickness)
             if common.max(initial=0.0) > ROOM * thin**2:
-                raise ModelError(
-                    f"crosses lining '{shortened(other.table.name)}'",
-                    where=f"lining '{shortened(one.table.name)}'",
-                    remedy="end one at the other, or place it on the inner face of the first",
-                )
+                what = f"crosses lining '{shortened(other.table.name)}'"
+                remedy = "end one at the other, or place it on the inner face of the first"
+                raise ModelError(what, where=f"lining '{shortened(one.table.name)}'", remedy=remedy)
 
 
 def material(one: Lining, plane: Plane, rocks: Sequence[Rock]) -> LiningMaterial:
@@ -301,11 +285,9 @@ def material(one: Lining, plane: Plane, rocks: Sequence[Rock]) -> LiningMaterial
     """
     softest = min((rock.young for rock in rocks), default=one.young)
     if one.young < SOFTEST * softest:
-        raise ModelError(
-            f"{one.young:g} looks like another unit than that of the rock, {softest:g}",
-            where=f"lining '{shortened(one.name)}', young",
-            remedy=f"if these are GPa and Pa, write {one.young * 1e9:g}",
-        )
+        what = f"{one.young:g} looks like another unit than that of the rock, {softest:g}"
+        remedy = f"if these are GPa and Pa, write {one.young * 1e9:g}"
+        raise ModelError(what, where=f"lining '{shortened(one.name)}', young", remedy=remedy)
     young = _modulus(one, plane) / (1.0 - OF_JOINTS)
     return LiningMaterial(young=young, poisson=0.0, density=one.density)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import shapely
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
 from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
-from clast.model.factors import Factor
+from clast.model.factors import NO_FACTOR, Factor
 from clast.model.model import Bools, Floats, Ints, MaterialPoints
 
 
@@ -44,10 +46,37 @@ class Ground:
     points: MaterialPoints = field(default_factory=MaterialPoints)
     """The fixed points."""
 
-    def fixed_points_at(self, at: Floats) -> Ints:
-        """Return the numbers of the fixed points at a point (2,) about the origin, (k,)."""
+    @cached_property
+    def _numbers(self) -> dict[str, dict[str, int]]:
+        """Kind of thing -> name -> number."""
+        factors = [factor.name for factor in self.factors]
+        names = {"block": self.outlines.names, "amplitude": factors}
+        return {kind: {name: k for k, name in enumerate(of)} for kind, of in names.items()}
+
+    def block(self, name: str, where: str) -> int:
+        """Return the number of a block; raises ModelError for a name of none."""
+        return number_of(name, self._numbers["block"], "block", where)
+
+    def blocks(self, names: Iterable[str], where: str) -> Ints:
+        """Return the numbers of blocks, (k,)."""
+        return np.array([self.block(name, where) for name in names], np.int64)
+
+    def amplitude(self, name: str | None, where: str) -> int:
+        """Return the number of an amplitude, NO_FACTOR for None."""
+        if name is None:
+            return NO_FACTOR
+        return number_of(name, self._numbers["amplitude"], "amplitude", where)
+
+    def fixed_point(self, at: Sequence[float], where: str) -> Ints:
+        """Return the numbers of the fixed points at a place, (k,); raises ModelError for none."""
+        place = np.array(at) - self.outlines.origin
         near = TOUCHING * float(np.hypot(*np.ptp(self.outlines.vertices, axis=0)))
-        return np.flatnonzero(np.hypot(*(self.points.at - at).T) <= near)
+        found = np.flatnonzero(np.hypot(*(self.points.at - place).T) <= near)
+        if not len(found):
+            what = f"there is no fixed point at {self.text(place)}"
+            remedy = "give the coordinates of a [[fixed_point]]"
+            raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
+        return found
 
     def text(self, at: Floats) -> str:
         """Return a point (2,) about the origin as messages write it."""
@@ -61,8 +90,7 @@ class Ground:
         """
         named = np.full(2, -1, np.int64)
         if blocks is not None:
-            numbers = {name: number for number, name in enumerate(self.outlines.names)}
-            named[:] = [number_of(one, numbers, "block", f"{label}, blocks") for one in blocks]
+            named[:] = self.blocks(blocks, f"{label}, blocks")
 
         def where(k: int) -> str:
             return f"{label}, {('start', 'end')[k]} at {self.text(line[k])}"
@@ -120,34 +148,26 @@ def joints_between(
     close = TOUCHING * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
     for k, (name, gap) in enumerate(_outside(pieces, length)):
         if gap > close + ground.moved:
-            raise ModelError(
-                f"its {name} lies outside every block; {_nearest(line[k], ground)}",
-                where=f"{label} at {ground.text(line[k])}",
-                remedy="move it into a block or onto its boundary",
-            )
+            what = f"its {name} lies outside every block; {_nearest(line[k], ground)}"
+            remedy = "move it into a block or onto its boundary"
+            raise ModelError(what, where=f"{label} at {ground.text(line[k])}", remedy=remedy)
     along = (line[1] - line[0]) / length
     for k, gap in enumerate(pieces.ends[1:, 0] - pieces.ends[:-1, 1]):
         here = ground.text(line[0] + pieces.ends[k, 1] * along)
         pair = [ground.outlines.label(int(b)) for b in pieces.block[k : k + 2]]
         if gap < -close:
-            raise ModelError(
+            what = (
                 f"runs along the joint between {pair[0]} and {pair[1]} from "
-                f"{ground.text(line[0] + pieces.ends[k + 1, 0] * along)} on",
-                where=label,
-                remedy="move or turn it so that it crosses joints",
+                f"{ground.text(line[0] + pieces.ends[k + 1, 0] * along)} on"
             )
+            raise ModelError(what, where=label, remedy="move or turn it so that it crosses joints")
         if gap > widest:
-            raise ModelError(
-                f"runs through {gap:.3g} m of void from {here} on",
-                where=label,
-                remedy="end it there, or use two bolts",
-            )
+            what = f"runs through {gap:.3g} m of void from {here} on"
+            raise ModelError(what, where=label, remedy="end it there, or use two bolts")
     if len(pieces) < 2:
-        raise ModelError(
-            f"crosses no joint: all of it is in {ground.outlines.label(int(pieces.block[0]))}",
-            where=label,
-            remedy="a grouted bolt works where it crosses joints: lengthen or move it",
-        )
+        what = f"crosses no joint: all of it is in {ground.outlines.label(int(pieces.block[0]))}"
+        remedy = "a grouted bolt works where it crosses joints: lengthen or move it"
+        raise ModelError(what, where=label, remedy=remedy)
 
 
 def _outside(pieces: LinePieces, length: float) -> list[tuple[str, float]]:

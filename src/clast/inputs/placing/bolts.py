@@ -76,18 +76,13 @@ def _outline(
         number_of(given, dict.fromkeys(outlines, 0), "opening", f"{label}, opening")
     corners = np.array(outlines[given] if isinstance(given, str) else given, float)
     if len(corners) < 3:
-        raise ModelError(
-            f"{shortened(repr(given))} is not an outline",
-            where=f"{label}, opening",
-            remedy="give the name of an opening, or its corners [[x, y], ...], m",
-        )
+        what = f"{shortened(repr(given))} is not an outline"
+        remedy = "give the name of an opening, or its corners [[x, y], ...], m"
+        raise ModelError(what, where=f"{label}, opening", remedy=remedy)
     shape = shapely.Polygon(corners)
     if not shape.is_valid:
-        raise ModelError(
-            "its outline crosses itself",
-            where=f"{label}, opening",
-            remedy="order its corners",
-        )
+        what = "its outline crosses itself"
+        raise ModelError(what, where=f"{label}, opening", remedy="order its corners")
     return corners if shapely.is_ccw(shape.exterior) else corners[::-1].copy()
 
 
@@ -105,9 +100,8 @@ def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, F
     room = ring.length if whole else (end - begin) % ring.length
     count = int(room / spacing * (1.0 + 1e-9)) + (0 if whole else 1)
     if count > BOLTS_PER_PATTERN_MAX:
-        raise ModelError(
-            f"would be {count} bolts", where=f"{label}, spacing", remedy="raise the spacing"
-        )
+        what = f"would be {count} bolts"
+        raise ModelError(what, where=f"{label}, spacing", remedy="raise the spacing")
     apart = room / max(count, 1) if whole else spacing
     left = 0.0 if whole else 0.5 * (room - (count - 1) * spacing)
     places = (begin + left + apart * np.arange(max(count, 1))) % ring.length
@@ -146,11 +140,8 @@ def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, tuple[st
         begin = max(float(pieces.ends[long[0], 0]), 0.0)
         first, last = (ground.outlines.names[int(pieces.block[k])] for k in (long[0], long[-1]))
         return line[0] + begin * (line[1] - line[0]) / length, (first, last)
-    raise ModelError(
-        what,
-        where=f"{label}, {ground.text(where - origin)}",
-        remedy="shorten length, or leave this part of the outline out by from and to",
-    )
+    remedy = "shorten length, or leave this part of the outline out by from and to"
+    raise ModelError(what, where=f"{label}, {ground.text(where - origin)}", remedy=remedy)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,11 +225,9 @@ def _with_springs(
             ranges.check_size(stiffness[m], ranges.STIFFNESS, f"{where}, stiffness", remedy)
             _refuse_early_rupture(kind, stiffness[m], rupture[m], where)
         if bolt.pretension_is == "jacked" and kind.pretension == 0.0:
-            raise ModelError(
-                f"a jack needs a pretension, and kind '{shortened(bolt.kind)}' has no pretension",
-                where=f"{label}, pretension_is",
-                remedy="give pretension to its kind, or leave pretension_is out",
-            )
+            what = f"a jack needs a pretension, and kind '{shortened(bolt.kind)}' has no pretension"
+            remedy = "give pretension to its kind, or leave pretension_is out"
+            raise ModelError(what, where=f"{label}, pretension_is", remedy=remedy)
     strength = [
         np.inf if kind.yield_force is None else kind.per_metre(kind.yield_force) for kind in kinds
     ]
@@ -271,11 +260,9 @@ def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchor
     """Return one spring between two points."""
     block = ground.blocks_of_ends(label, line, bolt.blocks)
     if block[0] == block[1]:
-        raise ModelError(
-            f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing",
-            where=label,
-            remedy="move one end across a joint, into another block",
-        )
+        what = f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing"
+        remedy = "move one end across a joint, into another block"
+        raise ModelError(what, where=label, remedy=remedy)
     return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
 
 

@@ -199,21 +199,16 @@ def rocks_of(
     for entry, label in entries:
         given = only if entry.rock is None else entry.rock
         if given is None:
-            raise ModelError(
-                "names no rock",
-                where=label(0),
-                remedy=spelling.advice("", number, kind="rock"),
-            )
+            what = "names no rock"
+            raise ModelError(what, where=label(0), remedy=spelling.advice("", number, kind="rock"))
         if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
             index = number_of(given, number, "rock", label(0))
             found.append(np.full(len(entry.names), index, np.int64))
             continue
         if len(given) != len(entry.names):
-            raise ModelError(
-                f"{len(given)} rocks are given for {len(entry.names)} blocks",
-                where=f"{label(0)}, rock",
-                remedy="give one name, or one for each block",
-            )
+            what = f"{len(given)} rocks are given for {len(entry.names)} blocks"
+            remedy = "give one name, or one for each block"
+            raise ModelError(what, where=f"{label(0)}, rock", remedy=remedy)
         numbers = [number_of(name, number, "rock", label(k)) for k, name in enumerate(given)]
         found.append(np.array(numbers, np.int64))
     return np.concatenate(found)

@@ -284,11 +284,9 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
         on = np.abs(cut.vertices[:, axis] - at) <= ON * cut.report.tolerance
         found = np.logical_or.reduceat(on, cut.block_start[:-1])
         if not found.any():
-            raise ModelError(
-                f"no block is at the {side}",
-                where="domain, fixed_sides",
-                remedy=f"remove '{side}': there is an opening from the start",
-            )
+            what = f"no block is at the {side}"
+            remedy = f"remove '{side}': there is an opening from the start"
+            raise ModelError(what, where="domain, fixed_sides", remedy=remedy)
         held |= found
     return held
 
@@ -332,9 +330,8 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
         else:
             traces, said = lines_of_layer(path, layer, DxfReading(unit=table.unit))
         if not traces:
-            raise CaseError(
-                "has no lines", where=str(path), remedy="name the layer that has the joints"
-            )
+            what = "has no lines"
+            raise CaseError(what, where=str(path), remedy="name the layer that has the joints")
     notes += [f"{where}: {note}" for note in said]
     return traces
 
@@ -345,21 +342,18 @@ def _layer(source: FileTable | TraceTable, where: str) -> str | None:
     if ending == ".csv":
         for key in ("layer", "unit"):
             if getattr(source, key) is not None:
-                raise ModelError(
-                    f"a CSV file has no {key}", where=where, remedy="leave it out, or name a DXF"
-                )
+                what = f"a CSV file has no {key}"
+                raise ModelError(what, where=where, remedy="leave it out, or name a DXF")
         return None
     if ending != ".dxf":
-        raise ModelError(
-            f"'{source.file}' is neither .dxf nor .csv",
-            where=where,
-            remedy="give a drawing (.dxf) with its layer, or a table (.csv); clast import "
-            "converts other files",
+        remedy = (
+            "give a drawing (.dxf) with its layer, or a table (.csv); clast import "
+            "converts other files"
         )
+        raise ModelError(f"'{source.file}' is neither .dxf nor .csv", where=where, remedy=remedy)
     if source.layer is None:
-        raise ModelError(
-            "the layer is missing", where=where, remedy='name it: layer = "JOINTS_bedding"'
-        )
+        what = "the layer is missing"
+        raise ModelError(what, where=where, remedy='name it: layer = "JOINTS_bedding"')
     return source.layer
 
 

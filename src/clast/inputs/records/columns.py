@@ -41,35 +41,27 @@ def check_heading(heading: Sequence[str], path: Path) -> None:
     first = parted[0] if len(parted) > 1 else said[-1]
     unit = OTHER_TIME.search(first.replace("_", " "))
     if unit:
-        raise CaseError(
-            f"the heading says that times are in {unit[1]}",
-            where=f"{path}: its heading",
-            remedy="give the time in s: convert the first column, and name the column t",
-        )
+        what = f"the heading says that times are in {unit[1]}"
+        remedy = "give the time in s: convert the first column, and name the column t"
+        raise CaseError(what, where=f"{path}: its heading", remedy=remedy)
     if COUNTER.fullmatch(parted[0] if len(parted) > 1 else words[0]):
-        raise CaseError(
-            "the first column counts the values: it is not time",
-            where=f"{path}: its heading",
-            remedy="give the time in s in the first column, in place of the counter",
-        )
+        what = "the first column counts the values: it is not time"
+        remedy = "give the time in s in the first column, in place of the counter"
+        raise CaseError(what, where=f"{path}: its heading", remedy=remedy)
 
 
 def check_sizes(time: Floats, values: Floats, name: str) -> None:
     """Refuse numbers that overflow where a record is integrated or differentiated."""
     shortest = float(np.diff(time).min())
     if float(np.abs(time).max()) > TIME_S_MAX or shortest < INTERVAL_S_MIN:
-        raise CaseError(
+        what = (
             f"times up to {float(np.abs(time).max()):.3g} s, {shortest:.3g} s apart, cannot be a "
-            "record",
-            where=name,
-            remedy="give the time in s in the first column",
+            "record"
         )
+        raise CaseError(what, where=name, remedy="give the time in s in the first column")
     if float(np.abs(values).max()) > VALUE_MAX:
-        raise CaseError(
-            f"values of up to {float(np.abs(values).max()):.3g} are far too large",
-            where=name,
-            remedy="correct the file, its unit or its scale",
-        )
+        what = f"values of up to {float(np.abs(values).max()):.3g} are far too large"
+        raise CaseError(what, where=name, remedy="correct the file, its unit or its scale")
 
 
 def doubted_times(time: Floats, name: str) -> str | None:

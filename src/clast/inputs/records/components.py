@@ -103,11 +103,8 @@ def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | 
 def _quantity(series: RecordSeries, wanted: str | None) -> str:
     """Return the quantity of a record; case and file must not contradict each other."""
     if wanted is not None and series.quantity not in (None, wanted):
-        raise CaseError(
-            f"is {wanted}, but the heading of {series.name} says {series.quantity}",
-            where="quantity",
-            remedy="leave quantity out, or name another file",
-        )
+        what = f"is {wanted}, but the heading of {series.name} says {series.quantity}"
+        raise CaseError(what, where="quantity", remedy="leave quantity out, or name another file")
     return wanted or series.quantity or DEFAULT_QUANTITY
 
 
@@ -116,26 +113,18 @@ def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
     unit, known = wanted.unit or series.unit or wanted.unit_else, UNITS[quantity]
     listed = ", ".join(f'"{name}"' for name in known)
     if unit is None:
-        raise CaseError(
-            f"is missing: {series.name} does not give the unit of its {quantity}",
-            where="unit",
-            remedy=f"give unit = one of {listed}",
-        )
+        what = f"is missing: {series.name} does not give the unit of its {quantity}"
+        raise CaseError(what, where="unit", remedy=f"give unit = one of {listed}")
     if unit not in known:
         other = next(name for name, units in UNITS.items() if unit in units)
         # A unit must not change the quantity that the heading gives.
         change = "" if series.quantity else f', or quantity = "{other}"'
-        raise CaseError(
-            f"{unit} is not a valid unit of {quantity}",
-            where="unit",
-            remedy=f"give one of {listed}{change}",
-        )
+        what = f"{unit} is not a valid unit of {quantity}"
+        raise CaseError(what, where="unit", remedy=f"give one of {listed}{change}")
     if wanted.unit and series.unit in known and known[series.unit] != known[unit]:
-        raise CaseError(
-            f"is {unit}, but the heading of {series.name} says {series.unit}",
-            where="unit",
-            remedy="leave unit out; scale is a factor on all values",
-        )
+        what = f"is {unit}, but the heading of {series.name} says {series.unit}"
+        remedy = "leave unit out; scale is a factor on all values"
+        raise CaseError(what, where="unit", remedy=remedy)
     return unit
 
 
@@ -152,11 +141,8 @@ def together(first: Component, second: Component) -> tuple[Samples, str | None]:
     quantity, or do not begin at the same instant with the same interval.
     """
     if first.quantity != second.quantity:
-        raise CaseError(
-            f"is {second.quantity}, but the first component is {first.quantity}",
-            where="vertical",
-            remedy="give both as the same quantity",
-        )
+        what = f"is {second.quantity}, but the first component is {first.quantity}"
+        raise CaseError(what, where="vertical", remedy="give both as the same quantity")
     one, other = first.samples, second.samples
     count = min(len(one.time), len(other.time))
     apart = float(np.abs(one.time[:count] - other.time[:count]).max())

@@ -59,19 +59,16 @@ def read_at2(path: Path) -> RecordSeries:
         remedy = "DT is the time between two values, s, above 0"
         raise CaseError(f"DT is {counted[1]}", where=where, remedy=remedy)
     if NO_SECONDS.search(lines[last]):
-        remedy = "give DT in s"
-        raise CaseError("DT is not in seconds", where=where, remedy=remedy)
+        raise CaseError("DT is not in seconds", where=where, remedy="give DT in s")
     values = numbers_of(
         enumerate(lines[last + 1 :], start=last + 2),
         name,
         "give finite numbers separated by spaces",
     )
     if len(values) != int(count):
-        raise CaseError(
-            f"NPTS is {int(count)}, but {len(values)} values follow",
-            where=where,
-            remedy="the file is cut short or was edited: get the original file, or correct NPTS",
-        )
+        what = f"NPTS is {int(count)}, but {len(values)} values follow"
+        remedy = "the file is cut short or was edited: get the original file, or correct NPTS"
+        raise CaseError(what, where=where, remedy=remedy)
     heading = " ".join(lines[: last + 1])
     return RecordSeries(
         name=name,
@@ -145,15 +142,14 @@ def read_knet(path: Path) -> RecordSeries:
     remedy = "give whole counts separated by spaces"
     counts = numbers_of(enumerate(lines[KNET_HEADING:], start=KNET_HEADING + 1), name, remedy)
     if len(counts) < 2 or abs(len(counts) - frequency * duration) >= frequency:
-        raise CaseError(
+        what = (
             f"{duration:g} s at {frequency:g} Hz are {frequency * duration:g} values, but "
-            f"{len(counts)} follow",
-            where=f"{name}: line {DURATION}",
-            remedy=(
-                "the file is cut short or was edited: get the original file, or correct the "
-                "duration"
-            ),
+            f"{len(counts)} follow"
         )
+        remedy = (
+            "the file is cut short or was edited: get the original file, or correct the duration"
+        )
+        raise CaseError(what, where=f"{name}: line {DURATION}", remedy=remedy)
     return RecordSeries(
         name=name,
         format="k-net",
@@ -206,11 +202,9 @@ def _trace(content: bytes, name: str) -> Any:
     try:
         from obspy.io.sac import SACTrace
     except ImportError:
-        raise CaseError(
-            "SAC files are read by obspy, which is not installed",
-            where=name,
-            remedy='install it: pip install "clast[records]"; or write the record as CSV',
-        ) from None
+        what = "SAC files are read by obspy, which is not installed"
+        remedy = 'install it: pip install "clast[records]"; or write the record as CSV'
+        raise CaseError(what, where=name, remedy=remedy) from None
     try:
         return SACTrace.read(BytesIO(content))
     # obspy answers damaged files with errors of many kinds

@@ -58,11 +58,8 @@ def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floa
         for word in line.split():
             value = number_of(word)
             if value is None:
-                raise CaseError(
-                    f"{mistyped(word)} is not a finite number",
-                    where=f"{name}: line {number}",
-                    remedy=remedy,
-                )
+                what = f"{mistyped(word)} is not a finite number"
+                raise CaseError(what, where=f"{name}: line {number}", remedy=remedy)
             found.append(value)
     return np.array(found, np.float64)
 

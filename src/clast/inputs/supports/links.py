@@ -13,10 +13,10 @@ from clast.actions.loads import Moments
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TEXT, Force, Length, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal
-from clast.inputs.declaring.values import number_of
+from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
-from clast.model.factors import NO_FACTOR
+from clast.model.ranges import check_names
 from clast.model.supports import GROUND
 
 Stiffness = Annotated[Annotated[Positive, within(ranges.STIFFNESS)] | Literal["rigid"], OR_TEXT]
@@ -71,17 +71,14 @@ class Link(Table):
 
     @model_validator(mode="after")
     def _links_two(self) -> Self:
-        if (self.block is None) == (self.blocks is None):
-            what = "names no block" if self.block is None else "has both block and blocks"
-            remedy = 'give blocks = ["1", "2"], or block = "1" for a link to the ground'
-            raise refusal(Fault(what=what, remedy=remedy))
+        remedy = 'give blocks = ["1", "2"], or block = "1" for a link to the ground'
+        check_one(self, ("block", "blocks"), remedy)
         if self.blocks is not None and self.blocks[0] == self.blocks[1]:
             what = f"links block '{shortened(self.blocks[0])}' with itself"
             remedy = "name two blocks, or one with block for a link to the ground"
-            raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
+            raise refusal(what, remedy, "blocks")
         if not any(self.direction):
-            what, remedy = "has no direction", "give a vector, e.g. [1, 0]"
-            raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
+            raise refusal("has no direction", "give a vector, e.g. [1, 0]", "direction")
         return self
 
     @model_validator(mode="after")
@@ -89,7 +86,7 @@ class Link(Table):
         along = self.x is not None or self.y is not None
         if not along and self.rotation is None and not self.damping and not self.rotation_damping:
             remedy = 'give x, y or rotation a stiffness, or "rigid"; a hinge has x and y'
-            raise refusal(Fault(what="restrains nothing", remedy=remedy))
+            raise refusal("restrains nothing", remedy)
         needs = {
             "yield_force": along,
             "rupture": along,
@@ -100,11 +97,8 @@ class Link(Table):
         for key, there in needs.items():
             if getattr(self, key) is not None and not there:
                 of = "rotation" if key.endswith(("moment", "rotation")) else "x or y"
-                what, remedy = (
-                    f"{key} is that of {of}, which is free",
-                    f"give {of}, or leave it out",
-                )
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+                what = f"{key} is that of {of}, which is free"
+                raise refusal(what, f"give {of}, or leave it out", key)
         return self
 
     def components(self) -> dict[str, dict[str, float]]:
@@ -128,15 +122,12 @@ class Link(Table):
         return found
 
     @classmethod
-    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Ground) -> Iterable[Any]:
         """Return the action of all links."""
         if not records:
             return
         names = [one.name or f"link {number}" for number, one in enumerate(records, 1)]
-        for number, name in enumerate(names):
-            if name in names[:number]:
-                what, where = f"there are two links '{shortened(name)}'", f"link {number + 1}, name"
-                raise ModelError(what, where=where, remedy="rename one of them")
+        check_names("link", names)
         block = np.array(
             [_blocks(one, name, ground) for one, name in zip(records, names, strict=True)]
         )
@@ -170,14 +161,13 @@ class Link(Table):
         yield Links(rows=rows, apart=np.unique(np.sort(pairs, axis=1), axis=0))
 
 
-def _blocks(one: Link, name: str, ground: Any) -> tuple[int, int]:
+def _blocks(one: Link, name: str, ground: Ground) -> tuple[int, int]:
     """Return the blocks of a link; raises ModelError where they cannot be linked."""
     where = name if name.startswith("link ") else f"link '{shortened(name)}'"
-    number = {called: k for k, called in enumerate(ground.outlines.names)}
     if one.blocks is not None:
-        first, second = (number_of(b, number, "block", f"{where}, blocks") for b in one.blocks)
+        first, second = (ground.block(name, f"{where}, blocks") for name in one.blocks)
     else:
-        first, second = number_of(one.block or "", number, "block", f"{where}, block"), GROUND
+        first, second = ground.block(one.block or "", f"{where}, block"), GROUND
     if ground.fixed[first] and (second == GROUND or ground.fixed[second]):
         what = "links a fixed block to the ground" if second == GROUND else "links two fixed blocks"
         raise ModelError(what, where=where, remedy="leave it out, or fixed out of one of them")
@@ -195,28 +185,16 @@ class Moment(Table):
     """Amplitude over time by which it is multiplied; constant if absent."""
 
     @classmethod
-    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Ground) -> Iterable[Any]:
         """Return the action of all moments."""
         if not records:
             return
-        number = {called: k for k, called in enumerate(ground.outlines.names)}
-        tables = {one.name: k for k, one in enumerate(ground.factors)}
-        places = [f"moment {k}" for k in range(1, len(records) + 1)]
+        places = [(f"moment {k}", one) for k, one in enumerate(records, 1)]
         yield Moments(
-            block=np.array(
-                [
-                    number_of(one.block, number, "block", f"{at}, block")
-                    for one, at in zip(records, places, strict=True)
-                ]
-            ),
+            block=np.array([ground.block(one.block, f"{at}, block") for at, one in places]),
             moment=np.array([one.moment for one in records], float),
             factor=np.array(
-                [
-                    NO_FACTOR
-                    if one.amplitude is None
-                    else number_of(one.amplitude, tables, "amplitude", f"{at}, amplitude")
-                    for one, at in zip(records, places, strict=True)
-                ]
+                [ground.amplitude(one.amplitude, f"{at}, amplitude") for at, one in places]
             ),
             tables=tuple(one.amplitude for one in records if one.amplitude is not None),
         )

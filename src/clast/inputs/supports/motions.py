@@ -31,10 +31,11 @@ from clast.inputs.declaring.table import (
     Stress,
     Table,
 )
-from clast.inputs.declaring.validation_messages import Fault, refusal
-from clast.inputs.declaring.values import number_of
+from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.model import Floats, Ints
+from clast.model.ranges import check_names
 
 AXES = ("x", "y", "rotation")
 """Components of a motion."""
@@ -53,10 +54,8 @@ class CourseTable(Table):
 
     @model_validator(mode="after")
     def _follows_one(self) -> Self:
-        if (self.displacement is None) == (self.velocity is None):
-            given = "nothing" if self.velocity is None else "both displacement and velocity"
-            remedy = 'give one of them: y = {displacement = "settlement"}'
-            raise refusal(Fault(what=f"follows {given}", remedy=remedy))
+        remedy = 'give one of them: y = {displacement = "settlement"}'
+        check_one(self, ("displacement", "velocity"), remedy)
         return self
 
 
@@ -109,68 +108,55 @@ class Motion(Table):
 
     @model_validator(mode="after")
     def _says_what_moves(self) -> Self:
-        keys = ("block", "blocks", "fixed_point")
-        given = [key for key in keys if getattr(self, key) is not None]
-        if len(given) != 1:
-            what = f"names {' and '.join(given) or 'nothing that moves'}"
-            remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
-            raise refusal(Fault(what=what, remedy=remedy))
+        remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
+        check_one(self, ("block", "blocks", "fixed_point"), remedy)
         if self.fixed_point is not None:
-            self._moves_a_point()
+            for key in ("rotation", "about", "force", "stress"):
+                if getattr(self, key) is not None:
+                    remedy = "give x and y, or move the block"
+                    raise refusal(f"a fixed point has no {key}", remedy, key)
             return self
         names = self.named
         if not names:
-            raise refusal(Fault(place=("blocks",), what="is empty", remedy='give ["1", "2"]'))
+            raise refusal("is empty", 'give ["1", "2"]', "blocks")
         twice = next((one for k, one in enumerate(names) if one in names[:k]), None)
         if twice is not None:
-            what = f"names block '{shortened(twice)}' twice"
-            raise refusal(Fault(place=("blocks",), what=what, remedy="name it once"))
+            raise refusal(f"names block '{shortened(twice)}' twice", "name it once", "blocks")
         return self
-
-    def _moves_a_point(self) -> None:
-        """Refuse motions that a fixed point cannot make."""
-        for key in ("rotation", "about", "force", "stress"):
-            if getattr(self, key) is not None:
-                what, remedy = f"a fixed point has no {key}", "give x and y, or move the block"
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
 
     @model_validator(mode="after")
     def _moves_somehow(self) -> Self:
         if not any(self.courses) and self.force is None and self.stress is None:
-            remedy = "give x, y or rotation, or force or stress for a servo"
-            raise refusal(Fault(what="does not say how the block moves", remedy=remedy))
+            what = "does not say how the block moves"
+            raise refusal(what, "give x, y or rotation, or force or stress for a servo")
         if self.about is not None and self.rotation is None:
-            what, remedy = "about is the centre of a rotation", "give rotation, or leave about out"
-            raise refusal(Fault(place=("about",), what=what, remedy=remedy))
+            what = "about is the centre of a rotation"
+            raise refusal(what, "give rotation, or leave about out", "about")
         if self.rotation is not None and len(self.named) > 1 and self.about is None:
             what = "several blocks need a common centre of rotation"
-            remedy = "give about = [x, y], or a motion for each block"
-            raise refusal(Fault(place=("rotation",), what=what, remedy=remedy))
+            raise refusal(what, "give about = [x, y], or a motion for each block", "rotation")
         return self
 
     @model_validator(mode="after")
     def _servo_is_whole(self) -> Self:
         given = [key for key in ("force", "stress") if getattr(self, key) is not None]
         if len(given) > 1:
-            raise refusal(Fault(what="has both force and stress", remedy="give one of them"))
+            raise refusal("has both force and stress", "give one of them")
         if given and self.limit_speed is None:
-            remedy = "give the speed of the servo without resistance, m/s"
-            raise refusal(Fault(what="limit_speed is missing", remedy=remedy))
+            what = "limit_speed is missing"
+            raise refusal(what, "give the speed of the servo without resistance, m/s")
         for key in ("limit_speed", "amplitude"):
             if not given and getattr(self, key) is not None:
-                what, remedy = f"{key} is for a servo", "give force or stress, or leave it out"
-                raise refusal(Fault(place=(key,), what=what, remedy=remedy))
+                raise refusal(f"{key} is for a servo", "give force or stress, or leave it out", key)
         if not given:
             return self
         pressed = getattr(self, given[0])
         if not any(pressed):
-            what, remedy = "applies no force", "give a force, or leave the motion out"
-            raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
+            raise refusal("applies no force", "give a force, or leave the motion out", given[0])
         for axis, size in zip(AXES, pressed, strict=False):
             if size and (getattr(self, axis) is not None or self.about is not None):
-                what = f"{axis} is given both a motion and a force"
                 remedy = f"leave {axis} out, or 0 in {given[0]} where it moves"
-                raise refusal(Fault(place=(given[0],), what=what, remedy=remedy))
+                raise refusal(f"{axis} is given both a motion and a force", remedy, given[0])
         return self
 
     @property
@@ -183,21 +169,13 @@ class Motion(Table):
         """Courses of x, y and rotation."""
         return self.x, self.y, self.rotation
 
-    def own_name(self, number: int) -> str:
-        """Return its name; its number is from 1."""
-        return f"motion {number}" if self.name is None else self.name
-
     @classmethod
-    def actions(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+    def actions(cls, records: Sequence[Any], ground: Ground) -> Iterable[Any]:
         """Return the action of all motions."""
         if not records:
             return
-        names = [one.own_name(number) for number, one in enumerate(records, 1)]
-        for number, name in enumerate(names):
-            if name in names[:number]:
-                where = f"motion {number + 1}, name"
-                what = f"there are two motions '{shortened(name)}'"
-                raise ModelError(what, where=where, remedy="rename one of them")
+        names = [one.name or f"motion {number}" for number, one in enumerate(records, 1)]
+        check_names("motion", names)
         each = tuple(_motion(one, name, ground) for name, one in zip(names, records, strict=True))
         _check_apart(each, ground)
         yield Motions(each=each)
@@ -208,21 +186,18 @@ def called(name: str) -> str:
     return name if name.startswith("motion ") else f"motion '{shortened(name)}'"
 
 
-def _motion(one: Motion, name: str, ground: Any) -> OneMotion:
+def _motion(one: Motion, name: str, ground: Ground) -> OneMotion:
     """Return a motion of blocks of the ground."""
     where = called(name)
-    number = {called: k for k, called in enumerate(ground.outlines.names)}
-    point = None if one.fixed_point is None else _point(one.fixed_point, where, ground)
+    point = None
+    if one.fixed_point is not None:
+        point = int(ground.fixed_point(one.fixed_point, where)[0])
     key = "block" if one.block is not None else "blocks"
-    blocks = np.array(
-        [number_of(called, number, "block", f"{where}, {key}") for called in one.named], np.int64
-    )
+    blocks = ground.blocks(one.named, f"{where}, {key}")
     about = None
     if one.about is not None:
-        about = (
-            float(one.about[0] - ground.outlines.origin[0]),
-            float(one.about[1] - ground.outlines.origin[1]),
-        )
+        x, y = (np.array(one.about) - ground.outlines.origin).tolist()
+        about = x, y
     courses = [
         _course(given, axis, one, where, ground)
         for axis, given in zip(AXES, one.courses, strict=True)
@@ -243,18 +218,7 @@ def _motion(one: Motion, name: str, ground: Any) -> OneMotion:
     )
 
 
-def _point(place: Point, where: str, ground: Any) -> int:
-    """Return the number of the fixed point at a place."""
-    at = np.array(place) - ground.outlines.origin
-    near = ground.fixed_points_at(at)
-    if not len(near):
-        what = f"there is no fixed point at {ground.text(at)}"
-        remedy = "give the coordinates of a [[fixed_point]]"
-        raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
-    return int(near[0])
-
-
-def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Course | None:
+def _course(given: Any, axis: str, one: Motion, where: str, ground: Ground) -> Course | None:
     """Return how far a component goes, None where it is free."""
     unit = math.pi / 180.0 if axis == "rotation" else 1.0
     ease = one.ease or 0.0
@@ -264,7 +228,7 @@ def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Cour
         return at_constant_speed(unit * given, ease)
     quantity = "velocity" if given.displacement is None else "displacement"
     place = f"{where}, {axis}.{quantity}"
-    table = _amplitude(getattr(given, quantity), place, ground)
+    table = ground.factors[ground.amplitude(getattr(given, quantity), place)]
     if quantity == "velocity":
         return along_velocities(table, unit * given.scale, ease)
     if table.at(0.0) != 0.0:
@@ -276,49 +240,41 @@ def _course(given: Any, axis: str, one: Motion, where: str, ground: Any) -> Cour
     return along_displacements(table, unit * given.scale, ease)
 
 
-def _amplitude(name: str, where: str, ground: Any) -> Any:
-    """Return an amplitude by its name."""
-    names = {one.name: k for k, one in enumerate(ground.factors)}
-    return ground.factors[number_of(name, names, "amplitude", where)]
-
-
-def _servo(one: Motion, blocks: Ints, where: str, ground: Any) -> Servo | None:
+def _servo(one: Motion, blocks: Ints, where: str, ground: Ground) -> Servo | None:
     """Return the servo of a motion, None where it has none."""
     if one.limit_speed is None:
         return None
     factor = None
     if one.amplitude is not None:
-        factor = _amplitude(one.amplitude, f"{where}, amplitude", ground)
+        factor = ground.factors[ground.amplitude(one.amplitude, f"{where}, amplitude")]
     force = one.force
     if one.stress is not None:
         sizes = np.array([_size(ground, int(block)) for block in blocks])
         if np.ptp(sizes, axis=0).max() > 1e-9 * sizes.max():
-            what = "its blocks differ in width"
             remedy = "give a motion for each, or force in place of stress"
-            raise ModelError(what, where=f"{where}, stress", remedy=remedy)
+            raise ModelError("its blocks differ in width", where=f"{where}, stress", remedy=remedy)
         width, height = sizes[0]
         force = float(one.stress[0] * height), float(one.stress[1] * width)
     fixed = [int(block) for block in blocks if ground.fixed[block]]
     if fixed:
-        raise ModelError(
+        what = (
             f"block '{shortened(ground.outlines.names[fixed[0]])}' is fixed, so no force "
-            "can move it",
-            where=where,
-            remedy=(
-                "leave fixed out and hold the components that should not move, e.g. x = 0, "
-                "rotation = 0"
-            ),
+            "can move it"
         )
+        remedy = (
+            "leave fixed out and hold the components that should not move, e.g. x = 0, rotation = 0"
+        )
+        raise ModelError(what, where=where, remedy=remedy)
     return Servo(force=force or (0.0, 0.0), limit_speed=one.limit_speed, factor=factor)
 
 
-def _size(ground: Any, block: int) -> Floats:
+def _size(ground: Ground, block: int) -> Floats:
     """Return width and height of a block, m, shape (2,)."""
     first, past = ground.outlines.start[block : block + 2]
     return np.asarray(np.ptp(ground.outlines.vertices[first:past], axis=0))
 
 
-def _check_apart(each: tuple[OneMotion, ...], ground: Any) -> None:
+def _check_apart(each: tuple[OneMotion, ...], ground: Ground) -> None:
     """Refuse blocks that cannot be moved so: held by a fixed point, or moved twice."""
     names = ground.outlines.names
     since: dict[tuple[int, int], OneMotion] = {}
@@ -346,7 +302,7 @@ def _check_apart(each: tuple[OneMotion, ...], ground: Any) -> None:
                 since[block, axis] = one
 
 
-def _check_points(each: tuple[OneMotion, ...], ground: Any) -> None:
+def _check_points(each: tuple[OneMotion, ...], ground: Ground) -> None:
     """Refuse fixed points that are moved twice, or that cannot move with their block."""
     moved: dict[int, OneMotion] = {}
     for one in each:
