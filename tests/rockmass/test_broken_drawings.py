@@ -203,7 +203,7 @@ def test_a_block_in_itself_is_no_endless_loop(tmp_path):
 
 
 def test_blocks_of_blocks_of_blocks_are_refused_before_memory_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr("clast.rockmass.drawings.dxf_entities.MOST_ENTITIES", 500)
+    monkeypatch.setattr("clast.rockmass.drawings.dxf_entities.ENTITIES_MAX", 500)
     document = ezdxf.new("R2010", units=6)
     document.blocks.new("B0").add_line((0, 0), (1, 0))
     for k in range(1, 6):

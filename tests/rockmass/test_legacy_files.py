@@ -197,10 +197,10 @@ def test_a_block_file(written):
     """The four slots behind each block are passed over; the clockwise triangle is turned round."""
     blocks = read_shi_blocks(written(legacy_files.BLOCKS))
     np.testing.assert_array_equal(blocks.polygon(0), [(0, 0), (1, 0), (1, 1), (0, 1)])
-    np.testing.assert_array_equal(blocks.polygon(1), [(2, 0.5), (1, 1), (1, 0)])
+    np.testing.assert_array_equal(blocks.polygon(1), [(1, 0), (2, 0.5), (1, 1)])
     assert blocks.rock == ("rock-1", "rock-2")
     assert blocks.edge_joint[:4] == ("type-1", "type-2", "type-3", "")
     # Edge (1,0)-(1,1) has joint 1, (1,1)-(2,.5) joint 2, (2,.5)-(1,0) joint 3.
-    assert blocks.edge_joint[4:] == ("type-2", "type-1", "type-3")
+    assert blocks.edge_joint[4:] == ("type-3", "type-2", "type-1")
     assert any("reversed: 2" in note for note in blocks.notes)
     assert "1 fixed, 0 load, 1 measured points: 0.5 0.5 1" in blocks.left_out[0].what

@@ -21,7 +21,7 @@ from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import DomainTable, OpeningTable, RegionTable, TraceTable
-from clast.model.arrays import following
+from clast.model.arrays import Floats, following
 from clast.model.checks import BlockOutlines, check_polygons
 from clast.model.surroundings import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
@@ -30,7 +30,6 @@ from clast.rockmass.drawings.drawing import (
     Analysis,
     Drawing,
     DrawnRock,
-    Floats,
     LeftOut,
     PointForce,
     Polyline,

@@ -14,34 +14,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import shapely
 
 from clast.errors import CaseError, shortened
-from clast.model.arrays import following
+from clast.model.arrays import Floats, following
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of, counter_clockwise
+from clast.rockmass.drawings.blocks_out import HEADING as BLOCK_COLUMNS
 from clast.rockmass.drawings.blocks_out import read_blocks_npz
-from clast.rockmass.drawings.csv_lines import CsvRow, CsvTable, read_csv, table_of
+from clast.rockmass.drawings.csv_lines import read_csv, table_of
 from clast.rockmass.drawings.dda_xml import read_dda_xml
 from clast.rockmass.drawings.drawing import (
     DEFAULT_JOINT,
     DEFAULT_ROCK,
     Drawing,
-    Floats,
     LeftOut,
 )
 from clast.rockmass.drawings.drawing_files import checked_file
 from clast.rockmass.drawings.drawn_loops import without_repeats
 from clast.rockmass.drawings.dxf import DxfReading, MissingLayer, read_dda_dxf, read_dxf, role_of
-from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.dxf_entities import dxf_content
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
 
-READ = ("block", "vertex", "x", "y", "joint", "rock")
-"""Columns of a table of blocks."""
-ALONG = 1e-6
-"""Edges this near to a drawn joint lie on it, as a share of the drawing's diagonal."""
+ON_JOINT = 1e-6
+"""Distance within which an edge lies on a drawn joint, over the drawing's diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +51,7 @@ class BlockReading:
     layer: str | None = None
     """Layer of a DXF on which the blocks are, case-blind; all but JOINTS if absent."""
     near: float | None = None
-    """Edges this near to a joint of a DXF lie on it, m; ALONG of the diagonal if absent."""
+    """Edges this near to a joint of a DXF lie on it, m; ON_JOINT of the diagonal if absent."""
 
 
 def read_blocks(path: str | Path, reading: BlockReading | None = None) -> Blocks:
@@ -83,48 +82,35 @@ def read_blocks_csv(path: str | Path) -> Blocks:
     if missing:
         raise CaseError(
             f"has no column {', '.join(missing)}",
-            where=f"{table.file}: its heading",
+            where=table.heading,
             remedy="a table of blocks has the columns block, x, y and may have joint and rock",
         )
     rows = table.rows
     names = [row.text("block") for row in rows]
     first = [k for k, name in enumerate(names) if k == 0 or name != names[k - 1]]
-    _check_together(rows, names, first)
-    points = np.array([(row.number("x"), row.number("y")) for row in rows])
-    rocks = [rows[k].text("rock", DEFAULT_ROCK) for k in first]
-    joints = [row.text("joint") for row in rows]
-    found = blocks_of(points, [*first, len(rows)], rocks, joints, table.file)
-    return replace(found, notes=table.notes, left_out=_spare(table))
-
-
-def _check_together(rows: tuple[CsvRow, ...], names: list[str], first: list[int]) -> None:
-    """Refuse rows without a block, and blocks whose rows stand apart or are too few."""
-    seen: set[str] = set()
-    for number, k in enumerate(first):
-        count = (first[number + 1] if number + 1 < len(first) else len(rows)) - k
+    ended: set[str] = set()
+    for k, end in pairwise([*first, len(rows)]):
         faults = {
             "names no block": not names[k],
-            f"goes on with block {names[k]}, whose rows ended before": names[k] in seen,
-            f"block {names[k]} has {count} vertices, and a block at least 3": count < 3,
+            f"goes on with block {names[k]}, whose rows ended before": names[k] in ended,
+            f"block {names[k]} has {end - k} vertices, and a block at least 3": end - k < 3,
         }
         for fault, there in faults.items():
             if there:
                 remedy = "list the vertices of a block in consecutive rows"
-                raise CaseError(fault, where=f"{rows[k].where}, column block", remedy=remedy)
-        seen.add(names[k])
-
-
-def _spare(table: CsvTable) -> tuple[LeftOut, ...]:
-    """Return the columns that are not read."""
-    return tuple(
-        LeftOut(
-            what=f"column {name}",
-            place=f"{table.file}: its heading",
-            reason="a table of blocks has no such column",
-        )
+                raise rows[k].fault(fault, remedy, "block")
+        ended.add(names[k])
+    points = np.array([row.point() for row in rows])
+    rocks = [rows[k].text("rock", DEFAULT_ROCK) for k in first]
+    joints = [row.text("joint") for row in rows]
+    reason = "a table of blocks has no such column"
+    left = [
+        LeftOut(what=f"column {name}", place=table.heading, reason=reason)
         for name in table.columns
-        if name not in READ
-    )
+        if name not in BLOCK_COLUMNS
+    ]
+    blocks = blocks_of(points, [*first, len(rows)], rocks, joints, table.file)
+    return replace(blocks, notes=table.notes, left_out=tuple(left))
 
 
 def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Blocks:
@@ -137,46 +123,35 @@ def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Bl
     lines: list[tuple[Floats, str]] = []
     left = [*content.left_out, *content.elsewhere]
     for piece in content.pieces:
-        points = _flat(piece, content)
         role, name = role_of(piece.layer)
+        points = without_repeats(content.flat(piece), 0.0)
+        ends_meet = len(piece.points) > 2 and (piece.points[0] == piece.points[-1]).all()
+        reason = ""
         if role == "joints":
             lines.append((points, name or DEFAULT_JOINT))
-        elif asked is not None and piece.layer.strip().casefold() != asked:
-            left.append(_left(piece, f"the blocks are on the layer {how.layer}"))
-        elif _closed(piece, points):
+            continue
+        if len(points) > 2 and (points[0] == points[-1]).all() and role == "":
+            points = points[:-1]
+        if asked is not None and piece.layer.strip().casefold() != asked:
+            reason = f"the blocks are on the layer {how.layer}"
+        elif len(points) < 3 or not (piece.closed or ends_meet):
+            reason = "a block is a closed line of at least 3 corners"
+        if reason:
+            left.append(piece.left_out(piece.kind, reason))
+        else:
             loops.append(points)
             rocks.append(DEFAULT_ROCK if asked is not None else piece.layer.strip())
-        else:
-            left.append(_left(piece, "a block is a closed line of at least 3 corners"))
     if not loops:
         raise CaseError(
             f"has no closed line{'' if asked is None else f' on the layer {how.layer}'}",
             where=str(path),
             remedy=f"draw each block as one; the layers are: {', '.join(content.layers[:20])}",
         )
-    found = blocks_of(
-        np.concatenate(loops), np.cumsum([0, *map(len, loops)]), rocks, where=str(path)
-    )
+    start = np.cumsum([0, *map(len, loops)])
+    blocks = blocks_of(np.concatenate(loops), start, rocks, where=str(path))
     notes = (content.unit_source, *(n for n in content.notes if n != content.unit_source))
-    joints = _joints(found, lines, how.near)
-    return replace(found, edge_joint=joints, notes=notes, left_out=tuple(left))
-
-
-def _flat(piece: Piece, content: DxfContent) -> Floats:
-    """Return the corners of a piece, m, without repeats, shape (n, 2)."""
-    points = without_repeats(piece.points[:, :2] * content.unit, 0.0)
-    closes = len(points) > 2 and (points[0] == points[-1]).all() and role_of(piece.layer)[0] == ""
-    return points[:-1] if closes else points
-
-
-def _closed(piece: Piece, points: Floats) -> bool:
-    """Return whether a piece runs round something."""
-    ends = len(piece.points) > 2 and (piece.points[0] == piece.points[-1]).all()
-    return len(points) >= 3 and (piece.closed or bool(ends))
-
-
-def _left(piece: Piece, reason: str) -> LeftOut:
-    return LeftOut(what=piece.kind, place=f"{piece.place} on layer {piece.layer}", reason=reason)
+    joints = _joints(blocks, lines, how.near)
+    return replace(blocks, edge_joint=joints, notes=notes, left_out=tuple(left))
 
 
 def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None) -> tuple[str, ...]:
@@ -187,7 +162,7 @@ def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None)
         return tuple(joints)
     origin = np.floor(blocks.vertices.min(axis=0))
     at = blocks.vertices - origin
-    reach = ALONG * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
+    reach = ON_JOINT * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
     after = following(blocks.block_start)
     pieces = np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p, _ in drawn]) - origin
     names = [name for p, name in drawn for _ in range(len(p) - 1)]
@@ -232,17 +207,14 @@ def read_drawing(
     path, how = Path(path), reading or Reading()
     reader = DRAWING_READERS.get(path.suffix.casefold())
     drawing = reader(path, how) if reader else read_shi_geometry(path, how.mass_unit)
-    return drawing if analysis is None else _analysed(drawing, Path(analysis), how)
-
-
-def _analysed(drawing: Drawing, path: Path, how: Reading) -> Drawing:
-    """Return a drawing with the materials of an analysis file."""
-    if path.suffix.casefold() != ".xml":
-        return replace(drawing, analysis=read_shi_analysis(path, how.mass_unit))
-    other = read_dda_xml(path, how.mass_unit)
-    if not other.analysis.rocks:
-        raise CaseError("has no materials", where=str(path), remedy="give the analysis file")
-    return replace(drawing, analysis=other.analysis)
+    if analysis is None:
+        return drawing
+    if Path(analysis).suffix.casefold() != ".xml":
+        return replace(drawing, analysis=read_shi_analysis(analysis, how.mass_unit))
+    materials = read_dda_xml(analysis, how.mass_unit).analysis
+    if not materials.rocks:
+        raise CaseError("has no materials", where=str(analysis), remedy="give the analysis file")
+    return replace(drawing, analysis=materials)
 
 
 def _dxf(path: Path, how: Reading) -> Drawing:

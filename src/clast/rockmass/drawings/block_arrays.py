@@ -8,15 +8,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model.arrays import areas, owners, polygons_of
-from clast.rockmass.drawings.drawing import Floats, LeftOut
-
-Ints = NDArray[np.int64]
-NAMED = 10
-"""Most blocks that a note names."""
+from clast.model.arrays import Floats, Ints, areas, owners, polygons_of
+from clast.rockmass.drawings.drawing import LeftOut
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,9 +66,8 @@ def blocks_of(
         f"block_start has shape {start.shape}, not (nb + 1,)": start.ndim != 1 or len(start) == 0,
         "block_start has no whole numbers": not whole,
     }
-    fault = next((what for what, there in faults.items() if there), "") or _uneven(
-        points, start, rocks, joints
-    )
+    fault = next((what for what, there in faults.items() if there), "")
+    fault = fault or _uneven(points, start, rocks, joints)
     if fault:
         remedy = "give vertices, block_start, rock and edge_joint of one system"
         raise CaseError(fault, where=where, remedy=remedy)
@@ -98,7 +92,7 @@ def counter_clockwise(blocks: Blocks) -> Blocks:
     )
     edge = np.where(clockwise[owner], last - entry, entry)
     numbers = np.flatnonzero(clockwise) + 1
-    listed = ", ".join(map(str, numbers[:NAMED])) + (", ..." if len(numbers) > NAMED else "")
+    listed = ", ".join(map(str, numbers[:10])) + (", ..." if len(numbers) > 10 else "")
     note = f"{len(numbers)} blocks ran clockwise and were reversed: {listed}"
     return replace(
         blocks,
@@ -122,10 +116,6 @@ def _uneven(points: Floats, start: Ints, rocks: Sequence[str], joints: Sequence[
     return ""
 
 
-TOUCHED = 1e-6
-"""Length in a block below which a line only touches it, as a share of the line's length."""
-
-
 def crossed_blocks(ends: Any, vertices: Any, block_start: Any) -> tuple[Ints, Floats]:
     """Return the blocks that a line crosses (k,), rising, and a point of it in each (k, 2), m.
 
@@ -140,7 +130,7 @@ def crossed_blocks(ends: Any, vertices: Any, block_start: Any) -> tuple[Ints, Fl
     for block in near:
         within = shapely.intersection(line, polygons[block])
         part = max(shapely.get_parts(within), key=lambda one: one.length)
-        if part.length > TOUCHED * line.length:
+        if part.length > 1e-6 * line.length:  # shorter ones only touch the block
             blocks.append(int(block))
             points.append(part.interpolate(0.5, normalized=True).coords[0])
     return np.array(blocks, np.int64), np.array(points, float).reshape(-1, 2)
@@ -153,11 +143,8 @@ def blocks_with(points: Any, vertices: Any, block_start: Any) -> Ints:
     the block of the lower number.
     """
     places = shapely.points(np.asarray(points, float).reshape(-1, 2))
-    found = np.full(len(places), -1, np.int64)
-    tree = shapely.STRtree(
-        polygons_of(np.asarray(vertices, float), np.asarray(block_start, np.int64))
-    )
-    point, block = tree.query(places, predicate="intersects")
-    order = np.argsort(block, kind="stable")[::-1]
-    found[point[order]] = block[order]  # the lowest comes last
-    return found
+    polygons = polygons_of(np.asarray(vertices, float), np.asarray(block_start, np.int64))
+    point, block = shapely.STRtree(polygons).query(places, predicate="intersects")
+    lowest = np.full(len(places), len(polygons), np.int64)
+    np.minimum.at(lowest, point, block)
+    return np.where(lowest < len(polygons), lowest, -1)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -14,15 +15,20 @@ from zipfile import ZipFile
 import numpy as np
 
 from clast.errors import CaseError, shortened
-from clast.model.arrays import following
+from clast.model.arrays import Floats, following
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
-from clast.rockmass.drawings.drawing import DEFAULT_JOINT, Floats
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT
 from clast.rockmass.drawings.drawing_files import checked_file, replaced
 
 HEADING = ("block", "vertex", "x", "y", "joint", "rock")
-ARRAYS = ("vertices", "block_start", "rock", "edge_joint")
-"""Names of the arrays of an archive."""
-LARGEST_EXPANDED = 1_000_000_000
+ARRAYS = {
+    "vertices": ("fiu", "does not hold numbers", "save it as numbers"),
+    "block_start": ("iu", "does not hold numbers", "save it as numbers"),
+    "rock": ("U", "is not a list of texts", "save names as texts"),
+    "edge_joint": ("U", "is not a list of texts", "save names as texts"),
+}
+"""Arrays of an archive -> the kinds of dtype that it may have, the fault of others, its remedy."""
+ARCHIVE_BYTES_MAX = 1_000_000_000
 """Most bytes that the arrays of an archive may have when they are expanded."""
 
 
@@ -42,12 +48,12 @@ def write_blocks_csv(
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(HEADING)
-    points = blocks.vertices.tolist()
-    for block, name in enumerate(blocks.rock):
-        first, last = int(blocks.block_start[block]), int(blocks.block_start[block + 1])
-        for k in range(first, last):
-            x, y = points[k]
-            table.writerow((block, k - first, repr(x), repr(y), blocks.edge_joint[k], name))
+    corner = zip(blocks.vertices.tolist(), blocks.edge_joint, strict=True)
+    for block, (count, name) in enumerate(
+        zip(np.diff(blocks.block_start), blocks.rock, strict=True)
+    ):
+        for k, ((x, y), joint) in enumerate(islice(corner, int(count))):
+            table.writerow((block, k, repr(x), repr(y), joint, name))
     with replaced(Path(path)) as file:
         file.write(text.getvalue().encode("utf-8"))
 
@@ -82,7 +88,7 @@ def _check_size(path: Path) -> None:
     with ZipFile(path) as archive:
         parts = [one for one in archive.infolist() if one.filename.removesuffix(".npy") in ARRAYS]
         size = sum(one.file_size for one in parts)
-        if size > LARGEST_EXPANDED or len(parts) > len(ARRAYS):
+        if size > ARCHIVE_BYTES_MAX or len(parts) > len(ARRAYS):
             raise CaseError(
                 f"has arrays of {size:.3g} bytes, more than blocks should need",
                 where=str(path),
@@ -127,23 +133,15 @@ def read_blocks_npz(path: str | Path) -> Blocks:
             where=file,
             remedy="write it again with write_blocks_npz",
         ) from None
-    for name in ("rock", "edge_joint"):
-        if arrays[name].ndim != 1 or arrays[name].dtype.kind != "U":
-            raise CaseError(
-                f"the array {name} is not a list of texts", where=file, remedy="save names as texts"
-            )
-    for name, kinds in {"vertices": "fiu", "block_start": "iu"}.items():
-        if arrays[name].dtype.kind not in kinds:
-            raise CaseError(
-                f"the array {name} does not hold numbers", where=file, remedy="save it as numbers"
-            )
+    for name, (kinds, what, remedy) in reversed(ARRAYS.items()):
+        if arrays[name].dtype.kind not in kinds or (kinds == "U" and arrays[name].ndim != 1):
+            raise CaseError(f"the array {name} {what}", where=file, remedy=remedy)
     rock, joints = arrays["rock"].tolist(), arrays["edge_joint"].tolist()
     return blocks_of(arrays["vertices"], arrays["block_start"], rock, joints, file)
 
 
 FORBIDDEN = set('<>/\\":;?*|=`,')
 """Characters that names of DXF layers do not have."""
-LONGEST_NAME = 255
 SECTION = "  0\nSECTION\n  2\nENTITIES\n"
 COMMON = "  5\n{handle}\n330\n{owner}\n100\nAcDbEntity\n"
 """The beginning of every entity: its handle, its owner, the class it is of."""
@@ -181,22 +179,25 @@ def write_blocks_dxf(
     """
     blocks = blocks_of(vertices, block_start, rock, edge_joint)
     document = _document(path)
-    layers = {name: name for name in dict.fromkeys(blocks.rock)}
-    joints = {name: _joint_layer(name) for name in dict.fromkeys(blocks.edge_joint) if name}
-    more = [] if extras is None else [extras]
-    named = [*layers.values(), *joints.values(), *(one.layer for one in more)]
-    _check_layers(named)
-    for number, layer in enumerate(named):
+    rocks = dict.fromkeys(blocks.rock)
+    # The layer of a joint, which read_dxf reads again under the same name.
+    joints = {
+        name: "JOINTS" if name == DEFAULT_JOINT else f"JOINTS_{name}"
+        for name in dict.fromkeys(blocks.edge_joint)
+        if name
+    }
+    layers = [*rocks, *joints.values(), *([extras.layer] if extras else [])]
+    _check_layers(layers)
+    for number, layer in enumerate(layers):
         if not document.layers.has_entry(layer):
             document.layers.add(layer, color=COLOURS[number % len(COLOURS)])
     entities = [
-        _polygon(blocks.polygon(block).tolist(), layers[name])
-        for block, name in enumerate(blocks.rock)
+        _polygon(blocks.polygon(block).tolist(), name) for block, name in enumerate(blocks.rock)
     ]
     entities += [_line(start, end, joints[name]) for start, end, name in _joint_lines(blocks)]
-    for one in more:
-        document.layers.get(one.layer).description = one.about
-        entities += [_line(start, end, one.layer) for start, end in one.lines.tolist()]
+    if extras:
+        document.layers.get(extras.layer).description = extras.about
+        entities += [_line(start, end, extras.layer) for start, end in extras.lines.tolist()]
     text = _with_entities(document, entities)
     with replaced(Path(path)) as file:
         file.write(document.encode(text))
@@ -253,17 +254,12 @@ def _braced(text: str) -> str:
     return text.replace("{", "{{").replace("}", "}}")
 
 
-def _joint_layer(name: str) -> str:
-    """Return the layer of a joint's lines, which read_dxf reads again under the same name."""
-    return "JOINTS" if name == DEFAULT_JOINT else f"JOINTS_{name}"
-
-
 def _check_layers(names: Sequence[str]) -> None:
     """Refuse names that layers cannot have, and those that differ only in capitals."""
     seen: dict[str, str] = {}
     for name in names:
         bad = sorted(FORBIDDEN & set(name)) or [c for c in name if not c.isprintable()]
-        if bad or not name.strip() or len(name) > LONGEST_NAME:
+        if bad or not name.strip() or len(name) > 255:
             listed = ", ".join(repr(one) for one in bad[:5])
             raise CaseError(
                 f"'{shortened(name)}' cannot be used as the name of a DXF layer"
@@ -279,16 +275,12 @@ def _check_layers(names: Sequence[str]) -> None:
             )
 
 
-def _joint_lines(blocks: Blocks) -> list[tuple[list[float], list[float], str]]:
+def _joint_lines(blocks: Blocks) -> Iterable[tuple[list[float], list[float], str]]:
     """Return start, end and joint of the edges that have one, those of two blocks once."""
-    after = following(blocks.block_start)
-    seen: set[tuple[tuple[float, ...], tuple[float, ...], str]] = set()
-    lines = []
     at = blocks.vertices.tolist()
-    for k, name in enumerate(blocks.edge_joint):
-        first, second = tuple(at[k]), tuple(at[after[k]])
-        key = (min(first, second), max(first, second), name)
-        if name and key not in seen:
-            seen.add(key)
-            lines.append((at[k], at[after[k]], name))
-    return lines
+    lines: dict[Any, tuple[list[float], list[float], str]] = {}
+    for one, k, name in zip(at, following(blocks.block_start), blocks.edge_joint, strict=True):
+        if name:
+            key = (*sorted((tuple(one), tuple(at[k]))), name)
+            lines.setdefault(key, (one, at[k], name))
+    return lines.values()

@@ -51,13 +51,17 @@ from clast.rockmass.drawings.legacy_words import (
     unit_notes,
 )
 
-GEOMETRY = {
-    "joint": "jointlist",
-    "line": "boundlist matlinelist fixedpointlist",
-    "point": "fixedpointlist loadpointlist measuredpointlist holepointlist",
-    "bolt": "boltlist",
+LISTED = {
+    "jointlist": ("joint",),
+    "boundlist": ("line",),
+    "matlinelist": ("line",),
+    "boltlist": ("bolt",),
+    "fixedpointlist": ("point", "line"),
+    "loadpointlist": ("point",),
+    "measuredpointlist": ("point",),
+    "holepointlist": ("point",),
 }
-"""Elements with coordinates -> the lists that they stand in."""
+"""Lists -> the elements with coordinates in them."""
 MATERIAL = ("unitmass", "unitweight", "youngsmod", "poissonratio")
 STRENGTH = ("friction", "cohesion", "tensile")
 SETTINGS = {
@@ -73,10 +77,16 @@ SETTINGS = {
 }
 """Elements of one value, and their attribute."""
 KNOWN = {*SETTINGS, *MATERIAL, *STRENGTH, "istress", "ivelocity", "istrain", "damping", "loadpoint"}
-WORDS = {"static": 0.0, "dynamic": 1.0}
-"""Analysis types by name."""
-FLAGS = {"1": "strain", "true": "strain", "yes": "strain", "on": "strain"}
-FLAGS |= {"0": "stress", "false": "stress", "no": "stress", "off": "stress"}
+PLANES = {
+    **dict.fromkeys(("1", "true", "yes", "on"), "strain"),
+    **dict.fromkeys(("0", "false", "no", "off"), "stress"),
+}
+REASONS = {
+    "autopenalty": "clast picks the contact stiffness that suits its process",
+    "boltproperties": "give [bolt_kind.NAME] stiffness and yield_force by hand",
+}
+"""Why elements that are known are not taken over."""
+NESTED_ELEMENTS_MAX = 100
 
 
 def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
@@ -86,14 +96,14 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     the line where it is no such file.
     """
     scale, file = check_mass_unit(mass_unit), str(path)
-    root = xml_tree(Path(path))
+    root = _tree(Path(path))
     if root.name != "dda":
         raise CaseError(
             f"its root is {shortened(root.name)}, not DDA",
             where=f"{file}: line {root.line}",
             remedy="give the geometry or the analysis of DDA for Windows",
         )
-    analysis = _analysis(root, file, scale)
+    analysis = _analysis(root, scale)
     left = tuple(_unknown(root))
     if not any(True for name in ("jointlist", "boundlist") for _ in root.all(name)):
         if not analysis.rocks and analysis.step is None:
@@ -101,277 +111,182 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
                 "has no lines and no materials", where=file, remedy="check that it is complete"
             )
         return Drawing(file=file, analysis=analysis, left_out=left)
-    drawing = legacy_drawing(_geometry(root, file, scale))
+    drawing = legacy_drawing(_geometry(root, scale))
     return replace(drawing, analysis=analysis, left_out=(*drawing.left_out, *left))
 
 
-def _geometry(root: Element, file: str, scale: float) -> LegacyGeometry:
+def _geometry(root: Element, scale: float) -> LegacyGeometry:
     """Return the lines and points of the file."""
-    fixed = _rows(root, "fixedpointlist", ("point", "line"), file, (2, 4))
+
+    def rows(group: str, sizes: tuple[int, ...], typed: str = "") -> tuple[NumberRow, ...]:
+        """Return the coordinates of the elements of a list, each of one of the sizes.
+
+        The number of the type of those called ``typed`` follows their coordinates.
+        """
+        names = (typed,) if typed else LISTED[group]
+        elements = [one for part in root.all(group) for one in part.children if one.name in names]
+        values = [one.numbers(one.text) for one in elements]
+        for one, numbers in zip(elements, values, strict=True):
+            if len(numbers) not in sizes:
+                raise one.fault(
+                    f"has {len(numbers)} numbers instead of {' or '.join(map(str, sizes))}",
+                    "give x y for a point, and x1 y1 x2 y2 for a line",
+                )
+        if typed:
+            kinds = [one.number(one.attributes.get("type", ""), "a type") for one in elements]
+            values = [(*row, kind) for row, kind in zip(values, kinds, strict=True)]
+        return tuple(
+            NumberRow(values=row, place=one.place)
+            for row, one in zip(values, elements, strict=True)
+        )
+
     return LegacyGeometry(
-        file=file,
-        node_distance=_one(root, "edgenodedist", file),
-        boundary=_rows(root, "boundlist", ("line",), file, (4, 4)),
-        joints=_typed(root, "jointlist", "joint", file),
-        material_lines=_typed(root, "matlinelist", "line", file),
-        bolts=_rows(root, "boltlist", ("bolt",), file, (4, 7)),
+        file=root.file,
+        node_distance=root.setting("edgenodedist"),
+        boundary=rows("boundlist", (4,)),
+        joints=rows("jointlist", (4,), "joint"),
+        material_lines=rows("matlinelist", (4,), "line"),
+        bolts=rows("boltlist", (4, 7)),
         fixed=tuple(
-            NumberRow(values=(*one.values, *one.values)[:4], place=one.place) for one in fixed
+            NumberRow(values=(*one.values, *one.values)[:4], place=one.place)
+            for one in rows("fixedpointlist", (2, 4))
         ),
-        load_points=_rows(root, "loadpointlist", ("point",), file, (2, 2)),
-        measured_points=_rows(root, "measuredpointlist", ("point",), file, (2, 2)),
-        hole_points=_rows(root, "holepointlist", ("point",), file, (2, 2)),
+        load_points=rows("loadpointlist", (2,)),
+        measured_points=rows("measuredpointlist", (2,)),
+        hole_points=rows("holepointlist", (2,)),
         mass_unit=scale,
     )
 
 
-def _rows(
-    root: Element, group: str, names: tuple[str, ...], file: str, sizes: tuple[int, ...]
-) -> tuple[NumberRow, ...]:
-    """Return the coordinates of the elements of a list, each of one of the sizes."""
-    elements = [one for found in root.all(group) for one in found.children if one.name in names]
-    rows = tuple(NumberRow(values=_numbers(e.text, e, file), place=e.place) for e in elements)
-    wrong = next((row for row in rows if len(row.values) not in sizes), None)
-    if wrong is not None:
-        due = " or ".join(str(size) for size in sorted(set(sizes)))
-        raise CaseError(
-            f"has {len(wrong.values)} numbers instead of {due}",
-            where=f"{file}: {wrong.place}",
-            remedy="give x y for a point, and x1 y1 x2 y2 for a line",
-        )
-    return rows
-
-
-def _typed(root: Element, group: str, name: str, file: str) -> tuple[NumberRow, ...]:
-    """Return lines with the number of their type or material behind their coordinates."""
-    rows = _rows(root, group, (name,), file, (4, 4))
-    elements = [one for found in root.all(group) for one in found.children if one.name == name]
-    return tuple(
-        NumberRow(
-            values=(*row.values, _single(one.attributes.get("type", ""), one, file, "a type")),
-            place=row.place,
-        )
-        for row, one in zip(rows, elements, strict=True)
-    )
-
-
-def _analysis(root: Element, file: str, scale: float) -> Analysis:
+def _analysis(root: Element, scale: float) -> Analysis:
     """Return materials, loads and times of the file."""
     left: list[LeftOut] = []
     notes: list[str] = []
-    materials = list(root.all("blockmaterial"))
-    rocks = tuple(_rock(k, one, file, scale, left) for k, one in enumerate(materials, 1))
-    strengths = list(root.all("jointproperties"))
+    rocks = tuple(_rock(k, one, scale, left) for k, one in enumerate(root.all("blockmaterial"), 1))
     joints = tuple(
-        legacy_joint(k, _values(one, STRENGTH, file), scale) for k, one in enumerate(strengths, 1)
+        legacy_joint(k, one.row(STRENGTH), scale)
+        for k, one in enumerate(root.all("jointproperties"), 1)
     )
-    gravity = _one(root, "gravaccel", file)
+    gravity = root.setting("gravaccel")
     if gravity is not None and gravity < 0.0:
         notes.append(f"Gravaccel {gravity:g} was taken as {-gravity:g} m/s2 downwards")
-    steps = _one(root, "numtimesteps", file)
-    frames = _one(root, "saveinterval", file)
+    steps, frames = root.setting("numtimesteps"), root.setting("saveinterval")
     for what, value in (("Numtimesteps", steps), ("Saveinterval", frames)):
         if value is not None and not (value == round(value) and value > 0):
             remedy = "give a whole number, 1 or more"
-            raise CaseError(f"{what} is {value:g}", where=file, remedy=remedy)
-    step, ratio = _one(root, "maxtimestep", file), _one(root, "maxdisplacement", file)
+            raise CaseError(f"{what} is {value:g}", where=root.file, remedy=remedy)
+    step, ratio = root.setting("maxtimestep"), root.setting("maxdisplacement")
     for what, value in (("Maxtimestep", step), ("Maxdisplacement", ratio)):
         if value is not None and value <= 0.0:
-            raise CaseError(f"{what} is {value:g}", where=file, remedy="give a number above 0")
+            raise CaseError(f"{what} is {value:g}", where=root.file, remedy="give a number above 0")
     return Analysis(
         rocks=rocks,
         joints=joints,
-        dynamic_ratio=_type_of_analysis(root, file),
+        dynamic_ratio=_type_of_analysis(root),
         steps=None if steps is None else int(steps),
         step=step,
         displacement_ratio=ratio,
-        plane=_plane(root, file),
+        plane=_plane(root),
         gravity=None if gravity is None else abs(gravity),
         rotation=_rotation(root, left),
         frame_steps=None if frames is None else int(frames),
-        forces=tuple(_forces(root, file, scale)),
+        forces=tuple(_forces(root, scale)),
         notes=(*notes, *unit_notes(rocks, scale)),
         left_out=tuple(left),
     )
 
 
-def _rock(
-    number: int, material: Element, file: str, scale: float, left: list[LeftOut]
-) -> DrawnRock:
-    """Return a rock, and leave out the rest."""
-    given = _values(material, MATERIAL, file)
-    parts = {name: _several(material, name, file) for name in ("istress", "ivelocity", "istrain")}
+def _rock(number: int, material: Element, scale: float, left: list[LeftOut]) -> DrawnRock:
+    """Return a rock; numbers that clast has no use for are ``left`` out."""
+    given = material.row(MATERIAL)
+    parts = {}
+    for name in ("istress", "ivelocity", "istrain"):
+        element = material.first(name)
+        parts[name] = (0.0, 0.0, 0.0) if element is None else element.numbers(element.written)
+        if element is not None and len(parts[name]) != 3:
+            raise element.fault(
+                f"has {len(parts[name])} numbers instead of 3",
+                "give the components 11 22 12, or u v omega",
+            )
     for name in ("istrain", "damping"):
         for one in material.all(name):
-            if any(_numbers(_written(one), one, file)):
+            if any(one.numbers(one.written)):
                 reason = "clast has no such property of a rock"
-                what = f"{name} {_written(one)} of block material {number}"
+                what = f"{name} {one.written} of block material {number}"
                 left.append(LeftOut(what=what, place=one.place, reason=reason))
     values = (*given.values, *parts["istress"], *parts["ivelocity"])
     return legacy_rock(number, NumberRow(values=values, place=given.place), scale)
 
 
-def _several(material: Element, name: str, file: str) -> tuple[float, ...]:
-    """Return the three numbers of an element, zeros where there is none."""
-    found = next(material.all(name), None)
-    if found is None:
-        return (0.0, 0.0, 0.0)
-    values = _numbers(_written(found), found, file)
-    if len(values) != 3:
-        remedy = "give the components 11 22 12, or u v omega"
-        raise CaseError(
-            f"has {len(values)} numbers instead of 3",
-            where=f"{file}: {found.place}",
-            remedy=remedy,
-        )
-    return values
-
-
-def _values(parent: Element, names: tuple[str, ...], file: str) -> NumberRow:
-    """Return one number for each name among the children of an element."""
-    values = []
-    for name in names:
-        found = next(parent.all(name), None)
-        if found is None:
-            have = ", ".join(child.name for child in parent.children) or "nothing"
-            raise CaseError(
-                f"has no {name}", where=f"{file}: {parent.place}", remedy=f"it has {have}"
-            )
-        values.append(_single(_written(found), found, file))
-    return NumberRow(values=tuple(values), place=parent.place)
-
-
-def _type_of_analysis(root: Element, file: str) -> float | None:
-    found = next(root.all("analysistype"), None)
-    if found is None:
+def _type_of_analysis(root: Element) -> float | None:
+    element = root.first("analysistype")
+    if element is None:
         return None
-    word = found.value("type").casefold()
-    value = WORDS.get(word, number_of(word))
+    word = element.value("type").casefold()
+    value = {"static": 0.0, "dynamic": 1.0}.get(word, number_of(word))
     if value is None or not 0.0 <= value <= 1.0:
-        remedy = "give static, dynamic, or 0 to 1"
-        raise CaseError(
-            f"'{shortened(word)}' is not a type of analysis",
-            where=f"{file}: {found.place}",
-            remedy=remedy,
-        )
+        what = f"'{shortened(word)}' is not a type of analysis"
+        raise element.fault(what, "give static, dynamic, or 0 to 1")
     return value
 
 
-def _plane(root: Element, file: str) -> str | None:
-    found = next(root.all("planestrain"), None)
-    if found is None:
+def _plane(root: Element) -> str | None:
+    element = root.first("planestrain")
+    if element is None:
         return None
-    word = found.value("flag").casefold()
-    if word not in FLAGS:
-        raise CaseError(
-            f"'{shortened(word)}' is neither 1 nor 0",
-            where=f"{file}: {found.place}",
-            remedy="give 1 for plane strain, 0 for plane stress",
-        )
-    return FLAGS[word]
+    word = element.value("flag").casefold()
+    if word not in PLANES:
+        what = f"'{shortened(word)}' is neither 1 nor 0"
+        raise element.fault(what, "give 1 for plane strain, 0 for plane stress")
+    return PLANES[word]
 
 
 def _rotation(root: Element, left: list[LeftOut]) -> str | None:
-    """Return the rotation where clast has it, and leave it out where not."""
-    found = next(root.all("rotation"), None)
-    word = "" if found is None else found.value("type").casefold()
-    if found is None or word in ("linear", "exact"):
+    """Return the rotation where clast has it, else leave it out."""
+    element = root.first("rotation")
+    word = "" if element is None else element.value("type").casefold()
+    if element is None or word in ("linear", "exact"):
         return word or None
     what = f"Rotation {shortened(word)}"
-    left.append(LeftOut(what=what, place=found.place, reason="clast keeps its own rotation"))
+    left.append(LeftOut(what=what, place=element.place, reason="clast keeps its own rotation"))
     return None
 
 
-def _forces(root: Element, file: str, scale: float) -> Iterator[PointForce]:
-    """Yield the forces at load points: t fx fy, parted by semicolons."""
+def _forces(root: Element, scale: float) -> Iterator[PointForce]:
+    """Yield the forces at load points: t fx fy, separated by semicolons."""
+    remedy = "separate instants by semicolons: t fx fy; t fx fy"
     for number, element in enumerate(root.all("loadpoint"), 1):
         entries = [entry for entry in element.text.split(";") if entry.strip()]
-        due = number_of(element.attributes.get("numpoints", str(len(entries))))
-        if due != len(entries):
-            raise CaseError(
-                f"has {len(entries)} instants, but numpoints is "
-                f"{shortened(element.attributes.get('numpoints', ''))}",
-                where=f"{file}: {element.place}",
-                remedy="separate instants by semicolons: t fx fy; t fx fy",
-            )
+        announced = element.attributes.get("numpoints", str(len(entries)))
+        if number_of(announced) != len(entries):
+            what = f"has {len(entries)} instants, but numpoints is {shortened(announced)}"
+            raise element.fault(what, remedy)
         for entry in entries:
-            values = _numbers(entry, element, file)
+            values = element.numbers(entry)
             if len(values) != 3:
-                raise CaseError(
-                    f"'{shortened(entry.strip())}' is not t fx fy",
-                    where=f"{file}: {element.place}",
-                    remedy="separate instants by semicolons: t fx fy; t fx fy",
-                )
+                raise element.fault(f"'{shortened(entry.strip())}' is not t fx fy", remedy)
             force = (values[1] * scale, values[2] * scale)
             yield PointForce(point=number, time=values[0], force=force, place=element.place)
 
 
-def _one(root: Element, name: str, file: str) -> float | None:
-    """Return the number of an element of the file, None where there is no such element."""
-    found = next(root.all(name), None)
-    return None if found is None else _single(found.value(SETTINGS[name]), found, file)
-
-
-def _single(written: str, element: Element, file: str, what: str = "it") -> float:
-    """Return the one number that is written, or say how many there are."""
-    values = _numbers(written, element, file)
-    if len(values) != 1:
-        raise CaseError(
-            f"has {len(values)} numbers instead of one",
-            where=f"{file}: {element.place}",
-            remedy=f"give {what} as one number",
-        )
-    return values[0]
-
-
-def _written(element: Element) -> str:
-    """Return the text of an element or, where it has none, its first attribute."""
-    return element.text or next(iter(element.attributes.values()), "")
-
-
-def _numbers(written: str, element: Element, file: str) -> tuple[float, ...]:
-    """Return numbers separated by spaces or commas, or say which is none."""
-    values = []
-    for word in written.replace(",", " ").split():
-        value = number_of(word)
-        if value is None:
-            raise CaseError(
-                f"{mistyped(word)} is not a number",
-                where=f"{file}: {element.place}",
-                remedy="write numbers such as 12.5, separated by spaces",
-            )
-        values.append(value)
-    return tuple(values)
-
-
 def _unknown(root: Element) -> Iterator[LeftOut]:
-    """Yield the elements that say something which is not read."""
+    """Yield the elements with a content that is not read."""
     for child in root.children:
         if child.children:
             yield from _unknown(child)
-        is_known = child.name in KNOWN or root.name in GEOMETRY.get(child.name, "").split()
-        says = " ".join([*(f"{k}={v}" for k, v in child.attributes.items()), child.text]).strip()
-        if not is_known and says and not (child.children and not child.text):
+        is_known = child.name in KNOWN or child.name in LISTED.get(root.name, ())
+        content = " ".join([*(f"{k}={v}" for k, v in child.attributes.items()), child.text]).strip()
+        if not is_known and content and not (child.children and not child.text):
             reason = REASONS.get(child.name, "the element is not read")
-            what = f"{child.name} {shortened(says, 100)}"
+            what = f"{child.name} {shortened(content, 100)}"
             yield LeftOut(what=what, place=child.place, reason=reason)
-
-
-REASONS = {
-    "autopenalty": "clast picks the contact stiffness that suits its process",
-    "boltproperties": "give [bolt_kind.NAME] stiffness and yield_force by hand",
-}
-"""Why elements that are known are not taken over."""
-
-
-DEEPEST = 100
-"""Most elements within elements."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Element:
     """An element; names are local and in small letters."""
 
+    file: str
     name: str
     attributes: dict[str, str]
     line: int
@@ -385,8 +300,17 @@ class Element:
 
     @property
     def text(self) -> str:
-        """Return its own text."""
+        """Return its text without that of elements in it."""
         return " ".join("".join(self.texts).split())
+
+    @property
+    def written(self) -> str:
+        """Return its text or, where it has none, its first attribute."""
+        return self.text or next(iter(self.attributes.values()), "")
+
+    def fault(self, what: str, remedy: str) -> CaseError:
+        """Return the error of a fault in it."""
+        return CaseError(what, where=f"{self.file}: {self.place}", remedy=remedy)
 
     def all(self, name: str) -> Iterator[Element]:
         """Yield the elements with that name below this one, in their order."""
@@ -395,21 +319,82 @@ class Element:
                 yield child
             yield from child.all(name)
 
+    def first(self, name: str) -> Element | None:
+        """Return the first element with that name below this one."""
+        return next(self.all(name), None)
+
     def value(self, attribute: str) -> str:
         """Return an attribute or, where it is missing, the element's text."""
         return self.attributes.get(attribute, self.text).strip()
 
+    def numbers(self, written: str) -> tuple[float, ...]:
+        """Return numbers of it separated by spaces or commas; CaseError for other words."""
+        values = []
+        for word in written.replace(",", " ").split():
+            value = number_of(word)
+            if value is None:
+                remedy = "write numbers such as 12.5, separated by spaces"
+                raise self.fault(f"{mistyped(word)} is not a number", remedy)
+            values.append(value)
+        return tuple(values)
 
-def xml_tree(path: Path) -> Element:
+    def number(self, written: str, what: str = "it") -> float:
+        """Return the one number that is written in it; CaseError where there are others."""
+        values = self.numbers(written)
+        if len(values) != 1:
+            raise self.fault(
+                f"has {len(values)} numbers instead of one", f"give {what} as one number"
+            )
+        return values[0]
+
+    def row(self, names: tuple[str, ...]) -> NumberRow:
+        """Return one number for each name of an element below it."""
+        values = []
+        for name in names:
+            element = self.first(name)
+            if element is None:
+                have = ", ".join(child.name for child in self.children) or "nothing"
+                raise self.fault(f"has no {name}", f"it has {have}")
+            values.append(element.number(element.written))
+        return NumberRow(values=tuple(values), place=self.place)
+
+    def setting(self, name: str) -> float | None:
+        """Return the number of an element below it, None where there is no such element."""
+        element = self.first(name)
+        return None if element is None else element.number(element.value(SETTINGS[name]))
+
+
+def _tree(path: Path) -> Element:
     """Return the root element of an XML file.
 
-    Raises CaseError with the line where it is not XML, and for document types, which can make a
-    small file grow without bound or read other files.
+    Document types are refused: they can make a small file grow without bound or read other files.
     """
-    content = checked_file(path).read_bytes()
-    builder = _Builder(str(path))
+    file, parser = str(path), expat.ParserCreate(namespace_separator=" ")
+    above: list[Element] = [Element(file=file, name="", attributes={}, line=0)]
+    document = above[0]
+
+    def refuse(*_: Any) -> None:
+        raise CaseError(
+            "declares a document type or an entity, which are not read",
+            where=f"{file}: line {parser.CurrentLineNumber}",
+            remedy="remove <!DOCTYPE ...> and replace entities by their text",
+        )
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        line = parser.CurrentLineNumber
+        if len(above) > NESTED_ELEMENTS_MAX:
+            raise CaseError("is nested too deeply", where=f"{file}: line {line}")
+        local = {_local(key): value for key, value in attributes.items()}
+        element = Element(file=file, name=_local(name), attributes=local, line=line)
+        above[-1].children.append(element)
+        above.append(element)
+
+    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _: above.pop()
+    parser.CharacterDataHandler = lambda text: above[-1].texts.append(text)
     try:
-        builder.parser.Parse(content, True)
+        parser.Parse(checked_file(path).read_bytes(), True)
     except expat.ExpatError as error:
         raise CaseError(
             f"is not XML: {expat.ErrorString(error.code)}",
@@ -417,51 +402,8 @@ def xml_tree(path: Path) -> Element:
             remedy="check that the file is complete",
         ) from None
     except (ValueError, LookupError) as error:  # an encoding that nobody knows
-        raise CaseError(f"is not XML: {shortened(str(error), 100)}", where=str(path)) from None
-    if builder.root is None:
-        raise CaseError("has no element", where=str(path))
-    return builder.root
-
-
-class _Builder:
-    """Puts the tree together while expat reads."""
-
-    def __init__(self, file: str) -> None:
-        self.file = file
-        self.root: Element | None = None
-        self._open: list[Element] = []
-        self.parser: Any = expat.ParserCreate(namespace_separator=" ")
-        self.parser.StartDoctypeDeclHandler = self._refuse
-        self.parser.EntityDeclHandler = self._refuse
-        self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = self._end
-        self.parser.CharacterDataHandler = self._text
-
-    def _refuse(self, *_: Any) -> None:
-        raise CaseError(
-            "declares a document type or an entity, which are not read",
-            where=f"{self.file}: line {self.parser.CurrentLineNumber}",
-            remedy="remove <!DOCTYPE ...> and replace entities by their text",
-        )
-
-    def _start(self, name: str, attributes: dict[str, str]) -> None:
-        line = self.parser.CurrentLineNumber
-        if len(self._open) >= DEEPEST:
-            raise CaseError("is nested too deeply", where=f"{self.file}: line {line}")
-        own = {_local(key): value for key, value in attributes.items()}
-        element = Element(name=_local(name), attributes=own, line=line)
-        if self._open:
-            self._open[-1].children.append(element)
-        else:
-            self.root = element
-        self._open.append(element)
-
-    def _end(self, _: str) -> None:
-        self._open.pop()
-
-    def _text(self, text: str) -> None:
-        if self._open:
-            self._open[-1].texts.append(text)
+        raise CaseError(f"is not XML: {shortened(str(error), 100)}", where=file) from None
+    return document.children[0]
 
 
 def _local(name: str) -> str:

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from clast.model.arrays import Floats
 
 DEFAULT_JOINT = "default"
 """Joint of lines that name none: the strength [joint.default] of a case."""

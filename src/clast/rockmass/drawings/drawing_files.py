@@ -18,8 +18,8 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 """Beginnings of texts that spreadsheets take for formulas."""
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[-+]?[0-9]+)?|[-+](inf|nan)", re.IGNORECASE)
 """A number as a text, which is no formula."""
-LARGEST_FILE = 500_000_000
-"""Drawings above this size are not read, bytes."""
+FILE_BYTES_MAX = 500_000_000
+"""Drawings above this size are not read."""
 
 
 def checked_file(path: Path) -> Path:
@@ -35,7 +35,7 @@ def checked_file(path: Path) -> Path:
                 where=where,
                 remedy="write its content into a file first",
             )
-        if status.st_size > LARGEST_FILE:
+        if status.st_size > FILE_BYTES_MAX:
             raise CaseError(
                 f"has {status.st_size:.3g} bytes, more than a drawing should have",
                 where=where,
@@ -161,13 +161,11 @@ def _check_target(real: Path, path: Path) -> None:
 
 
 PLAIN_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
-LARGEST_NUMBER = 1e20
-"""Largest number that is believed."""
 
 
 def number_of(word: str) -> float | None:
-    """Return the number that a word is, of at most LARGEST_NUMBER, or None; d may stand for e."""
+    """Return the number that a word is, of a size of at most 1e20, or None; d may stand for e."""
     if not PLAIN_NUMBER.fullmatch(word):
         return None
     value = float(re.sub("[dD]", "e", word))
-    return value if abs(value) <= LARGEST_NUMBER else None
+    return value if abs(value) <= 1e20 else None

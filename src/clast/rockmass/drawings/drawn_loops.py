@@ -8,18 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from clast.errors import CaseError
-from clast.model.arrays import connected
-from clast.rockmass.drawings.drawing import Floats, Polyline
+from clast.model.arrays import Floats, Ints, connected
+from clast.rockmass.drawings.drawing import Polyline
 
-Ints = NDArray[np.int64]
 CLOSURE = 1e-5
-"""Gap between ends of lines that still meet, as a share of the drawing's diagonal."""
-INSIDE = 1e-7
-"""Distance from an outline within which a line lies along it, as a share of its length."""
+"""Gap between ends of lines that still meet, over the drawing's diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,14 +39,6 @@ class Loop:
     place: str
     """Where its lines stand in the file."""
     notes: tuple[str, ...] = ()
-
-
-def closure_of(lines: Sequence[Floats], given: float | None) -> float:
-    """Return the largest gap between ends that meet, m: as given, or CLOSURE of the size."""
-    if given is not None:
-        return given
-    corners = np.vstack([line for line in lines if len(line)] or [np.zeros((1, 2))])
-    return CLOSURE * float(np.hypot(*np.ptp(corners, axis=0)))
 
 
 def loops_of(lines: Sequence[DrawnLine], tolerance: float, file: str) -> list[Loop]:
@@ -98,19 +86,13 @@ def _loop(points: Floats, place: str, gap: float, tolerance: float) -> Loop:
 
 def _drawn_once(lines: Sequence[DrawnLine], tolerance: float) -> list[DrawnLine]:
     """Return the lines without those of two points that lie on an earlier one."""
-    kept: list[DrawnLine] = []
-    seen: set[tuple[tuple[int, int], ...]] = set()
+    kept: dict[object, DrawnLine] = {}
     largest = max((float(np.abs(line.points).max()) for line in lines), default=0.0)
     grid = max(tolerance, 1e-12 * largest)
-    for line in lines:
-        cells = [(int(x), int(y)) for x, y in np.round(line.points[[0, -1]] / grid)]
-        key = tuple(sorted(cells))
-        if len(line.points) == 2 and key in seen:
-            continue
-        if len(line.points) == 2:
-            seen.add(key)
-        kept.append(line)
-    return kept
+    for number, line in enumerate(lines):
+        cells = sorted((int(x), int(y)) for x, y in np.round(line.points[[0, -1]] / grid))
+        kept.setdefault(tuple(cells) if len(line.points) == 2 else number, line)
+    return list(kept.values())
 
 
 def _joined(lines: Sequence[DrawnLine], tolerance: float, file: str) -> list[Loop]:
@@ -135,19 +117,29 @@ def _joined(lines: Sequence[DrawnLine], tolerance: float, file: str) -> list[Loo
 
 
 def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: str) -> Ints:
-    """Return the end that each end meets, shape (n,), or say where one meets none or several."""
-    tree = cKDTree(ends)
-    pairs = tree.query_pairs(tolerance, output_type="ndarray")
+    """Return the end that each end meets, shape (n,); CaseError where one meets none or several."""
+    pairs = cKDTree(ends).query_pairs(tolerance, output_type="ndarray")
     label = connected(pairs[:, 0], pairs[:, 1], len(ends))
-    size = np.bincount(label)
-    alone = np.flatnonzero(size[label] == 1).astype(np.int64)
+    size = np.bincount(label)[label]
+    alone = np.flatnonzero(size == 1)
     if len(alone):
-        raise _open_end(ends, alone, lines, tolerance, file)
-    many = np.flatnonzero(size[label] > 2).tolist()
-    if len(many):
-        here = np.flatnonzero(label == label[many[0]]).tolist()
+        # The narrowest gap is named.
+        end, gap, to = int(alone[0]), np.inf, ""
+        if len(alone) > 1:
+            distance, nearest = cKDTree(ends[alone]).query(ends[alone], k=2)
+            narrow = int(np.argmin(distance[:, 1]))
+            end, other = int(alone[narrow]), int(alone[nearest[narrow, 1]])
+            gap = distance[narrow, 1]
+            to = f" to {point(ends[other])}, {lines[other // 2].place}"
         raise CaseError(
-            f"{len(here)} ends of lines meet at {point(ends[many[0]])}",
+            f"the outline is not closed: a gap of {gap:.4g} m from {point(ends[end])}{to}",
+            where=f"{file}: {lines[end // 2].place}",
+            remedy=f"close it, or join ends farther apart than {tolerance:.3g} m by tolerance=",
+        )
+    for many in np.flatnonzero(size > 2)[:1]:
+        here = np.flatnonzero(label == label[many]).tolist()
+        raise CaseError(
+            f"{len(here)} ends of lines meet at {point(ends[many])}",
             where=f"{file}: {_listed([lines[k // 2].place for k in here])}",
             remedy="an outline has two at each corner: move other lines to another layer",
         )
@@ -155,23 +147,6 @@ def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: 
     partner = np.empty(len(ends), np.int64)
     partner[order[:, 0]], partner[order[:, 1]] = order[:, 1], order[:, 0]
     return partner
-
-
-def _open_end(
-    ends: Floats, alone: Ints, lines: Sequence[DrawnLine], tolerance: float, file: str
-) -> CaseError:
-    """Return the error of an outline that is not closed: the narrowest gap first."""
-    end, gap, other = int(alone[0]), np.inf, -1
-    if len(alone) > 1:
-        distance, nearest = cKDTree(ends[alone]).query(ends[alone], k=2)
-        narrow = int(np.argmin(distance[:, 1]))
-        end, other, gap = int(alone[narrow]), int(alone[nearest[narrow, 1]]), distance[narrow, 1]
-    between = f" to {point(ends[other])}, {lines[other // 2].place}" if other >= 0 else ""
-    return CaseError(
-        f"the outline is not closed: a gap of {gap:.4g} m from {point(ends[end])}{between}",
-        where=f"{file}: {lines[end // 2].place}",
-        remedy=f"close it, or join ends farther apart than {tolerance:.3g} m by tolerance=",
-    )
 
 
 def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
@@ -187,9 +162,8 @@ def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
         )
     shape = shapely.Polygon(points)
     if not shape.is_valid:
-        reason = shapely.is_valid_reason(shape)
-        found = re.search(r"\[(\S+) (\S+)\]", reason)
-        at = f" at ({float(found[1]):.6g}, {float(found[2]):.6g}) m" if found else ""
+        place = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(shape))
+        at = f" at {point([float(place[1]), float(place[2])])}" if place else ""
         raise CaseError(
             f"{what} crosses or touches itself{at}",
             where=where,
@@ -210,7 +184,13 @@ def outline_of_lines(
     cutting.  Faces inside are those without a hole, where there is more than one face.  All lines
     are lengthened by ``reach``, m, so that ends which just miss another line meet it.
     """
-    longer = [_lengthened(line, reach) for line in lines if len(line) > 1]
+    drawn = [line for line in lines if len(line) > 1]
+    longer = [line.copy() for line in drawn]
+    for line, before in zip(longer, drawn, strict=True) if reach else ():
+        for end, beside in ((0, 1), (-1, -2)):
+            away = before[end] - before[beside]
+            size = float(np.hypot(*away))
+            line[end] += reach * away / size if size > 0.0 else 0.0
     merged = shapely.unary_union([shapely.LineString(line) for line in longer])
     faces = [face for face in shapely.polygonize([merged]).geoms if face.area > 0.0]
     if not faces:
@@ -228,10 +208,10 @@ def cutting(
 ) -> tuple[list[Polyline], list[Polyline]]:
     """Return the traces with a part inside of the boundary and outside of voids, and the others.
 
-    A part counts from INSIDE of the domain's size on: a line along an outline is not inside.
+    A part counts from 1e-7 of the length of the boundary on: a line along it is not inside.
     """
     domain = shapely.Polygon(boundary)
-    reach = INSIDE * domain.length
+    reach = 1e-7 * domain.length
     holes = shapely.unary_union([shapely.Polygon(void).buffer(reach) for void in voids])
     inner = shapely.difference(domain.buffer(-reach), holes)
     shapely.prepare(inner)
@@ -248,25 +228,13 @@ def lengthened(reach: float) -> str:
     return f"lines were extended by {reach:.3g} m at both ends, to close the domain"
 
 
-def _lengthened(line: Floats, reach: float) -> Floats:
-    """Return a line that goes on straight for ``reach``, m, at both ends."""
-    if reach == 0.0:
-        return line
-    longer = line.copy()
-    for end, beside in ((0, 1), (-1, -2)):
-        away = line[end] - line[beside]
-        size = float(np.hypot(*away))
-        longer[end] += reach * away / size if size > 0.0 else 0.0
-    return longer
-
-
 def _counter_clockwise(face: shapely.Polygon) -> Floats:
     """Return the corners of a face counter-clockwise, the first not repeated, shape (n, 2)."""
     corners = np.array(face.exterior.coords)[:-1]
     return corners if face.exterior.is_ccw else np.ascontiguousarray(corners[::-1])
 
 
-def point(at: Floats) -> str:
+def point(at: Floats | Sequence[float]) -> str:
     """Return a place as messages write it."""
     return f"({at[0]:.6g}, {at[1]:.6g}) m"
 

@@ -17,26 +17,26 @@ The layers, in capitals or not:
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from clast.errors import CaseError
+from clast.model.arrays import Floats
 from clast.rockmass.drawings.drawing import (
     DEFAULT_JOINT,
     Drawing,
     DrawnOutline,
-    Floats,
     LeftOut,
     Polyline,
     Segment,
     Spot,
 )
 from clast.rockmass.drawings.drawn_loops import (
+    CLOSURE,
     DrawnLine,
-    closure_of,
     cutting,
     lengthened,
     loops_of,
@@ -51,8 +51,6 @@ ROLES = ("boundary", "joints", "openings", "regions", "bolts", "fixed")
 """First words of the layers that are read."""
 NAMED = ("joints", "openings", "regions", "bolts")
 """Those that may be followed by _name."""
-FLAT = 1e-6
-"""Largest difference of heights in a plane drawing, as a share of its diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,9 +76,14 @@ class DxfReading:
 class MissingLayer(CaseError):
     """A DXF file without the layer that is asked for; ``layers`` are those it has."""
 
-    def __init__(self, what: str, *, where: str, remedy: str, layers: tuple[str, ...]) -> None:
-        self.layers = layers
-        super().__init__(what, where=where, remedy=remedy)
+    def __init__(self, content: DxfContent, path: Path, layer: str, remedy: str) -> None:
+        self.layers = content.layers
+        listed = ", ".join(content.layers[:20]) if content.layers else "none: nothing is drawn"
+        super().__init__(
+            f"nothing is drawn on a layer {layer}",
+            where=str(path),
+            remedy=f"{remedy}; the layers are: {listed}",
+        )
 
 
 def role_of(layer: str) -> tuple[str, str]:
@@ -102,7 +105,7 @@ def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
     path, reading = Path(path), reading or DxfReading()
     content = dxf_content(path, lambda name: bool(role_of(name)[0]), reading.unit, reading.sagitta)
     if not any(role_of(layer)[0] == "boundary" for layer in content.layers):
-        raise _no_layer(
+        raise MissingLayer(
             content,
             path,
             "BOUNDARY",
@@ -168,19 +171,20 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
             collected.spot(piece, piece.text.strip().upper())
         else:
             what = f"{piece.kind} {piece.text!r}" if piece.text else piece.kind
-            collected.leave(piece, what, "the convention of DDA for Windows has no use for it")
+            reason = "the convention of DDA for Windows has no use for it"
+            collected.left_out.append(piece.left_out(what, reason))
     lines = [trace.points for trace in collected.traces]
-    found = outline_of_lines(lines)
-    if found is None and collected.tolerance > 0.0:
-        found = outline_of_lines(lines, collected.tolerance)
+    outline = outline_of_lines(lines)
+    if outline is None and collected.tolerance > 0.0:
+        outline = outline_of_lines(lines, collected.tolerance)
         collected.notes.append(lengthened(collected.tolerance))
-    if found is None:
+    if outline is None:
         raise CaseError(
             "its lines enclose no area, or several that do not touch",
             where=str(path),
             remedy="draw the outline of the domain as lines that meet or cross at its corners",
         )
-    collected.traces, along = cutting(collected.traces, found[0], [])
+    collected.traces, along = cutting(collected.traces, outline[0], [])
     collected.left_out += [
         LeftOut(
             what=f"{line.joint} from {point(line.points[0])} to {point(line.points[-1])}",
@@ -189,7 +193,7 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
         )
         for line in along
     ]
-    return collected.drawing(found[0])
+    return collected.drawing(outline[0])
 
 
 def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
@@ -199,7 +203,7 @@ def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
         path, lambda name: name.strip().casefold() == asked, reading.unit, reading.sagitta
     )
     if not any(name.strip().casefold() == asked for name in content.layers):
-        raise _no_layer(content, path, layer, "name one of these layers")
+        raise MissingLayer(content, path, layer, "name one of these layers")
     return _Collected(path, content, reading)
 
 
@@ -211,16 +215,6 @@ def _refuse_left_out(collected: _Collected) -> None:
             where=f"{collected.path}: {one.place}",
             remedy="put it on another layer",
         )
-
-
-def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> MissingLayer:
-    listed = ", ".join(content.layers[:20]) if content.layers else "none: nothing is drawn"
-    return MissingLayer(
-        f"nothing is drawn on a layer {layer}",
-        where=str(path),
-        remedy=f"{remedy}; the layers are: {listed}",
-        layers=content.layers,
-    )
 
 
 @dataclass(eq=False)
@@ -242,62 +236,58 @@ class _Collected:
     def __post_init__(self) -> None:
         self.notes += self.content.notes
         self.left_out += self.content.left_out
-        self.notes += _plane(self.content, self.path)
-        self.tolerance = closure_of(
-            [self.flat(piece) for piece in self.content.pieces], self.reading.tolerance
-        )
+        self.notes += _dropped_height(self.content, self.path)
+        corners = np.vstack([np.zeros((0, 2)), *map(self.content.flat, self.content.pieces)])
+        size = float(np.hypot(*np.ptp(corners, axis=0))) if len(corners) else 0.0
+        given = self.reading.tolerance
+        self.tolerance = CLOSURE * size if given is None else given
 
-    def flat(self, piece: Piece) -> Floats:
-        """Return the points of a piece, m, shape (n, 2)."""
-        return piece.points[:, :2] * self.content.unit
-
-    def leave(self, piece: Piece, what: str, reason: str) -> None:
+    def leave(self, piece: Piece, reason: str) -> None:
         """Leave a piece out, with the reason."""
-        place = f"{piece.place} on layer {piece.layer}"
-        self.left_out.append(LeftOut(what=what, place=place, reason=reason))
+        self.left_out.append(piece.left_out(piece.kind, reason))
 
     def trace(self, piece: Piece, name: str) -> None:
         """Take a piece as a joint; a closed one returns to its first point."""
-        points = self.flat(piece)
+        points = self.content.flat(piece)
         if piece.closed and len(points):
             points = np.vstack([points, points[:1]])
         points = without_repeats(points, 0.0)
         if len(points) < 2:
-            self.leave(piece, piece.kind, "a joint is a line of some length")
+            self.leave(piece, "a joint is a line of some length")
             return
         self.traces.append(Polyline(points=points, joint=name or DEFAULT_JOINT, place=piece.place))
 
     def outlined(self, piece: Piece, role: str, name: str) -> None:
         """Take a piece as an outline, or as a part of one."""
         if len(piece.points) < 2:
-            self.leave(piece, piece.kind, "an outline is drawn by lines")
+            self.leave(piece, "an outline is drawn by lines")
             return
-        line = DrawnLine(points=self.flat(piece), closed=piece.closed, place=piece.place)
+        line = DrawnLine(points=self.content.flat(piece), closed=piece.closed, place=piece.place)
         self.lines.setdefault((role, name), []).append(line)
 
     def region(self, piece: Piece, name: str) -> None:
         """Take a piece as the outline of a region, whose layer must name a rock."""
-        if not name:
-            self.leave(piece, piece.kind, "the layer does not name the rock: REGIONS_rock")
-            return
-        self.outlined(piece, "regions", name)
+        if name:
+            self.outlined(piece, "regions", name)
+        else:
+            self.leave(piece, "the layer does not name the rock: REGIONS_rock")
 
     def bolt(self, piece: Piece, name: str) -> None:
         """Take a straight line as a bolt."""
-        points = self.flat(piece)
+        points = self.content.flat(piece)
         if len(points) != 2 or piece.closed or not np.ptp(points, axis=0).any():
-            self.leave(piece, piece.kind, "a bolt is a straight line from its head to its end")
+            self.leave(piece, "a bolt is a straight line from its head to its end")
             return
         self.bolts.append(Segment(name=name or "bolt", ends=points, place=piece.place))
 
     def held(self, piece: Piece, _: str) -> None:
         """Take a point as a fixed one, a line as one along which blocks are held."""
-        points = self.flat(piece)
+        points = self.content.flat(piece)
         if piece.kind == "POINT":
             self.spot(piece, "F")
             return
         if piece.kind not in ("LINE", "LWPOLYLINE", "POLYLINE"):
-            self.leave(piece, piece.kind, "draw fixed points as POINT, and lines of them as LINE")
+            self.leave(piece, "draw fixed points as POINT, and lines of them as LINE")
             return
         if piece.closed:
             points = np.vstack([points, points[:1]])
@@ -308,32 +298,45 @@ class _Collected:
 
     def spot(self, piece: Piece, letter: str) -> None:
         """Take the place of a piece as a point: F fixed, L load, M measured, H hole."""
-        found = self.spots[letter]
-        name = f"{letter}{len(found) + 1}"
-        found.append(Spot(name=name, at=self.flat(piece)[0], place=piece.place))
+        spots = self.spots[letter]
+        at = self.content.flat(piece)[0]
+        spots.append(Spot(name=f"{letter}{len(spots) + 1}", at=at, place=piece.place))
 
     def outlines(self) -> dict[tuple[str, str], list[DrawnOutline]]:
         """Return the closed outlines by role and name, counter-clockwise."""
-        found: dict[tuple[str, str], list[DrawnOutline]] = {}
+        outlines: dict[tuple[str, str], list[DrawnOutline]] = {}
         for (role, name), lines in self.lines.items():
             for loop in loops_of(lines, self.tolerance, str(self.path)):
                 points, notes = ring(loop, "the outline", str(self.path))
                 self.notes += notes
                 one = DrawnOutline(name=name, points=points, place=loop.place)
-                found.setdefault((role, name), []).append(one)
-        return found
+                outlines.setdefault((role, name), []).append(one)
+        return outlines
 
     def drawing(self, boundary: Floats | None = None) -> Drawing:
         """Return all that was collected; the boundary is that of its layer if not given."""
         outlines = self.outlines()
         if boundary is None:
-            boundary = self._boundary(outlines.pop(("boundary", ""), []))
+            rims = outlines.pop(("boundary", ""), [])
+            if len(rims) != 1:
+                corners = "; ".join(f"{one.place} at {point(one.points[0])}" for one in rims[:3])
+                raise CaseError(
+                    f"the layer BOUNDARY has {len(rims)} outlines, not one"
+                    + f": {corners}" * bool(rims),
+                    where=str(self.path),
+                    remedy="put outlines of openings on OPENINGS, and keep one domain",
+                )
+            boundary = rims[0].points
+
+        def of_role(role: str) -> list[DrawnOutline]:
+            return [one for key, group in outlines.items() if key[0] == role for one in group]
+
         return Drawing(
             file=str(self.path),
             boundary=boundary,
             traces=tuple(self.traces),
-            openings=tuple(_numbered(_of("openings", outlines), "opening")),
-            regions=tuple(_of("regions", outlines)),
+            openings=tuple(_numbered(of_role("openings"))),
+            regions=tuple(of_role("regions")),
             bolts=tuple(self.bolts),
             fixed_points=tuple(self.spots["F"]),
             fixed_lines=tuple(self.fixed_lines),
@@ -346,21 +349,11 @@ class _Collected:
             left_out=(*self.left_out, *self.content.elsewhere),
         )
 
-    def _boundary(self, found: Sequence[DrawnOutline]) -> Floats:
-        if len(found) == 1:
-            return found[0].points
-        corners = "; ".join(f"{one.place} at {point(one.points[0])}" for one in found[:3])
-        raise CaseError(
-            f"the layer BOUNDARY has {len(found)} outlines, not one" + f": {corners}" * bool(found),
-            where=str(self.path),
-            remedy="put outlines of openings on OPENINGS, and keep one domain",
-        )
-
 
 TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
-    "boundary": lambda found, piece, name: found.outlined(piece, "boundary", name),
+    "boundary": lambda collected, piece, name: collected.outlined(piece, "boundary", name),
     "joints": _Collected.trace,
-    "openings": lambda found, piece, name: found.outlined(piece, "openings", name),
+    "openings": lambda collected, piece, name: collected.outlined(piece, "openings", name),
     "regions": _Collected.region,
     "bolts": _Collected.bolt,
     "fixed": _Collected.held,
@@ -368,37 +361,29 @@ TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
 """The handling of an entity on the layers of each role."""
 
 
-def _of(role: str, outlines: dict[tuple[str, str], list[DrawnOutline]]) -> list[DrawnOutline]:
-    return [one for key, group in outlines.items() if key[0] == role for one in group]
-
-
-def _numbered(outlines: Iterable[DrawnOutline], kind: str) -> list[DrawnOutline]:
-    """Return outlines with names of their own: those without one, and twins, get a number."""
-    given = list(outlines)
-    times = Counter(one.name for one in given)
+def _numbered(openings: list[DrawnOutline]) -> Iterator[DrawnOutline]:
+    """Yield openings with different names: those without one, and twins, get a number."""
+    times = Counter(one.name for one in openings)
     used = {name for name, count in times.items() if name and count == 1}
-    named = []
-    for one in given:
+    for one in openings:
         name, number = one.name, 0
         while not name or (times[one.name] > 1 and (number == 0 or name in used)):
             number += 1
-            name = f"{one.name or kind}-{number}"
+            name = f"{one.name or 'opening'}-{number}"
         used.add(name)
-        named.append(DrawnOutline(name=name, points=one.points, place=one.place))
-    return named
+        yield DrawnOutline(name=name, points=one.points, place=one.place)
 
 
-def _plane(content: DxfContent, path: Path) -> list[str]:
+def _dropped_height(content: DxfContent, path: Path) -> list[str]:
     """Return that a constant height was dropped, or refuse a drawing in space."""
     pieces = [piece for piece in content.pieces if len(piece.points)]
     if not pieces:
         return []
-    points = np.vstack([piece.points for piece in pieces])
     low = min(pieces, key=lambda piece: float(piece.points[:, 2].min()))
     high = max(pieces, key=lambda piece: float(piece.points[:, 2].max()))
-    bottom, top = float(points[:, 2].min()), float(points[:, 2].max())
-    size = float(np.hypot(*np.ptp(points[:, :2], axis=0)))
-    if top - bottom > FLAT * size:
+    bottom, top = float(low.points[:, 2].min()), float(high.points[:, 2].max())
+    points = np.vstack([piece.points for piece in pieces])
+    if top - bottom > 1e-6 * float(np.hypot(*np.ptp(points[:, :2], axis=0))):
         raise CaseError(
             f"the drawing is not planar: z ranges from {bottom:.6g} ({low.place}) to {top:.6g} "
             f"({high.place})",

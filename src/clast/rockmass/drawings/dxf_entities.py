@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -18,17 +17,17 @@ from typing import Any
 import numpy as np
 
 from clast.errors import CaseError, shortened
-from clast.rockmass.drawings.drawing import Floats, LeftOut
+from clast.model.arrays import Floats
+from clast.rockmass.drawings.drawing import LeftOut
 from clast.rockmass.drawings.drawing_files import checked_file
 
-DEEPEST = 20
-"""Most blocks within blocks."""
-MOST_ENTITIES = 500_000
+NESTED_BLOCKS_MAX = 20
+ENTITIES_MAX = 500_000
 """Most entities of a drawing, those of block references counted each time."""
-BEGINNING = 100_000
-"""Bytes within which a DXF file has its first section."""
 SAGITTA = 1e-4
 """Sagitta as a share of the drawing's diagonal where none is given."""
+CHORDS_MAX = 100_000
+"""Most chords of one curve."""
 
 UNITS = {
     1: ("inches", 0.0254),
@@ -69,6 +68,10 @@ class Piece:
     text: str
     """The text of an MTEXT."""
 
+    def left_out(self, what: str, reason: str) -> LeftOut:
+        """Return it as something that is not taken over."""
+        return LeftOut(what=what, place=f"{self.place} on layer {self.layer}", reason=reason)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DxfContent:
@@ -85,6 +88,10 @@ class DxfContent:
     """Entities on the requested layers that cannot be drawn."""
     elsewhere: tuple[LeftOut, ...]
     """Entities on other layers and in paper space."""
+
+    def flat(self, piece: Piece) -> Floats:
+        """Return the points of a piece, m, shape (n, 2)."""
+        return piece.points[:, :2] * self.unit
 
 
 def dxf_content(
@@ -104,18 +111,21 @@ def dxf_content(
     if "unitless" in source:
         notes.append(source)
     left: list[LeftOut] = []
-    found: list[tuple[Any, str, str]] = []
+    entities: list[tuple[Any, str, str]] = []
     others: dict[tuple[str, str], list[str]] = {}
-    layers: Counter[str] = Counter()
+    layers: set[str] = set()
     for entity, layer, place in _exploded(document, path, left):
-        layers[layer] += 1
-        if wanted(layer):
-            found.append((entity, layer, place))
+        layers.add(layer)
+        kind = entity.dxftype()
+        if not wanted(layer):
+            others.setdefault((layer, kind), []).append(place)
+        elif kind in DRAWN:
+            entities.append((entity, layer, place))
         else:
-            others.setdefault((layer, entity.dxftype()), []).append(place)
-    elsewhere = [_unwanted(key, places) for key, places in others.items()]
-    notes += _hidden_layers(document, {layer for _, layer, _ in found})
-    pieces, flattened = _flattened(found, document, path, left, (metres, sagitta))
+            reason = f"a {kind} is not a line, curve or point"
+            left.append(LeftOut(what=f"on layer {layer}", place=place, reason=reason))
+    pieces, flattened = _pieces(entities, document, path, metres, sagitta)
+    notes += _hidden_layers(document, filter(wanted, layers))
     return DxfContent(
         pieces=tuple(pieces),
         layers=tuple(sorted(layers)),
@@ -123,7 +133,7 @@ def dxf_content(
         unit_source=source,
         notes=(*notes, *flattened),
         left_out=tuple(left),
-        elsewhere=(*elsewhere, *_other_spaces(document)),
+        elsewhere=tuple(_elsewhere(document, others)),
     )
 
 
@@ -157,7 +167,7 @@ def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str
 def _document(path: Path) -> tuple[Any, list[str]]:
     """Return the document of a DXF file, repaired where it could be, and the repairs."""
     with checked_file(path).open("rb") as file:
-        beginning = file.read(BEGINNING)
+        beginning = file.read(100_000)  # bytes, which hold the first section
     if b"SECTION" not in beginning:
         what = "is a DWG file" if beginning.startswith(b"AC10") else "is not a DXF file"
         raise CaseError(what, where=str(path), remedy="save it again as DXF (R2000 or later)")
@@ -214,15 +224,15 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
         place = f"{place} in {within}" if within else place
         if kind != "INSERT":
             count += 1
-            if count > MOST_ENTITIES:
+            if count > ENTITIES_MAX:
                 raise CaseError(
-                    f"draws more than {MOST_ENTITIES} entities, block references exploded",
+                    f"draws more than {ENTITIES_MAX} entities, block references exploded",
                     where=f"{path}: {place}",
                     remedy="remove everything but outlines, joints, bolts and supports",
                 )
             yield entity, layer, place
-        elif depth >= DEEPEST:
-            reason = f"it is nested deeper than {DEEPEST} blocks"
+        elif depth >= NESTED_BLOCKS_MAX:
+            reason = f"it is nested deeper than {NESTED_BLOCKS_MAX} blocks"
             left.append(LeftOut(what="block reference", place=place, reason=reason))
         else:
             inner = _inside(entity, path, place)
@@ -241,7 +251,7 @@ def _check_copies(document: Any, path: Path) -> None:
 
     def copies(insert: Any, depth: int) -> int:
         name = str(insert.dxf.get("name", ""))
-        if depth >= DEEPEST or name not in document.blocks:
+        if depth >= NESTED_BLOCKS_MAX or name not in document.blocks:
             return 1
         if (name, depth) not in known:
             known[name, depth] = 1 + drawn(document.blocks.get(name), depth + 1)
@@ -253,18 +263,14 @@ def _check_copies(document: Any, path: Path) -> None:
         place = f"INSERT {insert.dxf.handle}"
         with _guarded(path, place):
             count = copies(insert, 0)
-            if count > MOST_ENTITIES:
+            if count > ENTITIES_MAX:
+                times = f"{count:.3g}" if count < 1e300 else "more than 1e300"
                 raise CaseError(
-                    f"draws more than {MOST_ENTITIES} entities: its block, and the blocks in it, "
-                    f"{_rounded(count)} times in all",
+                    f"draws more than {ENTITIES_MAX} entities: its block, and the blocks in it, "
+                    f"{times} times in all",
                     where=f"{path}: {place}",
                     remedy="check the rows and columns of block references, nested ones included",
                 )
-
-
-def _rounded(count: int) -> str:
-    """Return a count, which may have any number of digits, as text."""
-    return f"{count:.3g}" if count < 1e300 else "more than 1e300"
 
 
 def _layer(entity: Any) -> str:
@@ -277,7 +283,7 @@ def _layer(entity: Any) -> str:
 def _inside(insert: Any, path: Path, place: str) -> list[Any]:
     """Return the entities of a block reference, or further references where it is an array."""
     with _guarded(path, place):
-        if insert.mcount > MOST_ENTITIES:
+        if insert.mcount > ENTITIES_MAX:
             raise CaseError(
                 f"repeats its block {insert.mcount} times",
                 where=f"{path}: {place}",
@@ -304,64 +310,53 @@ def _guarded(path: Path, place: str) -> Iterator[None]:
         ) from error
 
 
-def _unwanted(key: tuple[str, str], places: list[str]) -> LeftOut:
-    layer, kind = key
-    more = f" and {len(places) - 5} more" if len(places) > 5 else ""
-    return LeftOut(
-        what=f"{len(places)} {kind}",
-        place=f"layer {layer}: {', '.join(places[:5])}{more}",
-        reason="the layer is not read",
-    )
+def _elsewhere(document: Any, others: dict[tuple[str, str], list[str]]) -> Iterator[LeftOut]:
+    """Yield the entities on other layers, by layer and type, and in paper space."""
+    for (layer, kind), places in others.items():
+        more = f" and {len(places) - 5} more" if len(places) > 5 else ""
+        place = f"layer {layer}: {', '.join(places[:5])}{more}"
+        what = f"{len(places)} {kind}"
+        yield LeftOut(what=what, place=place, reason="the layer is not read")
+    for layout in document.layouts:
+        if not layout.is_modelspace and len(layout) > 1:  # an empty layout has one viewport
+            what, place = f"{len(layout)} entities", f"layout {layout.name}"
+            yield LeftOut(what=what, place=place, reason="only model space is read")
 
 
-def _other_spaces(document: Any) -> list[LeftOut]:
-    """Return how much is drawn in paper space, which is not read."""
-    counted = {layout.name: len(layout) for layout in document.layouts if not layout.is_modelspace}
-    return [
-        LeftOut(what=f"{count} entities", place=f"layout {name}", reason="only model space is read")
-        for name, count in counted.items()
-        if count > 1  # an empty layout has one viewport
-    ]
-
-
-def _hidden_layers(document: Any, layers: set[str]) -> list[str]:
-    """Return which of the layers that were read do not show in the drawing."""
+def _hidden_layers(document: Any, layers: Iterable[str]) -> list[str]:
+    """Return notes on those of the layers that do not show in the drawing."""
     known = {layer.dxf.name.lower(): layer for layer in document.layers}
-    own = [(name, known[name.lower()]) for name in sorted(layers) if name.lower() in known]
-    hidden = [name for name, layer in own if layer.is_off() or layer.is_frozen()]
+    shown = [(name, known[name.lower()]) for name in sorted(layers) if name.lower() in known]
+    hidden = [name for name, layer in shown if layer.is_off() or layer.is_frozen()]
     return [f"layer {name} is switched off or frozen, and was read all the same" for name in hidden]
 
 
-def _flattened(
-    found: list[tuple[Any, str, str]],
+def _pieces(
+    entities: list[tuple[Any, str, str]],
     document: Any,
     path: Path,
-    left: list[LeftOut],
-    sizes: tuple[float, float | None],
+    unit: float,
+    given: float | None,
 ) -> tuple[list[Piece], list[str]]:
-    """Return pieces, and the sagitta that curves were flattened with; ``sizes``: unit, sagitta."""
-    unit, given = sizes
-    drawable = []
-    for entity, layer, place in found:
-        if entity.dxftype() in DRAWN:
-            drawable.append((entity, layer, place))
-        else:
-            reason = f"a {entity.dxftype()} is not a line, curve or point"
-            left.append(LeftOut(what=f"on layer {layer}", place=place, reason=reason))
-    rough = [_drawn(entity, path, place, math.inf)[0] for entity, _, place in drawable]
+    """Return entities as pieces, and a note on the sagitta, m, that curves were flattened with."""
+    rough = [_drawn(entity, path, place, math.inf)[0] for entity, _, place in entities]
     corners = np.vstack([points for points in rough if len(points)] or [np.zeros((1, 3))])
     size = float(np.hypot(*np.ptp(corners[:, :2], axis=0)))
-    sagitta = SAGITTA * size if given is None else given / unit
-    if given is None and size == 0.0:
-        sagitta = 1.0  # nothing but points
+    sagitta = (SAGITTA * size or 1.0) if given is None else given / unit  # 0 where all are points
     if not 0.0 < sagitta < math.inf:
         raise CaseError(
             f"{given!r} is not a valid distance", where="sagitta", remedy="give metres, above 0"
         )
     pieces, curved = [], False
-    for entity, layer, place in drawable:
+    for entity, layer, place in entities:
         points, closed, is_curved = _drawn(entity, path, place, sagitta)
         curved = curved or is_curved
+        text, colour, layers = "", int(entity.dxf.get("color", 256)), document.layers
+        if colour == 256:  # that of the layer
+            colour = abs(int(layers.get(layer).color)) if layers.has_entry(layer) else 7
+        if entity.dxftype() == "MTEXT":
+            with _guarded(path, place):
+                text = _plain(str(entity.plain_text()))
         pieces.append(
             Piece(
                 kind=entity.dxftype(),
@@ -369,8 +364,8 @@ def _flattened(
                 place=place,
                 points=points,
                 closed=closed,
-                colour=_colour(entity, layer, document),
-                text=_says(entity, path, place),
+                colour=colour,
+                text=text,
             )
         )
     note = f"curves were flattened to chords within {sagitta * unit:.3g} m of them (the sagitta)"
@@ -390,29 +385,10 @@ def _drawn(entity: Any, path: Path, place: str, sagitta: float) -> Drawn:
     return points, closed, curved
 
 
-def _colour(entity: Any, layer: str, document: Any) -> int:
-    """Return the colour index: 256 means that of the layer."""
-    colour = int(entity.dxf.get("color", 256))
-    if colour != 256:
-        return colour
-    return abs(int(document.layers.get(layer).color)) if document.layers.has_entry(layer) else 7
-
-
-def _says(entity: Any, path: Path, place: str) -> str:
-    """Return the text of an MTEXT, nothing for other entities."""
-    if entity.dxftype() != "MTEXT":
-        return ""
-    with _guarded(path, place):
-        return _plain(str(entity.plain_text()))
-
-
 def _plain(text: str) -> str:
     """Return a text with question marks for bytes that are none in the file's encoding."""
     return text.encode("utf-8", "replace").decode("utf-8")
 
-
-MOST_CHORDS = 100_000
-"""Most chords of one curve."""
 
 Drawn = tuple[Floats, bool, bool]
 """Points (n, 3), whether they are closed, whether they follow a curve."""
@@ -422,27 +398,24 @@ def _straight(*points: Any) -> Drawn:
     return np.array([tuple(one) for one in points]), False, False
 
 
-def _circle(entity: Any, sagitta: float) -> Drawn:
-    centre, radius = entity.dxf.center, float(entity.dxf.radius)
-    points = arc(np.array([centre.x, centre.y]), radius, (0.0, 2.0 * math.pi), sagitta)[:-1]
-    return _in_world(entity, points, centre.z), True, True
-
-
 def _arc(entity: Any, sagitta: float) -> Drawn:
+    """Return an arc, or a circle without the last point, which is its first."""
     centre, radius = entity.dxf.center, float(entity.dxf.radius)
-    start = math.radians(entity.dxf.start_angle)
-    span = math.radians((entity.dxf.end_angle - entity.dxf.start_angle) % 360.0)
-    angles = (start, start + (span or 2.0 * math.pi))
+    closed, angles = entity.dxftype() == "CIRCLE", (0.0, 2.0 * math.pi)
+    if not closed:
+        start = math.radians(entity.dxf.start_angle)
+        span = math.radians((entity.dxf.end_angle - entity.dxf.start_angle) % 360.0)
+        angles = (start, start + (span or 2.0 * math.pi))
     points = arc(np.array([centre.x, centre.y]), radius, angles, sagitta)
-    return _in_world(entity, points, centre.z), False, True
+    return _in_world(entity, points[:-1] if closed else points, centre.z), closed, True
 
 
 def _curve(entity: Any, sagitta: float) -> Drawn:
     """Return an ellipse or a spline by ezdxf's own subdivision."""
     distance = min(sagitta, 1e12)
-    points = [tuple(p) for p in islice(entity.flattening(distance), MOST_CHORDS + 1)]
-    if len(points) > MOST_CHORDS:
-        raise ValueError(f"more than {MOST_CHORDS} chords: give a larger sagitta")
+    points = [tuple(p) for p in islice(entity.flattening(distance), CHORDS_MAX + 1)]
+    if len(points) > CHORDS_MAX:
+        raise ValueError(f"more than {CHORDS_MAX} chords: give a larger sagitta")
     return np.array(points), bool(getattr(entity, "closed", False)), True
 
 
@@ -473,7 +446,7 @@ DRAWN: dict[str, Callable[[Any, float], Drawn]] = {
     "LINE": lambda entity, _: _straight(entity.dxf.start, entity.dxf.end),
     "POINT": lambda entity, _: _straight(entity.dxf.location),
     "MTEXT": lambda entity, _: _straight(entity.dxf.insert),
-    "CIRCLE": _circle,
+    "CIRCLE": _arc,
     "ARC": _arc,
     "ELLIPSE": _curve,
     "SPLINE": _curve,
@@ -502,8 +475,8 @@ def arc(centre: Floats, radius: float, angles: tuple[float, float], sagitta: flo
         raise ValueError(f"an arc of radius {radius:g}")
     share = min(max(1.0 - sagitta / radius, -1.0), 1.0)
     widest = min(2.0 * math.acos(share), math.pi / 4.0)
-    if abs(span) > widest * MOST_CHORDS:
-        raise ValueError(f"more than {MOST_CHORDS} chords: give a larger sagitta")
+    if abs(span) > widest * CHORDS_MAX:
+        raise ValueError(f"more than {CHORDS_MAX} chords: give a larger sagitta")
     count = max(math.ceil(abs(span) / widest - 1e-9), 1)
     turned = np.linspace(angles[0], angles[1], count + 1)
     return centre + radius * np.column_stack([np.cos(turned), np.sin(turned)])

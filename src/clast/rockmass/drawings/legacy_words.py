@@ -26,28 +26,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from clast.errors import CaseError
+from clast.model.arrays import Floats
 from clast.rockmass.drawings.drawing import (
     Drawing,
     DrawnBoltKind,
     DrawnJoint,
     DrawnOutline,
     DrawnRock,
-    Floats,
     LeftOut,
     Polyline,
     Segment,
     Spot,
 )
 from clast.rockmass.drawings.drawn_loops import cutting, lengthened, outline_of_lines, point
-
-LIGHT = 100.0
-"""A density below this is not rock's in kg/m3, but looks like t/m3."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +69,15 @@ class NumberRow:
     def ends(self) -> Floats:
         """Return the first four numbers as two points, shape (2, 2)."""
         return np.array(self.values[:4]).reshape(2, 2)
+
+    @property
+    def is_point(self) -> bool:
+        """Return whether both ends are the same."""
+        return self.values[:2] == self.values[2:4]
+
+    def segment(self, name: str) -> Segment:
+        """Return its ends as a line of that name."""
+        return Segment(name=name, ends=self.ends, place=self.place)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,39 +104,39 @@ class LegacyGeometry:
 
 
 def legacy_drawing(given: LegacyGeometry) -> Drawing:
-    """Return the drawing of a legacy geometry.
-
-    Raises CaseError where its lines enclose no area.
-    """
+    """Return the drawing of a legacy geometry; CaseError where its lines enclose no area."""
     notes, left = list(given.notes), list(given.left_out)
     joints, short = _traces(given.joints, given.file)
     boundary, faces = _domain(given, [joint.points for joint in joints], notes)
     openings, holes = _openings(given.hole_points, faces)
-    sides = _traces([_with_type(one) for one in given.boundary], given.file)[0]
+    typed = [replace(one, values=(*one.values, 1.0)[:5]) for one in given.boundary]
     voids = [one.points for one in openings]
-    inner, outer = cutting(sides, boundary, voids)
+    inner, outer = cutting(_traces(typed, given.file)[0], boundary, voids)
     traces, outside = cutting(joints, boundary, voids)
-    traces = [*inner, *traces]
-    left += [*short, *(_outside(joint) for joint in outside)]
-    if given.boundary and len(given.boundary[0].values) > 4:
-        left += _outer_types(outer)
+    left += short
+    for joint in outside:
+        ends = f"from {point(joint.points[0])} to {point(joint.points[-1])}"
+        reason = "no part of it lies inside of the domain"
+        left.append(
+            LeftOut(what=f"joint of {joint.joint} {ends}", place=joint.place, reason=reason)
+        )
+    if outer and len(given.boundary[0].values) > 4:
+        listed = ", ".join(sorted({line.joint for line in outer}))
+        what, reason = f"{listed} of {len(outer)} boundary lines", "nothing touches the outer edges"
+        left.append(LeftOut(what=what, place=outer[0].place, reason=reason))
     kinds, bolts = _bolts(given, notes)
-    spots = [one for one in given.fixed if (one.ends[0] == one.ends[1]).all()]
-    lines = [one for one in given.fixed if (one.ends[0] != one.ends[1]).any()]
     return Drawing(
         file=given.file,
         boundary=boundary,
         boundary_rock="rock-1",
-        traces=tuple(traces),
+        traces=(*inner, *traces),
         openings=tuple(openings),
         bolts=tuple(bolts),
         bolt_kinds=tuple(kinds),
-        fixed_points=_spots(spots, "F"),
-        fixed_lines=tuple(Segment(name="", ends=one.ends, place=one.place) for one in lines),
+        fixed_points=_spots([one for one in given.fixed if one.is_point], "F"),
+        fixed_lines=tuple(one.segment("") for one in given.fixed if not one.is_point),
         material_lines=tuple(
-            Segment(
-                name=f"rock-{one.kind(4, 'material', given.file)}", ends=one.ends, place=one.place
-            )
+            one.segment(f"rock-{one.kind(4, 'material', given.file)}")
             for one in given.material_lines
         ),
         load_points=_spots(given.load_points, "L"),
@@ -147,7 +153,7 @@ def _traces(joints: Sequence[NumberRow], file: str) -> tuple[list[Polyline], lis
     traces, left = [], []
     for one in joints:
         joint = f"type-{one.kind(4, 'joint type', file)}"
-        if (one.ends[0] == one.ends[1]).all():
+        if one.is_point:
             what = f"joint of {joint} at {point(one.ends[0])}"
             left.append(LeftOut(what=what, place=one.place, reason="it has no length"))
         else:
@@ -155,34 +161,11 @@ def _traces(joints: Sequence[NumberRow], file: str) -> tuple[list[Polyline], lis
     return traces, left
 
 
-def _with_type(line: NumberRow) -> NumberRow:
-    """Return a boundary line with its type, 1 where the file gives none."""
-    return NumberRow(values=(*line.values, 1.0)[:5], place=line.place)
-
-
-def _outside(joint: Polyline) -> LeftOut:
-    """Return a joint that cuts nothing."""
-    return LeftOut(
-        what=f"joint of {joint.joint} from {point(joint.points[0])} to {point(joint.points[-1])}",
-        place=joint.place,
-        reason="no part of it lies inside of the domain",
-    )
-
-
-def _outer_types(lines: Sequence[Polyline]) -> list[LeftOut]:
-    """Return the joint types of boundary lines along outlines, which no contact has."""
-    if not lines:
-        return []
-    listed = ", ".join(sorted({line.joint for line in lines}))
-    what = f"{listed} of {len(lines)} boundary lines"
-    return [LeftOut(what=what, place=lines[0].place, reason="nothing touches the outer edges")]
-
-
 def _domain(
     given: LegacyGeometry, traces: Sequence[Floats], notes: list[str]
 ) -> tuple[Floats, list[Floats]]:
     """Return the outline of the domain, and the faces of the boundary lines."""
-    outer = [one.ends for one in given.boundary if (one.ends[0] != one.ends[1]).any()]
+    outer = [one.ends for one in given.boundary if not one.is_point]
     every = [*outer, *traces]
     height = float(np.ptp(np.vstack(every)[:, 1])) if every else 0.0
     reach = 1.25 * (given.node_distance or 0.0) * 0.5 * height
@@ -190,16 +173,16 @@ def _domain(
         f"the {len(outer)} boundary lines enclose nothing by themselves: the domain is the "
         "area that all lines together enclose"
     )
-    for lines, further, said in (
+    for lines, further, changes in (
         (outer, 0.0, []),
         (outer, reach, [lengthened(reach)]),
         (every, 0.0, [alone]),
         (every, reach, [alone, lengthened(reach)]),
     ):
-        found = outline_of_lines(lines, further) if lines else None
-        if found is not None:
-            notes += said
-            return found[0], found[1] if lines is outer else []
+        outline = outline_of_lines(lines, further) if lines else None
+        if outline is not None:
+            notes += changes
+            return outline[0], outline[1] if lines is outer else []
     raise CaseError(
         f"its {len(outer)} boundary lines and {len(traces)} joints enclose no area, or several "
         "that do not touch",
@@ -212,19 +195,17 @@ def _openings(
     holes: Sequence[NumberRow], faces: Sequence[Floats]
 ) -> tuple[list[DrawnOutline], list[NumberRow]]:
     """Return the faces with a hole point in them, and the hole points in none."""
-    openings: list[DrawnOutline] = []
-    taken: set[int] = set()
+    openings: dict[int, DrawnOutline] = {}
     left: list[NumberRow] = []
     for hole in holes:
         place = shapely.Point(hole.values[:2])
         face = next((k for k, f in enumerate(faces) if shapely.Polygon(f).contains(place)), None)
         if face is None:
             left.append(hole)
-        elif face not in taken:
-            taken.add(face)
+        elif face not in openings:
             name = f"opening-{len(openings) + 1}"
-            openings.append(DrawnOutline(name=name, points=faces[face], place=hole.place))
-    return openings, left
+            openings[face] = DrawnOutline(name=name, points=faces[face], place=hole.place)
+    return list(openings.values()), left
 
 
 def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind], list[Segment]]:
@@ -248,7 +229,7 @@ def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind]
             pretension=f0,
         )
         kind = kinds.setdefault(key, kind)
-        segments.append(Segment(name=kind.name, ends=one.ends, place=one.place))
+        segments.append(one.segment(kind.name))
     if given.bolts:
         notes.append("stiffnesses of bolts are e0 / length, as e0 is force by strain (Shi 1988)")
     return list(kinds.values()), segments
@@ -295,7 +276,8 @@ def unit_notes(rocks: Sequence[DrawnRock], mass_unit: float) -> list[str]:
     notes = []
     if mass_unit != 1.0:
         notes.append(f"the unit of mass is {mass_unit:g} kg, as given")
-    light = [rock for rock in rocks if 0.0 < rock.density < LIGHT]
+    # Such a density is not rock's in kg/m3, but looks like t/m3.
+    light = [rock for rock in rocks if 0.0 < rock.density < 100.0]
     if light:
         notes.append(
             f"{light[0].name} has the density {light[0].density:g} kg/m3: a file in t, kN and kPa "

@@ -25,8 +25,9 @@ from pathlib import Path
 import numpy as np
 
 from clast.errors import CaseError, mistyped, shortened
-from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
-from clast.rockmass.drawings.drawing import Analysis, Drawing, Floats, LeftOut
+from clast.model.arrays import areas
+from clast.rockmass.drawings.block_arrays import Blocks, blocks_of, counter_clockwise
+from clast.rockmass.drawings.drawing import Analysis, Drawing, LeftOut
 from clast.rockmass.drawings.drawing_files import number_of, text_of
 from clast.rockmass.drawings.legacy_words import (
     LegacyGeometry,
@@ -48,51 +49,44 @@ def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     distance = text.number("the node distance e00")
     if not 0.0 <= distance < 1.0:
-        raise CaseError(
+        raise text.fault(
             f"{distance:g} is not a node distance e00",
-            where=f"{text.file}: line 1",
-            remedy="a text geometry begins with a share of the domain's size, such as 0.001",
+            "a text geometry begins with a share of the domain's size, such as 0.001",
+            "line 1",
         )
     lines, boundary = text.count("lines", 5), text.count("boundary lines")
     if boundary > lines:
-        raise CaseError(
+        raise text.fault(
             f"{boundary} boundary lines are announced, but only {lines} lines in all",
-            where=text.file,
-            remedy="the first number counts all lines, boundary lines included",
+            "the first number counts all lines, boundary lines included",
         )
-    counts = [
-        text.count(what, width)
-        for what, width in (
-            ("material lines", 5),
-            ("bolts", 7),
-            ("fixed points", 4),
-            ("load points", 2),
-            ("measured points", 2),
-            ("hole points", 2),
-        )
-    ]
+    kinds = {
+        "material line": 5,
+        "bolt": 7,
+        "fixed point": 4,
+        "load point": 2,
+        "measured point": 2,
+        "hole point": 2,
+    }
+    counts = {kind: text.count(f"{kind}s", width) for kind, width in kinds.items()}
     drawn = text.rows(lines, 5, "line")
-    given = LegacyGeometry(
-        file=text.file,
-        node_distance=distance,
-        boundary=drawn[:boundary],
-        joints=drawn[boundary:],
-        material_lines=text.rows(counts[0], 5, "material line"),
-        bolts=text.rows(counts[1], 7, "bolt"),
-        fixed=text.rows(counts[2], 4, "fixed point"),
-        load_points=text.rows(counts[3], 2, "load point"),
-        measured_points=text.rows(counts[4], 2, "measured point"),
-        hole_points=text.rows(counts[5], 2, "hole point"),
-        mass_unit=scale,
+    rows = {kind: text.rows(counts[kind], width, kind) for kind, width in kinds.items()}
+    return legacy_drawing(
+        LegacyGeometry(
+            file=text.file,
+            node_distance=distance,
+            boundary=drawn[:boundary],
+            joints=drawn[boundary:],
+            material_lines=rows["material line"],
+            bolts=rows["bolt"],
+            fixed=rows["fixed point"],
+            load_points=rows["load point"],
+            measured_points=rows["measured point"],
+            hole_points=rows["hole point"],
+            mass_unit=scale,
+            left_out=text.rest(),
+        )
     )
-    return legacy_drawing(replace(given, left_out=rest_of(text)))
-
-
-def rest_of(text: NumberText) -> tuple[LeftOut, ...]:
-    """Return the rest of the file."""
-    words, place = text.rest()
-    reason = "it follows the end of the expected data"
-    return (LeftOut(what=words, place=place, reason=reason),) if words else ()
 
 
 class NumberText:
@@ -104,63 +98,65 @@ class NumberText:
         self._words = [(word, k) for k, line in enumerate(lines, 1) for word in line.split()]
         self._next = 0
 
+    def _line(self, number: int) -> str:
+        """Return the line of a word, that of the last one where there are fewer."""
+        return f"line {self._words[min(number, len(self._words) - 1)][1] if self._words else 1}"
+
+    def fault(self, what: str, remedy: str, place: str = "") -> CaseError:
+        """Return the error of a fault at a place of the file."""
+        where = f"{self.file}: {place}" if place else self.file
+        return CaseError(what, where=where, remedy=remedy)
+
     def number(self, what: str) -> float:
-        """Return the next number, or say where ``what`` is missing or is not a number."""
+        """Return the next number; CaseError where ``what`` is missing or is not a number."""
         if self._next == len(self._words):
-            line = f"line {self._words[-1][1]}" if self._words else "line 1"
-            raise CaseError(
-                f"ends before {what}",
-                where=f"{self.file}: {line}",
-                remedy="check that the file is complete and its counts are right",
-            )
-        word, line_number = self._words[self._next]
-        self._next += 1
+            remedy = "check that the file is complete and its counts are right"
+            raise self.fault(f"ends before {what}", remedy, self._line(self._next))
+        word = self._words[self._next][0]
         value = number_of(word)
         if value is None:
-            raise CaseError(
+            raise self.fault(
                 f"{mistyped(word)} is not a number, or far too large: {what} is expected here",
-                where=f"{self.file}: line {line_number}",
-                remedy="check that it is the right kind of file and that its counts are right",
+                "check that it is the right kind of file and that its counts are right",
+                self._line(self._next),
             )
+        self._next += 1
         return value
 
     def count(self, what: str, width: int = 0) -> int:
         """Return the next number as a count of things that have ``width`` numbers each."""
-        value = self.number(f"the number of {what}")
-        line = self._words[self._next - 1][1]
+        value, line = self.number(f"the number of {what}"), self._line(self._next - 1)
         left = len(self._words) - self._next
         if value != round(value) or value < 0:
-            raise CaseError(
-                f"{value:g} is not a valid number of {what}",
-                where=f"{self.file}: line {line}",
-                remedy="give a whole number, 0 or more",
-            )
+            remedy = "give a whole number, 0 or more"
+            raise self.fault(f"{value:g} is not a valid number of {what}", remedy, line)
         if value * width > left:
-            raise CaseError(
+            raise self.fault(
                 f"{value:.0f} {what} are announced, but only {left} numbers follow",
-                where=f"{self.file}: line {line}",
-                remedy="check that the file is complete and its counts are right",
+                "check that the file is complete and its counts are right",
+                line,
             )
         return int(value)
 
-    def row(self, width: int, what: str) -> NumberRow:
-        """Return the next ``width`` numbers."""
-        first = self._words[min(self._next, len(self._words) - 1)][1] if self._words else 1
-        values = tuple(self.number(what) for _ in range(width))
-        return NumberRow(values=values, place=f"line {first}")
-
     def rows(self, count: int, width: int, what: str) -> tuple[NumberRow, ...]:
         """Return the next ``count`` rows of ``width`` numbers."""
-        return tuple(self.row(width, f"{what} {k}") for k in range(1, count + 1))
+        rows = []
+        for k in range(1, count + 1):
+            place = self._line(self._next)
+            values = tuple(self.number(f"{what} {k}") for _ in range(width))
+            rows.append(NumberRow(values=values, place=place))
+        return tuple(rows)
 
-    def rest(self) -> tuple[str, str]:
-        """Return the words that were not read, shortened, and where they begin; empty if none."""
-        words = self._words[self._next :]
+    def rest(
+        self, counted: str = "", reason: str = "it follows the end of the expected data"
+    ) -> tuple[LeftOut, ...]:
+        """Return the words that were not read, shortened, after what they count."""
+        words = [word for word, _ in self._words[self._next :]]
         if not words:
-            return "", ""
-        text = " ".join(word for word, _ in words[:12])
+            return ()
         more = f" ... ({len(words)} words)" if len(words) > 12 else ""
-        return shortened(text, 120) + more, f"line {words[0][1]}"
+        what = f"{counted}{shortened(' '.join(words[:12]), 120)}{more}"
+        return (LeftOut(what=what, place=self._line(self._next), reason=reason),)
 
 
 def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
@@ -172,20 +168,15 @@ def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
     scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     kind = text.number("the analysis type")
     if not 0.0 <= kind <= 1.0:
-        raise CaseError(
-            f"{kind:g} is not an analysis type",
-            where=f"{text.file}: line 1",
-            remedy="an analysis file begins with 0, static, or 1, dynamic",
-        )
+        remedy = "an analysis file begins with 0, static, or 1, dynamic"
+        raise text.fault(f"{kind:g} is not an analysis type", remedy, "line 1")
     steps = text.count("steps")
     blocks, joints = text.count("block materials", 13), text.count("joint materials", 3)
     ratio = text.number("the largest displacement ratio g2")
     step = text.number("the time step")
     for what, value in (("steps", steps), ("time step", step), ("displacement ratio", ratio)):
         if not value > 0:
-            raise CaseError(
-                f"the {what} is {value:g}", where=text.file, remedy="give a number above 0"
-            )
+            raise text.fault(f"the {what} is {value:g}", "give a number above 0")
     materials = text.rows(blocks, 13, "block material")
     strengths = text.rows(joints, 3, "joint material")
     rocks = tuple(
@@ -209,7 +200,7 @@ def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
         step=step,
         displacement_ratio=ratio,
         notes=tuple(unit_notes(rocks, scale)),
-        left_out=(*left, *rest_of(text)),
+        left_out=(*left, *text.rest()),
     )
 
 
@@ -224,57 +215,30 @@ def read_shi_blocks(path: str | Path) -> Blocks:
     vertices = text.count("vertices", 3)
     points = [text.count(f"{what} points") for what in ("fixed", "load", "measured")]
     if not blocks:
-        raise CaseError("has no blocks", where=text.file, remedy="give the file of a cut system")
+        raise text.fault("has no blocks", "give the file of a cut system")
     rows = text.rows(blocks, 3, "block")
-    corners = text.rows(vertices, 3, "vertex")
-    parts, joints, turned = [], [], []
+    given = text.rows(vertices, 3, "vertex")
+    corners: list[NumberRow] = []
+    start = [0]
     for number, row in enumerate(rows, 1):
-        own = _of_block(row, number, corners, text.file)
-        at = np.array([one.values[1:] for one in own])
-        names = [f"type-{one.kind(0, 'joint', text.file)}" if one.values[0] else "" for one in own]
-        area = _area(at)
-        if area == 0.0:
-            raise CaseError(f"block {number} has no area", where=f"{text.file}: {row.place}")
-        if area < 0.0:
-            turned.append(number)
-            # The edge k, k + 1 becomes the edge that starts where it ended.
-            at, names = at[::-1], [*names[-2::-1], names[-1]]
-        parts.append(at)
-        joints += names
-    start = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
+        _, first, last = row.values
+        whole = first == round(first) and last == round(last)
+        if not whole or not 1 <= first or not last <= len(given) or last - first < 2:
+            raise text.fault(
+                f"block {number} has the vertices {first:g} to {last:g} of {len(given)}",
+                "a block has at least 3 vertices, numbered from 1",
+                row.place,
+            )
+        corners += given[int(first) - 1 : int(last)]
+        start.append(len(corners))
+    at = np.array([one.values[1:] for one in corners])
+    joints = [f"type-{one.kind(0, 'joint', text.file)}" if one.values[0] else "" for one in corners]
+    for number in np.flatnonzero(areas(at, np.array(start)) == 0.0):
+        raise text.fault(f"block {number + 1} has no area", "", rows[number].place)
     rocks = [f"rock-{row.kind(0, 'material', text.file)}" for row in rows]
-    listed = ", ".join(str(number) for number in turned[:10])
-    notes = (f"{len(turned)} blocks ran clockwise and were reversed: {listed}",) if turned else ()
-    found = blocks_of(np.vstack(parts), start, rocks, joints, text.file)
-    return replace(found, notes=notes, left_out=_left_out(text, bolts, points))
-
-
-def _of_block(
-    row: NumberRow, number: int, corners: tuple[NumberRow, ...], file: str
-) -> tuple[NumberRow, ...]:
-    """Return the vertices of a block, or say that its row names none."""
-    _, first, last = row.values
-    whole = first == round(first) and last == round(last)
-    if not whole or not 1 <= first or not last <= len(corners) or last - first < 2:
-        raise CaseError(
-            f"block {number} has the vertices {first:g} to {last:g} of {len(corners)}",
-            where=f"{file}: {row.place}",
-            remedy="a block has at least 3 vertices, numbered from 1",
-        )
-    return corners[int(first) - 1 : int(last)]
-
-
-def _area(at: Floats) -> float:
-    """Return the area of a polygon, m2, positive counter-clockwise (the shoelace formula)."""
-    x, y = (at - at[0]).T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-def _left_out(text: NumberText, bolts: int, points: list[int]) -> tuple[LeftOut, ...]:
-    """Return the bolts and points that follow the vertices."""
-    words, place = text.rest()
-    if not words:
-        return ()
-    counted = f"{bolts} bolts, {points[0]} fixed, {points[1]} load, {points[2]} measured points"
+    counted = f"{bolts} bolts, {points[0]} fixed, {points[1]} load, {points[2]} measured points: "
     reason = "bolts and points are taken from the geometry file, where blocks have no numbers"
-    return (LeftOut(what=f"{counted}: {words}", place=place, reason=reason),)
+    return replace(
+        counter_clockwise(blocks_of(at, start, rocks, joints, text.file)),
+        left_out=text.rest(counted, reason),
+    )
