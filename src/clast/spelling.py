@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+
+from clast.errors import CaseError, shortened
 
 LISTED = 20
 """Longest list of known words that a message spells out."""
@@ -36,6 +38,15 @@ def advice(word: str, known: Iterable[str], *, kind: str) -> str:
     if len(words) <= LISTED:
         return f"the {kind}s are: " + ", ".join(words)
     return f"there are {len(words)} {kind}s, from '{words[0]}' to '{words[-1]}'"
+
+
+def require_known(
+    word: str, known: Collection[str], *, kind: str, where: str = "", what: str = ""
+) -> None:
+    """Raise CaseError for a word that is not among the ``known`` ones; ``what`` is the fault."""
+    if word not in known:
+        what = what or f"there is no {kind} '{shortened(str(word))}'"
+        raise CaseError(what, where=where, remedy=advice(str(word), known, kind=kind))
 
 
 def visible(text: str) -> str:

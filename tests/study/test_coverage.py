@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from clast.study.description import parameters_of
-from clast.study.fitting.ensemble import smoothed
+from clast.study.fitting.ensemble import smooth
 from clast.study.fitting.fit import least_squares
 from clast.study.fitting.fitting import Fit, Fitting, ParameterScale
 from clast.study.fitting.observations import ENSEMBLE, FitSettings, Observation
@@ -78,7 +78,7 @@ def test_intervals_of_an_ensemble_hold_the_truth_as_often_as_they_say(
         noise = np.random.default_rng(seed).normal(0.0, NOISE, len(TIMES))
         how = FitSettings(method=ENSEMBLE, members=members, rounds=rounds, seed=seed)
         one = fitting(pushed, PRIOR, pushed(TRUTH) + noise, NOISE)
-        inside += holds(smoothed(one, parameters_of(PRIOR), how), TRUTH)
+        inside += holds(smooth(one, parameters_of(PRIOR), how), TRUTH)
     assert (inside >= 17).all()
 
 
@@ -117,7 +117,7 @@ def test_ensembles_of_many_parameters_are_not_too_sure(case: Linear, members: in
         noise = case.sd * draw.standard_normal(case.k)
         how = FitSettings(method=ENSEMBLE, members=members, rounds=4, seed=seed)
         one = fitting(lambda x: case.slopes @ x, vary, case.slopes @ truth + noise, case.sd)
-        found = smoothed(one, parameters_of(vary), how)
+        found = smooth(one, parameters_of(vary), how)
         inside += float(holds(found, truth).mean()) / seeds
         width += float(np.mean((found.high - found.low) / (2 * 1.96 * case.spread))) / seeds
     assert inside > 0.93

@@ -10,7 +10,7 @@ import pytest
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.study.description import parameters_of
-from clast.study.fitting.ensemble import smoothed
+from clast.study.fitting.ensemble import smooth
 from clast.study.fitting.observations import ENSEMBLE, FitSettings
 
 SLOPES = np.array([[1.0, 0.5], [0.0, 2.0], [1.0, -1.0]])
@@ -24,11 +24,15 @@ class Linear:
 
     observed: Floats
     deviations: Floats = field(default_factory=lambda: np.array([0.5, 0.8, 1.0]))
-    runs: int = 0
+    count: int = 0
     failing: float = np.inf
 
+    @property
+    def made(self) -> Linear:
+        return self
+
     def computed(self, places):  # type: ignore[no-untyped-def]
-        self.runs += len(places)
+        self.count += len(places)
         return [
             CaseError("stops") if one[0] > self.failing else SLOPES @ np.array(one)
             for one in places
@@ -47,7 +51,7 @@ def exact(case: Linear) -> tuple[Floats, Floats]:
 def test_a_linear_case_has_its_posterior_distribution(rounds: int) -> None:
     case = Linear(np.array([2.0, -3.0, 5.0]))
     how = FitSettings(method=ENSEMBLE, members=4000, rounds=rounds, seed=2).checked()
-    found = smoothed(case, parameters_of(VARY), how)  # type: ignore[arg-type]
+    found = smooth(case, parameters_of(VARY), how)  # type: ignore[arg-type]
     mean, sd = exact(case)
     assert found.value == pytest.approx(mean, abs=0.08 * sd.min())
     assert (found.high - found.low) / (2 * 1.96) == pytest.approx(sd, rel=0.05)
@@ -56,7 +60,7 @@ def test_a_linear_case_has_its_posterior_distribution(rounds: int) -> None:
 
 def test_members_that_fail_are_left_out_and_half_of_them_are_too_many() -> None:
     how = FitSettings(method=ENSEMBLE, members=200).checked()
-    few = smoothed(Linear(np.array([1.0, -3.0, 2.0]), failing=6.0), parameters_of(VARY), how)  # type: ignore[arg-type]
+    few = smooth(Linear(np.array([1.0, -3.0, 2.0]), failing=6.0), parameters_of(VARY), how)  # type: ignore[arg-type]
     assert "of 200 members" in few.remark and np.isfinite(few.value).all()
     with pytest.raises(CaseError, match="members cannot be completed"):
-        smoothed(Linear(np.array([1.0, -3.0, 2.0]), failing=0.0), parameters_of(VARY), how)  # type: ignore[arg-type]
+        smooth(Linear(np.array([1.0, -3.0, 2.0]), failing=0.0), parameters_of(VARY), how)  # type: ignore[arg-type]

@@ -61,7 +61,7 @@ def test_runs_that_depend_on_each_other_have_none(sampling):
 def test_the_table_of_blocks_has_the_interval_where_there_is_one(sampling, columns):
     found = results(sampling, counts={"slab": 7, "wedge": 2})
     page = Page("study")
-    study_report._counts(page, found, "block", found.blocks)
+    study_report.write_counts(page, found, "block", found.blocks)
     text = page.text()
     assert text.count("<th") == columns and text.count("<td") == 2 * columns
     if columns == 5:

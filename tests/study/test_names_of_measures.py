@@ -1,12 +1,14 @@
 """Measures of a point and a block with the same name."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import clast
 from clast.errors import CaseError
 from clast.study.expressions import read
-from clast.study.measures import ARGUMENTS, RunResults, check, known_names
+from clast.study.measures import MEASURES, RunResults, check, known_names
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +24,10 @@ def turning():
 
 
 def value(run, text):
-    expression = read(text, "measure", [], ARGUMENTS)
+    expression = read(text, "measure", [], MEASURES)
     check(expression, known_names(run.model))
-    return expression.value({}, {name: getattr(RunResults(run), name) for name in ARGUMENTS})
+    results = RunResults(run)
+    return expression.value({}, {k: partial(one.value, results) for k, one in MEASURES.items()})
 
 
 def test_a_point_and_a_block_of_one_name_are_both_measured(turning):

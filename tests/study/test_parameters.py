@@ -10,7 +10,6 @@ from clast.errors import CaseError
 from clast.study.description import Description, described, parameters_of
 from clast.study.expressions import read
 from clast.study.fitting.observations import FitSettings, Observation
-from clast.study.measures import ARGUMENTS, UNITS
 from clast.study.parameters import ParameterPlaces, keys_of, places
 from clast.study.sampling import Random
 
@@ -338,7 +337,3 @@ def test_measures_have_units_where_they_are_known(text, unit) -> None:
         measure={"u": "displacement(A)", "v": text},
     ).checked()
     assert study.units == {"u": "m", "v": unit}
-
-
-def test_every_function_of_measures_with_a_unit_is_one() -> None:
-    assert set(UNITS) <= set(ARGUMENTS)

@@ -11,7 +11,7 @@ from clast.study.sampling import (
     PointEstimate,
     Random,
     Sobol,
-    _permuted,
+    _permute,
     copula,
     correlated,
 )
@@ -23,7 +23,7 @@ def drawn(sampling: object, count: int, parameters: int = 2) -> np.ndarray:
 
 @pytest.mark.parametrize("size", [1, 2, 3, 10, 64, 501])
 def test_every_number_is_sent_to_another_one(size: int) -> None:
-    assert sorted(_permuted(k, size, 7) for k in range(size)) == list(range(size))
+    assert sorted(_permute(k, size, 7) for k in range(size)) == list(range(size))
 
 
 def test_random_numbers_are_uniform_and_independent() -> None:

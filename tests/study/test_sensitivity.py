@@ -55,13 +55,13 @@ def test_sobol_indices_of_ishigamis_function() -> None:
     whole = v1 + v2 + v13
     exact = {"x": (v1, v1 + v13), "y": (v2, v2), "z": (0.0, v13)}
     indices = sensitivities(found, found.measures["u"])
-    assert [one.parameter for one in indices] == ["x", "y", "z"]
-    for one in indices:
-        first, total = (value / whole for value in exact[one.parameter])
-        assert one.index["first"] == pytest.approx(first, abs=0.05)
-        assert one.index["total"] == pytest.approx(total, abs=0.05)
-        assert abs(one.index["total"] - total) < 1.5 * one.index["plus or minus of total"]
-        assert abs(one.index["first"] - first) < 1.5 * one.index["plus or minus"]
+    assert list(indices) == ["x", "y", "z"]
+    for name, index in indices.items():
+        first, total = (value / whole for value in exact[name])
+        assert index["first"] == pytest.approx(first, abs=0.05)
+        assert index["total"] == pytest.approx(total, abs=0.05)
+        assert abs(index["total"] - total) < 1.5 * index["plus or minus of total"]
+        assert abs(index["first"] - first) < 1.5 * index["plus or minus"]
 
 
 def test_elementary_effects_of_a_plane_are_its_slopes() -> None:
@@ -70,10 +70,14 @@ def test_elementary_effects_of_a_plane_are_its_slopes() -> None:
     found = results(study, lambda x, y, z: 3.0 * x - 5.0 * y + 0.0 * z)
     indices = sensitivities(found, found.measures["u"])
     reach = 0.98 * 2.0 * np.pi  # from probability 0.01 to 0.99
-    assert [one.parameter for one in indices] == ["y", "x", "z"]
-    assert [one.index["mu"] / reach for one in indices] == pytest.approx([-5.0, 3.0, 0.0], abs=1e-9)
-    assert [one.index["mu*"] / reach for one in indices] == pytest.approx([5.0, 3.0, 0.0], abs=1e-9)
-    assert all(one.index["sigma"] < 1e-9 for one in indices)
+    assert list(indices) == ["y", "x", "z"]
+    assert [one["mu"] / reach for one in indices.values()] == pytest.approx(
+        [-5.0, 3.0, 0.0], abs=1e-9
+    )
+    assert [one["mu*"] / reach for one in indices.values()] == pytest.approx(
+        [5.0, 3.0, 0.0], abs=1e-9
+    )
+    assert all(one["sigma"] < 1e-9 for one in indices.values())
     assert influences(found, found.measures["u"]) == []
     assert probability(found) is None
 
@@ -99,7 +103,7 @@ def test_each_run_of_a_group_changes_one_parameter(sampling: str, size: int) -> 
 def test_what_does_not_change_has_no_indices_and_too_few_runs_are_said() -> None:
     study = described("morris", 8)
     still = results(study, lambda x, y, z: 0.0 * x)
-    assert sensitivities(still, still.measures["u"]) == []
+    assert sensitivities(still, still.measures["u"]) == {}
     few = results(study, lambda x, y, z: x, lost=(2,))
     with pytest.raises(CaseError, match="too few groups"):
         sensitivities(few, few.measures["u"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.study import statistics, sweep_report
+from clast.study import statistics, study_report
 from clast.study.folder import DONE, NO_RESULT, StudyFolder
 from clast.study.report_page import Page
 
@@ -52,8 +52,7 @@ def made(path: Path, without: int = 0, **changes):
 
 
 def only_grid(folder, name="u"):
-    runs = sweep_report.runs_of(folder)
-    (found,) = sweep_report.grids_of(folder.study, UNITS, runs, name)
+    (found,) = study_report.grids_of(statistics.columns_of(folder), UNITS, name)
     return found
 
 
@@ -70,8 +69,7 @@ def test_each_run_is_at_the_values_of_its_parameters(tmp_path):
 def test_lists_in_step_have_a_curve_each(tmp_path):
     vary = {"phi: joint.plane.friction_angle": [30.0, 20.0], "c: joint.plane.cohesion": COHESIONS}
     folder = made(tmp_path, vary=vary, together=True)
-    runs = sweep_report.runs_of(folder)
-    found = sweep_report.grids_of(folder.study, UNITS, runs, "u")
+    found = study_report.grids_of(statistics.columns_of(folder), UNITS, "u")
     assert [[axis.label for axis in one.axes] for one in found] == [["phi"], ["c"]]
     assert [one.values.tolist() for one in found] == [[3e4, 2e5], [3e4, 2e5]]
 
@@ -81,13 +79,12 @@ def test_a_list_of_one_value_is_no_dimension(tmp_path):
     found = only_grid(made(tmp_path / "two", vary=vary))
     assert [axis.label for axis in found.axes] == ["c"] and found.values.tolist() == [3e4, 3e5]
     alone = made(tmp_path / "one", vary={"phi: joint.plane.friction_angle": [30.0]})
-    runs = sweep_report.runs_of(alone)
-    assert not sweep_report.grids_of(alone.study, UNITS, runs, "u")
+    assert not study_report.grids_of(statistics.columns_of(alone), UNITS, "u")
 
 
 def test_where_nothing_is_measured_failure_is_drawn(tmp_path):
     found = only_grid(made(tmp_path, measure={}, fail="displacement(A) > 1e5"), "")
-    assert found.label == sweep_report.SHARE
+    assert found.label == study_report.FAILURE
     assert np.array_equal(found.values[:2], [[0.0, 1.0], [0.0, 1.0]])
     assert found.lost[2].all()
 
@@ -95,7 +92,7 @@ def test_where_nothing_is_measured_failure_is_drawn(tmp_path):
 def test_the_table_has_units_and_reasons(tmp_path):
     folder = made(tmp_path, without=4)
     page = Page("sweep")
-    sweep_report.write_runs(page, folder.study, UNITS, sweep_report.runs_of(folder))
+    study_report.write_runs(page, folder, statistics.columns_of(folder), UNITS)
     text = page.text()
     for head in ("run", "phi, °", "c, Pa", "u, m", "fails", "reason"):
         assert f">{head}</th>" in text
@@ -108,10 +105,10 @@ def test_the_table_has_units_and_reasons(tmp_path):
 
 
 def test_a_long_table_says_where_the_rest_is(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_report, "MOST_RUNS", 2)
+    monkeypatch.setattr(study_report, "SWEEP_ROWS_MAX", 2)
     folder = made(tmp_path)
     page = Page("sweep")
-    sweep_report.write_runs(page, folder.study, UNITS, sweep_report.runs_of(folder))
+    study_report.write_runs(page, folder, statistics.columns_of(folder), UNITS)
     assert page.text().count("<tr>") == 1 + 2
     assert "The first 2 of 6 runs; all are in results.csv." in page.text()
 
@@ -122,8 +119,8 @@ def test_a_long_table_says_where_the_rest_is(tmp_path, monkeypatch):
 def test_curves_have_a_heading_and_a_figure(tmp_path, measure, head):
     pytest.importorskip("matplotlib")
     folder = made(tmp_path, measure=measure, fail="displacement(A) > 1e5")
-    page = Page("sweep")
-    sweep_report.write_curves(page, folder.study, UNITS, sweep_report.runs_of(folder), tmp_path)
+    page = Page.of(folder, "sweep")
+    study_report.write_curves(page, statistics.columns_of(folder), UNITS, next(iter(measure), ""))
     assert f"<h2>{head}" in page.text() and page.text().count("data:image/png") == 1
     said = "Least 20000 m in run 3, largest 3e+05 m in run 2."
     assert (said in page.text()) is bool(measure)
@@ -132,10 +129,10 @@ def test_curves_have_a_heading_and_a_figure(tmp_path, measure, head):
 def test_a_sweep_is_summed_up_by_its_extremes_and_where_they_are(tmp_path):
     columns = statistics.columns_of(made(tmp_path))
     found = statistics.extremes(columns, columns.measures["u"])
-    assert (found.least.value, found.least.run) == (2e4, 3)
-    assert found.least.parameters == {"phi": 20.0, "c": 1e3}
-    assert (found.largest.value, found.largest.run) == (3e5, 2)
-    assert found.largest.parameters == {"phi": 30.0, "c": 1e4}
+    assert {name: (one.value, one.run, one.parameters) for name, one in found.items()} == {
+        "least": (2e4, 3, {"phi": 20.0, "c": 1e3}),
+        "largest": (3e5, 2, {"phi": 30.0, "c": 1e4}),
+    }
     assert columns.gaps == []
     nothing = np.full(len(columns.run), np.nan)
     assert statistics.extremes(columns, nothing) is None

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +15,6 @@ from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
 
 if TYPE_CHECKING:
-    from clast.study.description import FactorSettings
     from clast.study.executors import StudyProgress
     from clast.study.folder import StudyFolder
     from clast.study.study_api import HowMade
@@ -97,7 +95,7 @@ def fos(
     """Find the factor of safety, or the factor of gravity, a load or a push, at collapse."""
     from clast.case.case_file import Case
     from clast.study.collapsing.collapse import collapse
-    from clast.study.description import FactorSettings
+    from clast.study.collapsing.search import FactorSettings
 
     loaded = Case.from_toml(case, settings or ())
     how = FactorSettings(
@@ -117,8 +115,8 @@ def fos(
             if not quiet and not as_json:
                 print_trial(number, trial)
 
-        found = collapse(loaded, how, folder, watch)
-    print_collapse(found, as_json, quiet)
+        result = collapse(loaded, how, folder, watch)
+    print_collapse(result, as_json, quiet)
 
 
 @app.command()
@@ -143,18 +141,10 @@ def sweep(
     quiet: Quiet = False,
 ) -> None:
     """Run a case over lists of values, or all combinations of them."""
-    study = _study(case, settings, vary, measure, ())
-    described = study(
-        fail=fail, keep=keep, together=together, factor=_factor(by, joints, tolerance)
-    )
-    _make(
-        described,
-        {"kind": "sweep"},
-        _folder(case, output),
-        _how(workers, scheduler, array),
-        as_json,
-        quiet,
-    )
+    given = _given(case, settings, vary, measure, by, joints, tolerance)
+    given |= {"fail": fail, "keep": keep, "together": together}
+    how = _how(workers, scheduler, array)
+    _run(given, {"kind": "sweep"}, _folder(case, output), how, as_json, quiet)
 
 
 @app.command()
@@ -191,12 +181,13 @@ def montecarlo(
     quiet: Quiet = False,
 ) -> None:
     """Estimate the probability of failure and the scatter of measures by random sampling."""
-    study = _study(case, settings, vary, measure, correlate)
-    described = study(fail=fail, keep=keep, factor=_factor(by, joints, tolerance))
-    given = {"seed": seed, "replicates": replicates}
-    numbers = {key: value for key, value in given.items() if value is not None}
-    drawn = {"kind": "montecarlo", "n": n, "sampling": sampling, **numbers}
-    _make(described, drawn, _folder(case, output), _how(workers, scheduler, array), as_json, quiet)
+    given = _given(case, settings, vary, measure, by, joints, tolerance)
+    given |= {"fail": fail, "keep": keep, "correlate": [_correlation(c) for c in correlate or ()]}
+    drawn: dict[str, Any] = {"kind": "montecarlo", "n": n, "sampling": sampling}
+    drawn |= {} if seed is None else {"seed": seed}
+    drawn |= {} if replicates is None else {"replicates": replicates}
+    how = _how(workers, scheduler, array)
+    _run(given, drawn, _folder(case, output), how, as_json, quiet)
 
 
 @app.command()
@@ -252,15 +243,15 @@ def resume(
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
+    how = _how(workers, scheduler, array, retry)
     if there.study.kind == COLLAPSE:
         with heard(), status():
-            found = collapse.go_on(there, None if quiet or as_json else print_trial)
-        print_collapse(found, as_json, quiet)
-        return
-    if there.study.kind == FIT:
-        _go_on_fitting(there, _how(workers, scheduler, array, retry), as_json, quiet)
-        return
-    _go_on(there, _how(workers, scheduler, array, retry), as_json, quiet)
+            result = collapse.go_on(there, None if quiet or as_json else print_trial)
+        print_collapse(result, as_json, quiet)
+    elif there.study.kind == FIT:
+        _go_on_fitting(there, how, as_json, quiet)
+    else:
+        _go_on(there, how, as_json, quiet)
 
 
 @app.command()
@@ -288,26 +279,26 @@ def collect(
 # What they have in common ------------------------------------------------------------------------
 
 
-def _study(
+def _given(
     case: Path,
     settings: Sequence[str] | None,
     vary: Sequence[str] | None,
     measure: Sequence[str] | None,
-    correlate: Sequence[str] | None,
-) -> Callable[..., Any]:
-    """Return the study of a command line."""
-    from functools import partial
-
+    by: str,
+    joints: str,
+    tolerance: float,
+) -> dict[str, Any]:
+    """Return the arguments of a study that sweeps and samplings have in common."""
     from clast.case.case_file import Case
-    from clast.study.study_api import Study
+    from clast.study.collapsing.search import FactorSettings
 
-    return partial(
-        Study,
-        Case.from_toml(case, settings or ()),
-        vary=dict(_pairs("--vary", vary, "joint.bedding.friction_angle=normal(35, 5)")),
-        measure=dict(_pairs("--measure", measure, "crest=displacement(A)")),
-        correlate=[_correlation(one) for one in correlate or ()],
-    )
+    factor = FactorSettings(by=by, joints=tuple(words(joints)), tolerance=tolerance)
+    return {
+        "case": Case.from_toml(case, settings or ()),
+        "vary": dict(_pairs("--vary", vary, "joint.bedding.friction_angle=normal(35, 5)")),
+        "measure": dict(_pairs("--measure", measure, "crest=displacement(A)")),
+        "factor": None if factor == FactorSettings() else factor,
+    }
 
 
 def _pairs(option: str, given: Sequence[str] | None, example: str) -> Iterator[tuple[str, str]]:
@@ -317,9 +308,8 @@ def _pairs(option: str, given: Sequence[str] | None, example: str) -> Iterator[t
         name, equals, value = one.partition("=")
         name = name.strip()
         if not equals or not name or not value.strip():
-            raise CaseError(
-                f"'{shortened(one)}' is not understood", where=option, remedy=f'e.g. "{example}"'
-            )
+            what = f"'{shortened(one)}' is not understood"
+            raise CaseError(what, where=option, remedy=f'e.g. "{example}"')
         if name in seen:
             remedy = "give each name once"
             raise CaseError(f"'{shortened(name)}' is given twice", where=option, remedy=remedy)
@@ -338,14 +328,6 @@ def _correlation(text: str) -> tuple[str, str, float]:
             where="--correlate",
             remedy='write "joint.a.cohesion,joint.a.friction_angle,-0.4"',
         ) from None
-
-
-def _factor(by: str, joints: str, tolerance: float) -> FactorSettings | None:
-    """Return how factors of safety are looked for; None where all is as usual."""
-    from clast.study.description import FactorSettings
-
-    how = FactorSettings(by=by, joints=tuple(words(joints)), tolerance=tolerance)
-    return None if how == FactorSettings() else how
 
 
 def _folder(case: Path, output: Path | None) -> Path:
@@ -367,22 +349,23 @@ def _how(workers: int | None, scheduler: str, array: str, retry: bool = False) -
                 remedy="write e.g. 3/10: every tenth run, from the third on",
             )
         part = (int(first), int(count))
-    if scheduler and part:
-        raise CaseError(
-            "--array and --scheduler exclude each other",
-            where="--scheduler",
-            remedy="leave one of them out",
-        )
     return HowMade(workers=workers, array=part, retry=retry, scheduler=scheduler)
 
 
-def _make(
-    study: Any, drawn: dict[str, Any], folder: Path, how: HowMade, as_json: bool, quiet: bool
+def _run(
+    given: dict[str, Any],
+    drawn: dict[str, Any],
+    folder: Path,
+    how: HowMade,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Run a study in a folder; print its results."""
     from clast.study.folder import StudyFolder
+    from clast.study.study_api import Study
     from clast.study.work import check_study
 
+    study = Study(**given)
     described = study.described(**drawn)
     check_study(study.case, described)
     warn(study.case.examine().warnings)
@@ -395,8 +378,8 @@ def _go_on_fitting(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool)
     from clast.study.fitting.fit_report import write_fit
 
     with heard(), status() as show:
-        found = go_on(there, how, lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"))
-    print_fit(found, write_fit(there, found), as_json, quiet)
+        result = go_on(there, how, lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"))
+    print_fit(result, write_fit(there, result), as_json, quiet)
 
 
 def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:
@@ -405,27 +388,17 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
 
     from clast.study import study_api
 
-    with heard(), _watched(quiet or as_json) as watch:
-        study_api.make(there, replace(how, watch=watch))
-    if how.array is None:
-        print_collected(there, False, as_json, quiet)
-    elif not quiet:
-        tell(f"done; when all parts are: clast study collect {there.path}")
-
-
-@contextmanager
-def _watched(quiet: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
-    """Yield a function that shows the progress of a study."""
-    if quiet:
-        yield None
-        return
-    with status() as show:
+    with heard(), status() as show:
 
         def watch(at: StudyProgress) -> None:
             left = "" if at.left is None else f", {_duration(at.left)} left"
             show(f"{at.done} of {at.total} runs{left}")
 
-        yield watch
+        study_api.make(there, how if quiet or as_json else replace(how, watch=watch))
+    if how.array is None:
+        print_collected(there, False, as_json, quiet)
+    elif not quiet:
+        tell(f"done; when all parts are: clast study collect {there.path}")
 
 
 def _duration(seconds: float) -> str:

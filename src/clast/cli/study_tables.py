@@ -17,59 +17,59 @@ if TYPE_CHECKING:
     from clast.study.collapsing.trial import Trial
     from clast.study.fitting.fitting import Fit
     from clast.study.folder import StudyFolder
-    from clast.study.statistics import SensitivityIndex, StudyResults
-
-NAMED = 3
-"""Blocks that a line of a trial names."""
+    from clast.study.statistics import Sensitivities, StudyResults
 
 
 def print_trial(number: int, trial: Trial) -> None:
     """Print a line for a trial."""
-    more = len(trial.blocks) - NAMED
-    named = ", ".join(trial.blocks[:NAMED]) + (f" and {more} more" if more > 0 else "")
+    from clast.study.collapsing.collapse import listed
+
     tell(
         f"{number:4d}  {trial.factor:<10.6g} {trial.verdict:<10s} {trial.displacement:>9.3g} m  "
-        f"{trial.steps:5d} steps  {named}"
+        f"{trial.steps:5d} steps  {listed(trial.blocks, 3)}"
     )
 
 
-def print_fit(found: Fit, report: Path, as_json: bool, quiet: bool) -> None:
+def print_fit(result: Fit, report: Path, as_json: bool, quiet: bool) -> None:
     """Print the result of a back-analysis, and where its report is."""
     if as_json:
-        print_json({**found.as_dict(), "folder": str(report.parent)})
+        print_json({**result.as_dict(), "folder": str(report.parent)})
+    if as_json or quiet:
         return
-    if quiet:
-        return
-    columns = zip(found.parameter, found.value, found.low, found.high, strict=True)
+    columns = zip(result.parameter, result.value, result.low, result.high, strict=True)
     rows = [(name, *(f"{one:.5g}" for one in numbers)) for name, *numbers in columns]
-    title = f"{len(found.observed)} observations, {found.runs} runs"
+    title = f"{len(result.observed)} observations, {result.runs} runs"
     print_table(table_of(title, ("parameter", "value", "95 %: from", "to"), rows))
-    misfit = found.predicted - found.observed
+    misfit = result.predicted - result.observed
     tell(f"largest difference of computed and measured: {abs(misfit).max():.3g} m")
-    for k, first in enumerate(found.parameter):
-        for n, second in enumerate(found.parameter[:k]):
-            tell(f"correlation of {second} and {first}: {found.correlation[k, n]:.2f}")
-    if found.remark:
-        tell(found.remark)
+    for k, first in enumerate(result.parameter):
+        for n, second in enumerate(result.parameter[:k]):
+            tell(f"correlation of {second} and {first}: {result.correlation[k, n]:.2f}")
+    if result.remark:
+        tell(result.remark)
     tell(f"report: {report}")
 
 
-def print_sensitivities(measure: str, found: Sequence[SensitivityIndex]) -> None:
-    """Print the indices of sensitivity of a measure."""
-    if not found:
-        return
-    rows = [(one.parameter, *(f"{value:.3g}" for value in one.index.values())) for one in found]
-    print_table(table_of(f"sensitivity of {measure}", ("parameter", *found[0].index), rows))
-
-
-def print_results(columns: StudyResults, rows: int) -> None:
+def _print_results(columns: StudyResults, rows: int) -> None:
     """Print the result of a sweep or a Monte Carlo study."""
     from clast.study import statistics
     from clast.study.description import SWEEP
 
-    is_sweep = columns.study.kind == SWEEP
-    table, words = (_ranges(columns), (0, 1)) if is_sweep else (_spreads(columns), (0,))
-    print_table(table_of(f"{rows} of {columns.study.n} runs", *table, words=words))
+    lines: list[Sequence[str]] = []
+    if columns.study.kind == SWEEP:
+        heads = ["measure", "extreme", "value", "in run", *(one.name for one in columns.study.vary)]
+        for name, values in columns.measures.items():
+            for word, one in (statistics.extremes(columns, values) or {}).items():
+                where = [_short(value) for value in one.parameters.values()]
+                lines.append((name, word, f"{one.value:.5g}", str(one.run), *where))
+    else:
+        heads = ["measure", *statistics.Spread.HEADS]
+        for name, values in columns.measures.items():
+            spread = statistics.spread(columns, values)
+            if spread is not None:
+                lines.append((name, *(f"{number:.5g}" for number in spread.row)))
+    words = (0, 1) if columns.study.kind == SWEEP else (0,)
+    print_table(table_of(f"{rows} of {columns.study.n} runs", heads, lines, words=words))
     probability = statistics.probability(columns)
     if probability is not None:
         tell(f"probability of failure {probability}")
@@ -79,33 +79,6 @@ def print_results(columns: StudyResults, rows: int) -> None:
         tell(sentence)
     for reason, count in columns.reasons.items():
         tell(f"{count} without a result: {reason}")
-
-
-def _spreads(columns: StudyResults) -> tuple[Sequence[str], list[Sequence[str]]]:
-    """Return headings and rows of how the measures of a Monte Carlo study are spread."""
-    from clast.study import statistics
-
-    rows: list[Sequence[str]] = []
-    for name, values in columns.measures.items():
-        one = statistics.spread(columns, values)
-        if one is not None:
-            numbers = (one.mean, one.sd, one.least, *one.quantiles, one.largest)
-            rows.append((name, *(f"{number:.5g}" for number in numbers)))
-    return ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"), rows
-
-
-def _ranges(columns: StudyResults) -> tuple[Sequence[str], list[Sequence[str]]]:
-    """Return headings and rows of the extremes of the measures of a sweep, and where they are."""
-    from clast.study import statistics
-
-    rows: list[Sequence[str]] = []
-    for name, values in columns.measures.items():
-        extremes = statistics.extremes(columns, values)
-        for word, one in vars(extremes).items() if extremes is not None else ():
-            where = map(_short, one.parameters.values())
-            rows.append((name, word, f"{one.value:.5g}", str(one.run), *where))
-    parameters = [one.name for one in columns.study.vary]
-    return ("measure", "extreme", "value", "in run", *parameters), rows
 
 
 def _short(value: Any) -> str:
@@ -126,23 +99,25 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
     columns = statistics.columns_of(there)
     keep_worst(there, columns)
     report = write_report(there)
-    indices = _sensitivities(columns)
+    indices: dict[str, Sensitivities] = {}
+    try:
+        for name, values in columns.measures.items():
+            indices[name] = statistics.sensitivities(columns, values)
+    except CaseError as error:
+        say(f"warning: {error.what}: {error.remedy}")
     if as_json:
-        print_json(
-            {
-                "folder": str(there.path),
-                "done": rows,
-                **_as_dict(columns),
-                "sensitivity": {
-                    name: {one.parameter: one.index for one in listed}
-                    for name, listed in indices.items()
-                },
-            }
-        )
+        content = {"folder": str(there.path), "done": rows, **_as_dict(columns)}
+        print_json({**content, "sensitivity": indices})
     elif not quiet:
-        print_results(columns, rows)
-        for name, listed in indices.items():
-            print_sensitivities(name, listed)
+        _print_results(columns, rows)
+        for name, index in indices.items():
+            lines = [
+                (one, *(f"{value:.3g}" for value in numbers.values()))
+                for one, numbers in index.items()
+            ]
+            if lines:
+                heads = ("parameter", *next(iter(index.values())))
+                print_table(table_of(f"sensitivity of {name}", heads, lines))
         tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
     if rows and columns.lost == rows:
         say("warning: no run has a result")
@@ -154,48 +129,40 @@ def _as_dict(columns: StudyResults) -> dict[str, Any]:
     from clast.study import statistics
     from clast.study.description import SWEEP
 
-    summary = statistics.extremes if columns.study.kind == SWEEP else statistics.spread
+    def summary(values: Any) -> Any:
+        if columns.study.kind == SWEEP:
+            ends = statistics.extremes(columns, values)
+            return ends and {word: asdict(one) for word, one in ends.items()}
+        spread = statistics.spread(columns, values)
+        return spread and asdict(spread)
+
     chance = statistics.probability(columns)
-    summaries = {name: summary(columns, values) for name, values in columns.measures.items()}
     return {
         "runs": columns.study.n,
         "no_result": columns.lost,
         "reasons": {**columns.reasons, **columns.remarks},
         "failed": int(columns.fails.sum()) if len(columns.fails) else None,
         "probability_of_failure": None if chance is None else vars(chance),
-        "measures": {
-            name: None if found is None else asdict(found) for name, found in summaries.items()
-        },
+        "measures": {name: summary(values) for name, values in columns.measures.items()},
         "blocks": dict(columns.blocks),
         "joints": dict(columns.joints),
     }
 
 
-def _sensitivities(columns: StudyResults) -> dict[str, list[SensitivityIndex]]:
-    """Return the indices of sensitivity of each measure; say why where there are none."""
-    from clast.study.statistics import sensitivities
-
-    try:
-        return {name: sensitivities(columns, one) for name, one in columns.measures.items()}
-    except CaseError as error:
-        say(f"warning: {error.what}: {error.remedy}")
-        return {}
-
-
-def print_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
+def print_collapse(result: Collapse, as_json: bool, quiet: bool) -> None:
     """Write the report of a study of collapse; print its result."""
     from clast.study.collapsing.collapse_report import write_collapse
     from clast.study.folder import StudyFolder
 
-    there = StudyFolder.opened(found.folder or Path())
-    report = write_collapse(there, found)
+    there = StudyFolder.opened(result.folder or Path())
+    report = write_collapse(there, result)
     if as_json:
-        print_json(found.as_dict())
+        print_json(result.as_dict())
     elif not quiet:
-        tell(found.sentence)
+        tell(result.sentence)
         tell(f"report: {report}")
-    for text in found.warnings:
+    for text in result.warnings:
         say(f"warning: {text}")
-    if not found.is_settled:
-        say(f"warning: {found.sentence}")
+    if not result.is_settled:
+        say(f"warning: {result.sentence}")
         raise typer.Exit(MISSED)

@@ -34,50 +34,30 @@ from typing import Any
 
 import numpy as np
 
-from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.model.distributions import Distribution, Value, Values
 from clast.model.model import Floats
+from clast.spelling import advice, require_known
 from clast.study import sampling as samplings
+from clast.study.collapsing.search import FactorSettings
 from clast.study.distributions import Numbered, Range, parsed
 from clast.study.expressions import Expression, read
 from clast.study.fitting.observations import FitSettings, Observation, of_rows
-from clast.study.measures import ARGUMENTS, CONDITIONS, FOS, unit_of
+from clast.study.measures import CONDITIONS, MEASURES, unit_of
 from clast.study.parameters import Parameter
 from clast.study.sampling import SAMPLINGS, LatinHypercube, PointEstimate, Sampling
 
 SWEEP, MONTECARLO, COLLAPSE, FIT = "sweep", "montecarlo", "fos", "fit"
 """Kinds of studies."""
 KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT)
-KEEPS = ("none", "failed", "worst N", "all")
+KEEPS = ("none", "failed", "all", "worst N")
 """Of which runs the result files are kept."""
 WORST = re.compile(r"worst [1-9][0-9]{0,4}")
-"""The choice to keep the worst runs: so many."""
-MOST_TRIALS = 1000
+TRIALS_MAX = 1000
 """Most trials of a study of collapse."""
 COLUMNS = ("run", "status", "fails", "reason")
 """Columns of a table beside parameters and measures."""
-RUNS = 100
-"""Runs of a Monte Carlo study that does not say how many."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FactorSettings:
-    """How a factor of safety, or a load at collapse, is looked for."""
-
-    by: str = "strength"
-    """The quantity of the factor: strength, gravity, "load NAME", pga, "pga left"."""
-    joints: tuple[str, ...] = ()
-    """Joints whose strength is reduced; none: all."""
-    start: float | None = None
-    """First factor; None: 1, of pga 0.1."""
-    growth: float | None = None
-    """By how much the next ones grow until one fails; None: 1.25 of strengths, else 2."""
-    tolerance: float = 0.01
-    """Relative width of the final bracket."""
-    refine: int = 0
-    """More trials at equal distances near the bracket, for the curve of displacements."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,13 +69,11 @@ class Description:
     case: str = ""
     """Case file, beside study.toml."""
     vary: tuple[Parameter, ...] = ()
-    """The parameters that vary from run to run."""
     correlate: tuple[tuple[str, str, float], ...] = ()
     """Names of two parameters and the correlation of their normal scores."""
     sampling: Sampling = field(default_factory=samplings.Random)
     """How runs are drawn; of no account for a sweep."""
     n: int = 1
-    """Number of runs."""
     together: bool = False
     """Of a sweep: True takes the lists in step, False all combinations."""
     measure: Mapping[str, str] = field(default_factory=dict)
@@ -123,7 +101,9 @@ class Description:
         if self.kind == FIT:
             return tuple(one.drawn.quantile(0.5) for one in self.vary)
         if isinstance(self.sampling, PointEstimate):
-            return self._at_signs(self.sampling.signs(run - 1, len(self._drawn)))
+            signs = self.sampling.signs(run - 1, len(self._drawn)).tolist()
+            moments = [one.drawn.moments for one in self.vary]
+            return tuple(mean + sign * sd for sign, (mean, sd) in zip(signs, moments, strict=True))
         chances = self.sampling.probabilities(run - 1, self.n, len(self._drawn))
         chances = samplings.correlated(chances, self._copula[1])
         drawn = iter(chances.tolist())
@@ -157,71 +137,62 @@ class Description:
         pairs = [(names.index(a), names.index(b), value) for a, b, value in self.correlate]
         return samplings.copula(pairs, len(names))
 
-    def _at_signs(self, signs: Floats) -> tuple[Value, ...]:
-        """Return mean plus or minus standard deviation of each parameter."""
-        moments = [one.drawn.moments for one in self.vary]
-        return tuple(
-            mean + sign * sd for sign, (mean, sd) in zip(signs.tolist(), moments, strict=True)
-        )
-
     def _listed(self, number: int) -> tuple[Value, ...]:
         """Return the values of a combination of lists, the last one changing fastest."""
         lists = [_list_of(one) for one in self.vary]
         if self.together:
             return tuple(one.at(number) for one in lists)
-        found: list[Value] = []
+        values: list[Value] = []
         for one in reversed(lists):
             number, position = divmod(number, len(one))
-            found.append(one.at(position))
-        return tuple(reversed(found))
+            values.append(one.at(position))
+        return tuple(reversed(values))
 
     @property
     def lists(self) -> list[tuple[Value, ...]]:
         """The values of each parameter of a sweep; raises CaseError where one is no list."""
-        found = (_list_of(one) for one in self.vary)
-        return [tuple(one.at(k) for k in range(len(one))) for one in found]
+        return [tuple(one.at(k) for k in range(len(one))) for one in map(_list_of, self.vary)]
 
     # Measures ------------------------------------------------------------------------------------
 
     @cached_property
     def measures(self) -> dict[str, Expression]:
         """The measures by name."""
-        functions = [*ARGUMENTS, FOS]
-        found: dict[str, Expression] = {}
+        measures: dict[str, Expression] = {}
         for name, text in self.measure.items():
-            found[name] = read(text, f"measure {shortened(name)}", list(found), functions)
-        return found
+            where = f"measure {shortened(name)}"
+            measures[name] = read(text, where, list(measures), list(MEASURES))
+        return measures
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The units of the measures by name; "" where one has none, or where none is known."""
-        found: dict[str, str] = {}
+        units: dict[str, str] = {}
         for name, one in self.measures.items():
-            found[name] = one.unit(found, unit_of)
-        return found
+            units[name] = one.unit(units, unit_of)
+        return units
 
     @cached_property
     def condition(self) -> Expression | None:
         """The failure condition; None where none is asked for."""
         if not self.fail:
             return None
-        found = read(self.fail, "fail", list(self.measure), [*ARGUMENTS, FOS])
+        condition = read(self.fail, "fail", list(self.measure), list(MEASURES))
         known = [*CONDITIONS]
         for name, one in self.measures.items():
             known += [name] if one.is_condition(known) else []
-        if not found.is_condition(known):
+        if not condition.is_condition(known):
             raise CaseError(
                 f"'{shortened(self.fail)}' is a number, not a failure condition",
                 where="fail",
                 remedy=f'compare it with a limit, e.g. "{shortened(self.fail)} > 0.05"',
             )
-        return found
+        return condition
 
     @property
     def expressions(self) -> list[Expression]:
-        """All expressions."""
-        own = list(self.measures.values())
-        return own if self.condition is None else [*own, self.condition]
+        """The measures and the failure condition."""
+        return [*self.measures.values(), *([] if self.condition is None else [self.condition])]
 
     # Text ----------------------------------------------------------------------------------------
 
@@ -232,33 +203,23 @@ class Description:
         if self.kind not in (COLLAPSE, FIT):
             content["n"] = self.n
         if self.kind == MONTECARLO:
-            content["sampling"] = type(self.sampling).WORD
-            content.update(vars(self.sampling))
+            content |= {"sampling": type(self.sampling).WORD, **vars(self.sampling)}
         if self.kind == SWEEP:
             content["together"] = self.together
-        content["keep"] = self.keep
-        if self.fail:
-            content["fail"] = self.fail
-        if self.measure:
-            content["measure"] = dict(self.measure)
+        content |= {"keep": self.keep, "fail": self.fail, "measure": dict(self.measure)}
         if self.factor is not None:
-            given = {one.name: getattr(self.factor, one.name) for one in fields(FactorSettings)}
-            content["factor"] = {
-                key: list(value) if isinstance(value, tuple) else value
-                for key, value in given.items()
-                if value is not None
-            }
-        if self.vary:
-            content["vary"] = [
-                {"name": one.name, "paths": list(one.paths), "is": str(one.distribution)}
-                for one in self.vary
-            ]
-        if self.correlate:
-            content["correlate"] = [{"of": [a, b], "value": c} for a, b, c in self.correlate]
+            given = {**vars(self.factor), "joints": list(self.factor.joints)}
+            content["factor"] = {key: value for key, value in given.items() if value is not None}
+        content["vary"] = [
+            {"name": one.name, "paths": list(one.paths), "is": str(one.distribution)}
+            for one in self.vary
+        ]
+        content["correlate"] = [{"of": [a, b], "value": c} for a, b, c in self.correlate]
         if self.fit is not None:
             content["fit"] = vars(self.fit)
             content["observe"] = [one.row() for one in self.observe]
-        return case_text.to_toml(content)
+        empty = ("", {}, [])
+        return case_text.to_toml({key: one for key, one in content.items() if one not in empty})
 
     @cached_property
     def hash(self) -> str:
@@ -269,15 +230,12 @@ class Description:
 
     def checked(self) -> Description:
         """Return the study with its number of runs; raises CaseError for an invalid one."""
-        if self.kind not in KINDS:
-            remedy = spelling.advice(str(self.kind), KINDS, kind="kind")
-            raise CaseError(f"there is no kind '{self.kind}'", where="kind", remedy=remedy)
-        is_number = isinstance(self.keep, str) and WORST.fullmatch(self.keep)
-        if self.keep == KEEPS[2] or not (is_number or self.keep in KEEPS):
-            remedy = spelling.advice(str(self.keep), KEEPS, kind="choice")
+        require_known(self.kind, KINDS, kind="kind", where="kind")
+        if self.keep not in KEEPS[:3] and not WORST.fullmatch(str(self.keep)):
+            remedy = advice(str(self.keep), KEEPS, kind="choice")
             raise CaseError(f"cannot keep '{self.keep}'", where="keep", remedy=remedy)
         if self.kind == COLLAPSE:
-            return replace(self, n=MOST_TRIALS)
+            return replace(self, n=TRIALS_MAX)
         if not self.vary:
             raise CaseError(
                 "no parameter varies",
@@ -285,17 +243,13 @@ class Description:
                 remedy='e.g. joint.bedding.friction_angle="..."',
             )
         names = [one.name for one in self.vary]
-        for name in names:
+        for name in (*names, *self.measure):
             if names.count(name) > 1:
                 remedy = "give each parameter a name of its own"
                 raise CaseError(f"'{shortened(name)}' is varied twice", where="vary", remedy=remedy)
-        for name in (*names, *self.measure):
             if name in COLUMNS:
-                raise CaseError(
-                    f"'{name}' is a column that every table has",
-                    where="vary, measure",
-                    remedy="choose another name",
-                )
+                what, remedy = f"'{name}' is a column that every table has", "choose another name"
+                raise CaseError(what, where="vary, measure", remedy=remedy)
         if not any(any(one.calls()) for one in self.expressions):
             raise CaseError(
                 "the study measures nothing",
@@ -321,56 +275,45 @@ class Description:
 
     def _counted(self) -> Description:
         """Return a study by chance with its number of runs."""
-        self._check_design()
-        for one in self.vary:
-            if one.drawn.LISTED:
-                raise CaseError(
-                    f"'{one.name}' is a list of values, not a distribution",
-                    where=f"vary {shortened(one.name)}",
-                    remedy="give a distribution, e.g. discrete([...]), or make it a sweep",
-                )
-            if isinstance(self.sampling, PointEstimate):
-                if isinstance(one.drawn, Numbered):
-                    raise CaseError(
-                        "the number of the run has no mean",
-                        where=f"vary {shortened(one.name)}",
-                        remedy="choose another sampling",
-                    )
-                _ = one.drawn.moments
-        if not self._drawn and not isinstance(self.sampling, samplings.Random):
-            return replace(self, sampling=samplings.Random()).checked()
-        drawn = len(self._drawn)
-        return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
-
-    def _check_design(self) -> None:
-        """Raise CaseError where parameters do not suit a design for indices of sensitivity."""
-        if not self.sampling.INDICES:
-            return
         word = type(self.sampling).WORD
-        if self.correlate:
+        if self.sampling.INDICES and self.correlate:
             raise CaseError(
                 f"sampling '{word}' changes one parameter at a time: none can be correlated",
                 where="correlate",
                 remedy="leave correlations out, or choose another sampling",
             )
         for one in self.vary:
-            if isinstance(one.drawn, Numbered):
+            where, is_number = f"vary {shortened(one.name)}", isinstance(one.drawn, Numbered)
+            if one.drawn.LISTED:
+                raise CaseError(
+                    f"'{one.name}' is a list of values, not a distribution",
+                    where=where,
+                    remedy="give a distribution, e.g. discrete([...]), or make it a sweep",
+                )
+            if is_number and self.sampling.INDICES:
                 raise CaseError(
                     f"sampling '{word}' would confuse the effect of the run number with that of "
                     "the others",
-                    where=f"vary {shortened(one.name)}",
+                    where=where,
                     remedy="draw it: discrete([1, 2, 3, 4]), or choose another sampling",
                 )
+            if isinstance(self.sampling, PointEstimate):
+                if is_number:
+                    what, remedy = "the number of the run has no mean", "choose another sampling"
+                    raise CaseError(what, where=where, remedy=remedy)
+                _ = one.drawn.moments
+        drawn = len(self._drawn)
+        if not drawn and not isinstance(self.sampling, samplings.Random):
+            return replace(self, sampling=samplings.Random()).checked()
+        return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
 
     def _check_correlations(self, names: Sequence[str]) -> None:
         """Raise CaseError for correlations of constant parameters, or of unsuitable ones."""
         seen = set()
         for first, second, value in self.correlate:
             for name in (first, second):
-                if name not in names:
-                    remedy = spelling.advice(name, names, kind="parameter")
-                    what = f"'{shortened(name)}' does not vary"
-                    raise CaseError(what, where="correlate", remedy=remedy)
+                what = f"'{shortened(name)}' does not vary"
+                require_known(name, names, kind="parameter", where="correlate", what=what)
                 if not self.vary[names.index(name)].drawn.CONTINUOUS or self.kind == SWEEP:
                     raise CaseError(
                         f"'{shortened(name)}' is not a continuous variable",
@@ -412,9 +355,9 @@ def _check_count(count: Any) -> int:
         raise CaseError(
             f"{count!r} is not a valid number of runs", where="n", remedy="e.g. n = 500"
         )
-    if count > samplings.MOST_RUNS:
+    if count > samplings.RUNS_MAX:
         raise CaseError(
-            f"{count} runs are more than {samplings.MOST_RUNS:,}", where="n", remedy="lower it"
+            f"{count} runs are more than {samplings.RUNS_MAX:,}", where="n", remedy="lower it"
         )
     return count
 
@@ -422,29 +365,6 @@ def _check_count(count: Any) -> int:
 # Reading -----------------------------------------------------------------------------------------
 
 
-KEYS: dict[str, type] = {
-    "schema": int,
-    "kind": str,
-    "case": str,
-    "n": int,
-    "sampling": str,
-    "seed": int,
-    "replicates": int,
-    "together": bool,
-    "keep": str,
-    "fail": str,
-    "measure": dict,
-    "factor": dict,
-    "vary": list,
-    "correlate": list,
-    "observe": list,
-    "fit": dict,
-}
-"""Keys of ``study.toml`` and the kinds of their values."""
-KEYS_OF_PARAMETER: dict[str, type] = {"name": str, "paths": list, "is": str}
-"""Keys of a parameter."""
-KEYS_OF_FACTOR: dict[str, type] = {"by": str, "joints": list}
-"""Keys of how a factor is looked for that are no numbers, which are checked where they are used."""
 WORDS = {
     int: "a whole number",
     str: "a text",
@@ -452,7 +372,18 @@ WORDS = {
     dict: "a table",
     list: "a list",
 }
-"""Names of the kinds of values."""
+KINDS_OF_KEYS = {
+    int: ("schema", "n", "seed", "replicates"),
+    str: ("kind", "case", "sampling", "keep", "fail"),
+    bool: ("together",),
+    dict: ("measure", "factor", "fit"),
+    list: ("vary", "correlate", "observe"),
+}
+KEYS = {key: kind for kind, keys in KINDS_OF_KEYS.items() for key in keys}
+"""Keys of ``study.toml`` -> the kinds of their values."""
+KEYS_OF_PARAMETER = {"name": str, "paths": list, "is": str}
+KEYS_OF_FACTOR = {"by": str, "joints": list}
+"""Keys of how a factor is looked for that are no numbers, which are checked where they are used."""
 REMADE = "clast study writes this file: restore it, or start the study in another folder"
 
 
@@ -462,9 +393,12 @@ def described(text: str, file: str) -> Description:
     _check_kinds(content, KEYS, file)
     for row in content.get("vary", ()):
         _check_kinds(row, KEYS_OF_PARAMETER, f"{file}, vary")
-    words = {key: content.get("factor", {}).get(key) for key in KEYS_OF_FACTOR}
-    given = {key: value for key, value in words.items() if value is not None}
-    _check_kinds(given, KEYS_OF_FACTOR, f"{file}, factor")
+    factor = content.get("factor", {})
+    _check_kinds(
+        {key: factor[key] for key in KEYS_OF_FACTOR if key in factor},
+        KEYS_OF_FACTOR,
+        f"{file}, factor",
+    )
     for key in ("kind", "case"):
         if key not in content:
             raise CaseError(f"lacks the key '{key}'", where=file, remedy=REMADE)
@@ -475,12 +409,11 @@ def described(text: str, file: str) -> Description:
             remedy="continue the study with the version that created it",
         )
     try:
-        factor = content.get("factor")
-        own = {key: content[key] for key in ("n", "together", "keep", "fail") if key in content}
+        plain = {key: content[key] for key in ("n", "together", "keep", "fail") if key in content}
         numbers = {key: content[key] for key in ("seed", "replicates") if key in content}
         return Description(
             kind=content["kind"],
-            case=str(content["case"]),
+            case=content["case"],
             vary=tuple(
                 Parameter(
                     name=str(one["name"]),
@@ -492,19 +425,16 @@ def described(text: str, file: str) -> Description:
             correlate=tuple((*one["of"], one["value"]) for one in content.get("correlate", [])),
             sampling=sampling_of(content.get("sampling", "random"), **numbers),
             measure=dict(content.get("measure", {})),
-            factor=None
-            if factor is None
-            else FactorSettings(**{**factor, "joints": tuple(factor.get("joints", ()))}),
+            factor=FactorSettings(**{**factor, "joints": tuple(factor.get("joints", ()))})
+            if "factor" in content
+            else None,
             observe=of_rows(content.get("observe", [])),
             fit=FitSettings(**content["fit"]) if "fit" in content else None,
-            **own,
+            **plain,
         ).checked()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise CaseError(
-            f"is not a study: {type(error).__name__} {error}",
-            where=file,
-            remedy=REMADE,
-        ) from None
+        what = f"is not a study: {type(error).__name__} {error}"
+        raise CaseError(what, where=file, remedy=REMADE) from None
 
 
 def _check_kinds(content: Any, kinds: Mapping[str, type], where: str) -> None:
@@ -512,30 +442,21 @@ def _check_kinds(content: Any, kinds: Mapping[str, type], where: str) -> None:
     if not isinstance(content, Mapping):
         raise CaseError("is not a table", where=where, remedy=REMADE)
     for key, value in content.items():
-        if key not in kinds:
-            what = f"there is no key '{shortened(key)}'"
-            raise CaseError(what, where=where, remedy=spelling.advice(key, kinds, kind="key"))
+        require_known(key, kinds, kind="key", where=where)
         if type(value) is not kinds[key]:
-            raise CaseError(
-                f"{key} has to be {WORDS[kinds[key]]}, not {shortened(repr(value))}",
-                where=where,
-                remedy=REMADE,
-            )
+            what = f"{key} has to be {WORDS[kinds[key]]}, not {shortened(repr(value))}"
+            raise CaseError(what, where=where, remedy=REMADE)
 
 
 def sampling_of(word: str, **numbers: Any) -> Sampling:
     """Return a sampling by its name; numbers that it does not have are refused."""
-    if word not in SAMPLINGS:
-        remedy = spelling.advice(str(word), SAMPLINGS, kind="sampling")
-        what = f"there is no sampling '{shortened(str(word))}'"
-        raise CaseError(what, where="sampling", remedy=remedy)
+    require_known(word, SAMPLINGS, kind="sampling", where="sampling")
     kind = SAMPLINGS[word]
-    own = {one.name for one in fields(kind)}  # type: ignore[arg-type]
+    known = {one.name for one in fields(kind)}  # type: ignore[arg-type]
     for name, value in numbers.items():
-        if name not in own:
-            raise CaseError(
-                f"sampling '{word}' has no {name}", where=name, remedy=f"leave {name} out"
-            )
+        if name not in known:
+            what = f"sampling '{word}' has no {name}"
+            raise CaseError(what, where=name, remedy=f"leave {name} out")
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
             remedy = "give a whole number, not negative"
             raise CaseError(f"{value!r} is not a valid {name}", where=name, remedy=remedy)
@@ -547,18 +468,19 @@ def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
 
     A key may be several paths, separated by commas, and begin with a name: "phi: joint.a.x, ...".
     """
-    found = []
+    parameters = []
     for key, value in vary.items():
         head, colon, tail = key.partition(":")
         name, paths = (head.strip(), tail) if colon else (key.strip(), key)
         where = f"vary {shortened(name)}"
         parts = tuple(part.strip() for part in paths.split(",") if part.strip())
         if not name or not parts:
-            raise CaseError(
-                f"'{shortened(key)}' is not a path", where="vary", remedy="e.g. time.end"
-            )
-        found.append(Parameter(name=name, paths=parts, distribution=_distribution(value, where)))
-    return tuple(found)
+            what = f"'{shortened(key)}' is not a path"
+            raise CaseError(what, where="vary", remedy="e.g. time.end")
+        parameters.append(
+            Parameter(name=name, paths=parts, distribution=_distribution(value, where))
+        )
+    return tuple(parameters)
 
 
 def _distribution(value: Any, where: str) -> Distribution:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar
 
-from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.model.distributions import (
     VALUES_MAX,
@@ -27,6 +26,7 @@ from clast.model.distributions import (
     Values,
     fault,
 )
+from clast.spelling import require_known
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,7 @@ class Range(Continuous):
     LISTED: ClassVar[bool] = True
     CONTINUOUS: ClassVar[bool] = False
     first: float
-    """First value."""
     last: float
-    """Last value."""
     count: int
     """How many, at least 2."""
 
@@ -84,7 +82,6 @@ class Times(Distribution):
 
     WORD: ClassVar[str] = "times"
     factor: Distribution
-    """The factor, -."""
 
     def validate(self) -> None:
         """Raise CaseError where the factor is none."""
@@ -123,25 +120,23 @@ def _made(tree: ast.expr, where: str, remedy: str) -> Distribution:
         value = _plain(tree, where)
         return _of_kind(Values, {"values": value if isinstance(value, list) else [value]}, where)
     word = tree.func.id if isinstance(tree.func, ast.Name) else ""
-    if word not in KINDS:
-        said = spelling.advice(word, KINDS, kind="distribution")
-        what = f"there is no distribution '{shortened(word or ast.unparse(tree.func))}'"
-        raise CaseError(what, where=where, remedy=said)
+    what = f"there is no distribution '{shortened(word or ast.unparse(tree.func))}'"
+    require_known(word, KINDS, kind="distribution", where=where, what=what)
     kind = KINDS[word]
     names = [one.name for one in fields(kind)]
-    if len(tree.args) > len(names):
-        what = f"{word} has {len(tree.args)} numbers, but at most {len(names)}"
-        raise CaseError(what, where=where, remedy=f"write {usage(kind)}")
     given = dict(zip(names, tree.args, strict=False))
+    fault = ""
+    if len(tree.args) > len(names):
+        fault = f"{word} has {len(tree.args)} numbers, but at most {len(names)}"
     for one in tree.keywords:
         if one.arg not in names or one.arg in given:
-            what = f"{word} has no '{shortened(str(one.arg))}' left to be given"
-            raise CaseError(what, where=where, remedy=f"write {usage(kind)}")
-        given[one.arg] = one.value
+            fault = fault or f"{word} has no '{shortened(str(one.arg))}' left to be given"
+        given[str(one.arg)] = one.value
     missing = [one.name for one in fields(kind) if one.default is MISSING and one.name not in given]
     if missing:
-        what = f"{word} lacks {', '.join(missing)}"
-        raise CaseError(what, where=where, remedy=f"write {usage(kind)}")
+        fault = fault or f"{word} lacks {', '.join(missing)}"
+    if fault:
+        raise CaseError(fault, where=where, remedy=f"write {usage(kind)}")
     values = {
         name: _made(one, where, remedy) if name == "factor" else _plain(one, where)
         for name, one in given.items()

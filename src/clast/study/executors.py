@@ -37,14 +37,10 @@ from clast.study.worker_start import start_worker
 
 TRIES = 3
 """How often a run is tried whose worker dies."""
-PORTION = 50
-"""Runs that a worker makes at most before it is renewed."""
-ANSWERS, BEGINS = 10, 60
+RUNS_PER_WORKER_MAX = 50
+"""Runs that a worker makes before it is renewed, at most."""
+SCHEDULER_TIMEOUT, WORKER_TIMEOUT = 10, 60
 """How long a scheduler is waited for, and its first worker, s."""
-MODULE = "<module>"
-"""How Python calls the code of a script outside of its functions."""
-TELL_EVERY = 0.5
-"""Time between looks at how far a study is, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +50,6 @@ class StudyProgress:
     done: int
     """Runs with a result."""
     total: int
-    """All runs."""
     lost: int
     """Runs that have no result because of a failure."""
     seconds: float
@@ -65,9 +60,7 @@ class StudyProgress:
     @property
     def left(self) -> float | None:
         """Time left, s, as the last runs took it; None as long as none is done."""
-        if not self.made:
-            return None
-        return (self.total - self.done) * self.seconds / self.made
+        return (self.total - self.done) * self.seconds / self.made if self.made else None
 
 
 Watch = Callable[[StudyProgress], None]
@@ -96,14 +89,8 @@ class ThisProcess:
     """One run after the other in this process."""
 
     bench: Bench
-    """Data that its runs share."""
     portion: ClassVar[int] = 1
     places: ClassVar[int] = 1
-
-    @classmethod
-    def of(cls, folder: StudyFolder) -> ThisProcess:
-        """Return this process as who makes the runs of a study."""
-        return cls(Bench.of(folder))
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Make the runs that are not done, now; their errors are raised here."""
@@ -122,18 +109,15 @@ class ThisProcess:
 class Processes:
     """Processes of this machine, one at each place."""
 
-    portion: ClassVar[int] = PORTION
+    portion: ClassVar[int] = RUNS_PER_WORKER_MAX
     places: int
-    """How many."""
     _pools: dict[int, ProcessPoolExecutor] = field(default_factory=dict)
-    _workers: dict[int, int] = field(default_factory=dict)
-    """Process at each place."""
     _made: dict[int, int] = field(default_factory=dict)
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Have a portion of runs made by a worker."""
         self._made[place] = self._made.get(place, 0) + len(runs)
-        if place in self._pools and self._made[place] > PORTION:
+        if place in self._pools and self._made[place] > RUNS_PER_WORKER_MAX:
             self.renew(place)
             self._made[place] = len(runs)
         if place not in self._pools:
@@ -167,9 +151,8 @@ class Processes:
 class Foreign:
     """An executor of somebody else: Dask, Parsl, mpi4py.futures; it renews workers itself."""
 
-    portion: ClassVar[int] = PORTION
+    portion: ClassVar[int] = RUNS_PER_WORKER_MAX
     executor: Executor
-    """The executor."""
     workers: Callable[[], int]
     """How many workers it has; they may come and go."""
 
@@ -183,11 +166,9 @@ class Foreign:
         try:
             return self.executor.submit(make_runs, folder, runs)
         except (RuntimeError, OSError) as error:  # it was shut down, or has broken
-            raise CaseError(
-                f"takes no more runs: {' '.join(str(error).split())[:200]}",
-                where="executor",
-                remedy="finished runs are kept; give another executor to continue",
-            ) from None
+            what = f"takes no more runs: {_line(error)}"
+            remedy = "finished runs are kept; give another executor to continue"
+            raise CaseError(what, where="executor", remedy=remedy) from None
 
     def renew(self, place: int) -> None:
         """Leave it to the executor."""
@@ -198,11 +179,8 @@ class Driver:
     """Has the runs of a study made by workers."""
 
     folder: StudyFolder
-    """Where the study is kept."""
     workers: Workers
-    """Who makes them."""
     watch: Watch | None = None
-    """Told how far the study is."""
     tries: dict[int, int] = field(default_factory=dict)
     """Run -> how often its worker has died."""
     idle: int = 0
@@ -219,7 +197,8 @@ class Driver:
         going: dict[Future[int], tuple[int, list[int]]] = {}
         again: list[list[int]] = []
         while True:
-            for place in self._free(going):
+            taken = {place for place, _ in going.values()}
+            for place in (one for one in range(self.workers.places) if one not in taken):
                 portion = again.pop() if again else self._portion(runs)
                 if not portion:
                     break
@@ -227,16 +206,11 @@ class Driver:
                 going[future] = (place, portion)
             if not going:
                 break
-            done, _ = wait(going, TELL_EVERY, FIRST_COMPLETED)
+            done, _ = wait(going, 0.5, FIRST_COMPLETED)
             for future in done:
                 place, portion = going.pop(future)
                 again += self._ended(future, place, portion)
             self._tell(going)
-
-    def _free(self, going: dict[Future[int], tuple[int, list[int]]]) -> list[int]:
-        """Return the places at which nothing is being made."""
-        taken = {place for place, _ in going.values()}
-        return [place for place in range(self.workers.places) if place not in taken]
 
     def _portion(self, runs: Iterator[int]) -> list[int]:
         """Return the next runs to hand out: fewer towards the end."""
@@ -270,7 +244,14 @@ class Driver:
         self.workers.renew(place)
         first, others = left[0], left[1:]
         began = self.folder.has_begun(first) or len(left) < len(portion)
-        self._check_started(error, began=began)
+        self.idle = 0 if began else self.idle + 1
+        if self.idle >= TRIES * self.workers.places:
+            raise CaseError(
+                f"no worker starts a run: {_line(error) if error else 'they end at once'}",
+                where=str(self.folder.path),
+                remedy='a script with workers needs if __name__ == "__main__":; on other '
+                "machines clast and the folder must be there by the same name",
+            )
         self.tries[first] = self.tries.get(first, 0) + 1
         if began and self.tries[first] >= TRIES:
             self._give_up(first, error)
@@ -278,28 +259,15 @@ class Driver:
             return [others] if others else []
         return [part for part in ([first], others) if part]
 
-    def _check_started(self, error: BaseException | None, *, began: bool) -> None:
-        """Raise CaseError where no worker starts a run: that is not a fault of the runs."""
-        self.idle = 0 if began else self.idle + 1
-        if self.idle >= TRIES * self.workers.places:
-            why = " ".join(str(error).split())[:300] if error else "they end at once"
-            raise CaseError(
-                f"no worker starts a run: {why}",
-                where=str(self.folder.path),
-                remedy='a script with workers needs if __name__ == "__main__":; on other '
-                "machines clast and the folder must be there by the same name",
-            )
-
     def _give_up(self, run: int, error: BaseException | None) -> None:
         """Write down that a run has no result."""
-        study = self.folder.study
-        names = [one.name for one in study.vary]
-        why = f"{type(error).__name__}: {error}" if error else "it ended without a result"
+        names = [one.name for one in self.folder.study.vary]
+        why = f"{type(error).__name__}: {_line(error)}" if error else "it ended without a result"
         result = {
             "run": run,
             "parameters": dict(zip(names, self.folder.values(run), strict=True)),
             "status": NO_RESULT,
-            "reason": f"its worker ended {TRIES} times: {' '.join(why.split())[:300]}",
+            "reason": f"its worker ended {TRIES} times: {why}",
         }
         with self.folder.making(run) as part:
             self.folder.write_result(part, result)
@@ -323,6 +291,11 @@ class Driver:
         )
 
 
+def _line(error: BaseException) -> str:
+    """Return the message of an error in one line."""
+    return " ".join(str(error).split())[:300]
+
+
 @contextmanager
 def workers_of(
     folder: StudyFolder, executor: Any, count: int | None, scheduler: str
@@ -332,20 +305,24 @@ def workers_of(
     They end with the block, at once where it is left by an error.  One alone is this process.
     """
     if scheduler:
-        with _of_dask(scheduler) as (pool, workers):
-            yield Foreign(pool, workers if count is None else lambda: count)
+        with _dask(scheduler) as client:
+            # Dask would make tasks again whose results it has lost; ours are on the disk
+            pool = client.get_executor(pure=False, retries=0)
+            yield Foreign(pool, lambda: count or _threads_of(client))
     elif executor is not None:
-        yield Foreign(executor, lambda: count or _workers_in(executor))
+        client = getattr(executor, "_client", None)  # of Dask
+        known = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+        yield Foreign(executor, lambda: count or (_threads_of(client) if client else int(known)))
     elif (count or os.cpu_count() or 1) == 1:
-        yield ThisProcess.of(folder)
+        yield ThisProcess(Bench.of(folder))
     else:
         check_guard()
-        own, now = Processes(count or os.cpu_count() or 1), True
+        processes, now = Processes(count or os.cpu_count() or 1), True
         try:
-            yield own
+            yield processes
             now = False
         finally:
-            own.close(now=now)
+            processes.close(now=now)
 
 
 def check_guard() -> None:
@@ -354,7 +331,9 @@ def check_guard() -> None:
     Each of them begins with the main script, under another name than ``__main__``.
     """
     main, frame = sys.modules["__main__"], sys._getframe()
-    while frame.f_back and not (frame.f_globals is vars(main) and frame.f_code.co_name == MODULE):
+    while frame.f_back and not (
+        frame.f_globals is vars(main) and frame.f_code.co_name == "<module>"
+    ):
         frame = frame.f_back
     file = getattr(main, "__file__", None)
     name = getattr(getattr(main, "__spec__", None), "name", "")
@@ -376,14 +355,6 @@ def check_guard() -> None:
     )
 
 
-def _workers_in(executor: Any) -> int:
-    """Return how many workers an executor says that it has; where it does not, the processors."""
-    client = getattr(executor, "_client", None)
-    if client is not None:
-        return _threads_of(client)
-    return int(getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
-
-
 def _threads_of(client: Any) -> int:
     """Return how many threads the workers of a Dask cluster have; none where it has ended."""
     try:
@@ -393,33 +364,28 @@ def _threads_of(client: Any) -> int:
 
 
 @contextmanager
-def _of_dask(scheduler: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
-    """Give the executor of a Dask cluster that is there, and how many runs it makes at a time."""
+def _dask(scheduler: str) -> Iterator[Any]:
+    """Give the client of a Dask cluster that is there, and has a worker."""
     try:
         from distributed import Client
     except ImportError:
-        raise CaseError(
-            "Dask is not installed",
-            where="scheduler",
-            remedy="install it: pip install 'clast[distributed]'",
-        ) from None
+        remedy = "install it: pip install 'clast[distributed]'"
+        raise CaseError("Dask is not installed", where="scheduler", remedy=remedy) from None
     remedy = "start it: dask scheduler; dask worker tcp://host:port --nthreads 1"
     # it logs a traceback for each task when its scheduler goes, which is said in one message here
     logger = logging.getLogger("distributed")
     before = logger.level
     logger.setLevel(logging.CRITICAL)
     try:
-        client = Client(scheduler, timeout=ANSWERS)
+        client = Client(scheduler, timeout=SCHEDULER_TIMEOUT)
     except (OSError, TimeoutError, ValueError) as error:
-        what = f"does not answer: {' '.join(str(error).split())[:200]}"
+        what = f"does not answer: {_line(error)}"
         raise CaseError(what, where=scheduler, remedy=remedy) from None
     try:
-        client.wait_for_workers(1, timeout=BEGINS)
-        # Dask would make tasks again whose results it has lost; ours are on the disk
-        pool = client.get_executor(pure=False, retries=0)
-        yield pool, lambda: _threads_of(client)
+        client.wait_for_workers(1, timeout=WORKER_TIMEOUT)
+        yield client
     except TimeoutError:
-        what = f"has no worker after {BEGINS} s"
+        what = f"has no worker after {WORKER_TIMEOUT} s"
         raise CaseError(what, where=scheduler, remedy=remedy) from None
     finally:
         client.close()

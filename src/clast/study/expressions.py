@@ -11,14 +11,14 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from clast import spelling
 from clast.errors import CaseError, shortened
+from clast.spelling import advice, require_known
 
 ARITHMETIC: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -52,10 +52,8 @@ OF_NUMBERS: dict[str, Callable[..., Any]] = {
     "max": lambda *x: max(map(number, x)),
 }
 """Functions of numbers; ``largest`` and its like are of a history, sin and its like of degrees."""
-LONGEST = 1000
-"""Most characters of an expression."""
-DEEPEST = 40
-"""Most levels of brackets and operators."""
+LENGTH_MAX, DEPTH_MAX = 1000, 40
+"""Characters of an expression, and levels of its brackets and operators, at most."""
 KEEP_UNITS = ("abs", "largest", "least", "first", "last", "min", "max")
 """Functions of numbers whose value has the unit of their arguments."""
 CALLED = re.compile(r"""(\w+)\(\s*([^()"',]*[^()"',\s])\s*[,)]""")
@@ -67,9 +65,7 @@ class Expression:
     """An expression that has been read."""
 
     text: str
-    """As it was written."""
     tree: ast.expr
-    """Its syntax tree."""
     where: str
     """Its place in messages."""
 
@@ -99,87 +95,79 @@ class Expression:
     ) -> float | bool:
         """Return its value: of a history the last one.  Raises CaseError where it has none."""
         try:
-            found = self._value(self.tree, names, functions)
+            value = _value(self.tree, names, functions)
         except (ArithmeticError, TypeError, ValueError) as error:
             raise CaseError(
                 f"'{shortened(self.text)}' has no value: {error}",
                 where=self.where,
                 remedy="check its functions and numbers",
             ) from None
-        return bool(found) if isinstance(found, bool | np.bool_) else number(found)
+        return bool(value) if isinstance(value, bool | np.bool_) else number(value)
 
-    def _value(
-        self,
-        node: ast.expr,
-        names: Mapping[str, Any],
-        functions: Mapping[str, Callable[..., Any]],
-    ) -> Any:
-        """Return the value of a part of it."""
 
-        def of(inner: ast.expr) -> Any:
-            return self._value(inner, names, functions)
+def _value(
+    node: ast.expr, names: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
+) -> Any:
+    """Return the value of a part of an expression."""
 
-        match node:
-            case ast.Constant():
-                return float(node.value)  # type: ignore[arg-type]
-            case ast.Name():
-                return names[node.id]
-            case ast.UnaryOp(op=ast.Not()):
-                return not number(of(node.operand))
-            case ast.UnaryOp(op=ast.USub()):
-                return -of(node.operand)
-            case ast.UnaryOp():
-                return of(node.operand)
-            case ast.BinOp():
+    def of(inner: ast.expr) -> Any:
+        return _value(inner, names, functions)
+
+    match node:
+        case ast.Constant():
+            return float(node.value)  # type: ignore[arg-type]
+        case ast.Name():
+            return names[node.id]
+        case ast.UnaryOp(op=ast.Not()):
+            return not number(of(node.operand))
+        case ast.UnaryOp(op=ast.USub()):
+            return -of(node.operand)
+        case ast.UnaryOp():
+            return of(node.operand)
+        case ast.BinOp():
+            with np.errstate(all="ignore"):
+                return ARITHMETIC[type(node.op)](of(node.left), of(node.right))
+        case ast.BoolOp():
+            every = all if isinstance(node.op, ast.And) else any
+            return every(bool(number(of(one))) for one in node.values)
+        case ast.Compare():
+            values = [_known(of(one), one) for one in (node.left, *node.comparators)]
+            pairs = zip(node.ops, values[:-1], values[1:], strict=True)
+            return all(COMPARISONS[type(op)](first, second) for op, first, second in pairs)
+        case ast.Call(func=ast.Name(id=called)):
+            if called in OF_NUMBERS:
                 with np.errstate(all="ignore"):
-                    return ARITHMETIC[type(node.op)](of(node.left), of(node.right))
-            case ast.BoolOp(op=ast.And()):
-                return all(bool(number(of(one))) for one in node.values)
-            case ast.BoolOp():
-                return any(bool(number(of(one))) for one in node.values)
-            case ast.Compare():
-                values = [_known(of(one), one) for one in (node.left, *node.comparators)]
-                pairs = zip(node.ops, values[:-1], values[1:], strict=True)
-                return all(COMPARISONS[type(op)](first, second) for op, first, second in pairs)
-            case ast.Call(func=ast.Name()):
-                called = node.func.id  # type: ignore[attr-defined]
-                if called in OF_NUMBERS:
-                    with np.errstate(all="ignore"):
-                        return OF_NUMBERS[called](*map(of, node.args))
-                return functions[called](*map(_word, node.args))
-        raise TypeError(ast.unparse(node))
+                    return OF_NUMBERS[called](*map(of, node.args))
+            return functions[called](*map(_word, node.args))
+    raise TypeError(ast.unparse(node))
 
 
-def read(text: Any, where: str, names: Iterable[str], functions: Iterable[str]) -> Expression:
+def read(text: Any, where: str, names: Collection[str], functions: Collection[str]) -> Expression:
     """Return the expression of a text; raises CaseError naming the fault in it.
 
     ``names`` are those of values that it may use, ``functions`` those that it may call.
     """
     remedy = 'e.g. "displacement(A)", "largest(speed(A))", "crest > 0.05"'
-    if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
+    if not isinstance(text, str) or not text.strip() or len(text) > LENGTH_MAX:
         raise CaseError(f"{shortened(repr(text))} is not an expression", where=where, remedy=remedy)
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         what = f"'{shortened(text)}' is not an expression"
-        quoted = _with_quotes(text, functions)
-        raise CaseError(what, where=where, remedy=quoted or remedy) from None
-    _check(tree, where, list(names), list(functions), 0)
+        for called, name in CALLED.findall(text):
+            if called in functions and not name.isidentifier():
+                quoted = f'{called}("{shortened(name)}")'
+                remedy = f"put names of several words in quotes: {quoted}"
+        raise CaseError(what, where=where, remedy=remedy) from None
+    _check(tree, where, names, functions, 0)
     return Expression(text=text.strip(), tree=tree, where=where)
 
 
-def _with_quotes(text: str, functions: Iterable[str]) -> str:
-    """Return that a name needs quotes, where a function is called with such a one, else ""."""
-    known = set(functions)
-    for called, name in CALLED.findall(text):
-        if called in known and not name.isidentifier():
-            return f'put names of several words in quotes: {called}("{shortened(name)}")'
-    return ""
-
-
-def _check(node: ast.expr, where: str, names: list[str], functions: list[str], depth: int) -> None:
+def _check(
+    node: ast.expr, where: str, names: Collection[str], functions: Collection[str], depth: int
+) -> None:
     """Raise CaseError for parts that the language does not have, and for unknown names."""
-    if depth > DEEPEST:
+    if depth > DEPTH_MAX:
         raise CaseError("the expression is nested too deeply", where=where, remedy="shorten it")
     inner: list[ast.expr] = []
     match node:
@@ -187,11 +175,9 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
             return
         case ast.Name():
             if node.id not in names:
-                raise CaseError(
-                    f"there is no measure '{shortened(node.id)}'",
-                    where=where,
-                    remedy=spelling.advice(node.id, [*names, *functions], kind="measure"),
-                )
+                what = f"there is no measure '{shortened(node.id)}'"
+                remedy = advice(node.id, [*names, *functions], kind="measure")
+                raise CaseError(what, where=where, remedy=remedy)
             return
         case ast.UnaryOp(op=ast.Not() | ast.USub() | ast.UAdd()):
             inner = [node.operand]
@@ -201,8 +187,18 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
             inner = node.values
         case ast.Compare() if all(type(one) in COMPARISONS for one in node.ops):
             inner = [node.left, *node.comparators]
-        case ast.Call(func=ast.Name(), keywords=[]):
-            inner = _checked_call(node, node.func.id, where, functions)  # type: ignore[attr-defined]
+        case ast.Call(func=ast.Name(id=called), keywords=[]):
+            if called in OF_NUMBERS:
+                inner = node.args
+                if not inner:
+                    what = f"{called}() has no argument"
+                    raise CaseError(what, where=where, remedy="give a value")
+            else:
+                require_known(called, [*functions, *OF_NUMBERS], kind="function", where=where)
+                if not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
+                    what = f"'{shortened(ast.unparse(node))}' needs a name"
+                    remedy = f'write {called}(A), or {called}("the name")'
+                    raise CaseError(what, where=where, remedy=remedy)
         case _:
             raise CaseError(
                 f"'{shortened(ast.unparse(node))}' is not allowed in an expression",
@@ -213,27 +209,6 @@ def _check(node: ast.expr, where: str, names: list[str], functions: list[str], d
         _check(one, where, names, functions, depth + 1)
 
 
-def _checked_call(node: ast.Call, called: str, where: str, functions: list[str]) -> list[ast.expr]:
-    """Return the arguments of a call that are expressions; raise CaseError where it cannot be."""
-    if called in OF_NUMBERS:
-        if not node.args:
-            raise CaseError(f"{called}() has no argument", where=where, remedy="give a value")
-        return node.args
-    if called not in functions:
-        raise CaseError(
-            f"there is no function '{shortened(called)}'",
-            where=where,
-            remedy=spelling.advice(called, [*functions, *OF_NUMBERS], kind="function"),
-        )
-    if not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
-        raise CaseError(
-            f"'{shortened(ast.unparse(node))}' needs a name",
-            where=where,
-            remedy=f'write {called}(A), or {called}("the name")',
-        )
-    return []
-
-
 def _is_condition(node: ast.expr, conditions: Container[str]) -> bool:
     match node:
         case ast.Compare() | ast.UnaryOp(op=ast.Not()):
@@ -242,8 +217,8 @@ def _is_condition(node: ast.expr, conditions: Container[str]) -> bool:
             return all(_is_condition(one, conditions) for one in node.values)
         case ast.Name():
             return node.id in conditions
-        case ast.Call(func=ast.Name()):
-            return node.func.id in conditions  # type: ignore[attr-defined]
+        case ast.Call(func=ast.Name(id=called)):
+            return called in conditions
     return False
 
 
@@ -258,14 +233,13 @@ def _unit(
             inner = [node.operand]
         case ast.BinOp(op=ast.Add() | ast.Sub()):
             inner = [node.left, node.right]
-        case ast.Call(func=ast.Name()):
-            called = node.func.id  # type: ignore[attr-defined]
+        case ast.Call(func=ast.Name(id=called)):
             if called in KEEP_UNITS:
                 inner = node.args
             elif called not in OF_NUMBERS:
                 return functions(called, list(map(_word, node.args)))
-    found = {_unit(one, names, functions) for one in inner}
-    return found.pop() if len(found) == 1 else ""
+    units = {_unit(one, names, functions) for one in inner}
+    return units.pop() if len(units) == 1 else ""
 
 
 def number(value: Any) -> Any:
@@ -282,10 +256,10 @@ def _known(value: Any, node: ast.expr) -> Any:
 
     A run whose displacement is unknown would be one that stands.
     """
-    found = number(value)
-    if math.isnan(found):
+    last = number(value)
+    if math.isnan(last):
         raise ValueError(f"{shortened(ast.unparse(node))} is NaN")
-    return found
+    return last
 
 
 def _word(node: ast.expr) -> str:

@@ -48,22 +48,15 @@ STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "
 RUN_FILE = "run.vtkhdf"
 """Result file of a run that is kept, or that writes checkpoints."""
 ASKED = "asked.jsonl"
-SHARD = 10_000
-"""Runs in a folder."""
+RUNS_PER_FOLDER = 10_000
 DONE, NO_RESULT = "done", "no result"
 """Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
 PART = re.compile(rf"\.{re.escape(STUDY)}\.[0-9]+")
 """What is left, with the case, of a study that was ended before its first run."""
-CHECKSUM = "checksum"
-"""Key of a result with the hash of all others."""
-LARGEST_RESULT = 100_000_000
+RESULT_BYTES_MAX = 100_000_000
 """Results above this size are not read, bytes."""
-SAME = 1e-9
-"""Relative difference of parameters that are the same: machines may round otherwise."""
-STALE = 86_400.0
+STALE_AFTER = 86_400.0
 """Time after which nobody is at the files of a run that another machine has left, s."""
-NAMES_FILE = "file"
-"""Key of all tables of a case that names a file beside it."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +64,7 @@ class StudyFolder:
     """A folder in which a study is kept."""
 
     path: Path
-    """The folder."""
     study: Description
-    """The study."""
 
     @classmethod
     def made(cls, path: Path, case: Case, study: Description) -> StudyFolder:
@@ -83,25 +74,33 @@ class StudyFolder:
         one, or anything else, is there.
         """
         tables = content_of(case)
-        named = {name: _bytes_of(case, name) for name in _files_in(tables)}
-        places = {name: f"files/{k}-{Path(name).name}" for k, name in enumerate(named, 1)}
-        text = case_text.to_toml(_with_files(tables, places))
-        parts = [text.encode("utf-8"), *named.values()]
+        places: dict[str, str] = {}
+        named: list[bytes] = []
+
+        def numbered(name: str) -> str:
+            if name not in places:
+                source = Path(case.file).parent / name
+                named.append(case_text.read_bytes(source, f"it is named by {case.file}"))
+                places[name] = f"files/{len(named)}-{Path(name).name}"
+            return places[name]
+
+        text = case_text.to_toml(_with_files(tables, numbered))
+        parts = [text.encode("utf-8"), *named]
         hashed = _hash_of(parts)
         study = replace(study, case=f"{BASE}/{hashed}/{CASE}").checked()
         make_folder(path)
         there, base = path / STUDY, path / BASE / hashed
         if there.exists():
-            found = cls.opened(path)
-            if found.study.text == study.text:
-                return found
+            other = cls.opened(path)
+            if other.study.text == study.text:
+                return other
             if (path / RUNS).exists():
                 raise CaseError(
                     "holds another study",
                     where=str(path),
                     remedy=f"choose another folder, or continue it: clast study resume {path}",
                 )
-            with found.driven():  # it has no run: nothing is lost with it
+            with other.driven():  # it has no run: nothing is lost with it
                 _remove(path / BASE)
         elif any(not (one.name == BASE or PART.fullmatch(one.name)) for one in path.iterdir()):
             raise CaseError(
@@ -111,7 +110,7 @@ class StudyFolder:
             )
         with writing(path):
             (base / "files").mkdir(parents=True, exist_ok=True)
-            for place, content in zip(places.values(), parts[1:], strict=True):
+            for place, content in zip(places.values(), named, strict=True):
                 write_whole(base / place, content)
             write_whole(base / CASE, parts[0])
             write_whole(there, study.text.encode("utf-8"))
@@ -134,8 +133,8 @@ class StudyFolder:
         """The case; raises CaseError where it, or a file of it, is not as the study was made."""
         file = self.path / self.study.case
         text = case_text.read_text(file, MOVED)
-        found = (file.parent / "files").glob("[0-9]*-*")
-        files = sorted(found, key=lambda one: (len(one.name.partition("-")[0]), one.name))
+        names = (file.parent / "files").glob("[0-9]*-*")
+        files = sorted(names, key=lambda one: (len(one.name.partition("-")[0]), one.name))
         parts = [text.encode("utf-8"), *(case_text.read_bytes(one, MOVED) for one in files)]
         if _hash_of(parts) != file.parent.name:
             raise CaseError(
@@ -151,6 +150,11 @@ class StudyFolder:
         if self.study.kind == COLLAPSE:
             return False
         return self.study.keep in ("failed", "all") or self.base.output.checkpoint_every is not None
+
+    def case_text(self, content: Mapping[str, Any], back: str = "../../../") -> bytes:
+        """Return the case file of a run, with the files beside the case; ``back`` leads to here."""
+        base = back + Path(self.study.case).parent.as_posix()
+        return case_text.to_toml(_with_files(content, lambda name: f"{base}/{name}")).encode()
 
     @contextmanager
     def driven(self) -> Iterator[None]:
@@ -172,7 +176,7 @@ class StudyFolder:
 
     def place(self, run: int) -> Path:
         """Return the folder of a run."""
-        return self.path / RUNS / f"{run // SHARD:04d}" / f"{run:08d}"
+        return self.path / RUNS / f"{run // RUNS_PER_FOLDER:04d}" / f"{run:08d}"
 
     def values(self, run: int) -> tuple[Value, ...]:
         """Return the parameters of a run, from 1; of a back-analysis as its search asks for it."""
@@ -190,18 +194,16 @@ class StudyFolder:
         """
         asked: list[tuple[float, ...]] = []
         with suppress(OSError, ValueError, TypeError, OverflowError, RecursionError, CaseError):
-            for line in content_of_file(self.asked_file, LARGEST_RESULT).splitlines():
+            for line in content_of_file(self.asked_file, RESULT_BYTES_MAX).splitlines():
                 asked.append(tuple(map(float, json.loads(line))))
         return asked
 
     def result(self, run: int) -> dict[str, Any] | None:
         """Return the result of a run; None where it is not done, damaged, or of another study."""
-        try:
-            found = json.loads(content_of_file(self.place(run) / RESULT, LARGEST_RESULT))
-            is_result = self._is_result(found, run)
-        except (OSError, ValueError, OverflowError, RecursionError, IndexError, CaseError):
-            return None
-        return found if is_result else None
+        with suppress(OSError, ValueError, OverflowError, RecursionError, IndexError, CaseError):
+            result = json.loads(content_of_file(self.place(run) / RESULT, RESULT_BYTES_MAX))
+            return result if self._is_result(result, run) else None
+        return None
 
     @contextmanager
     def making(self, run: int) -> Iterator[Path]:
@@ -232,7 +234,7 @@ class StudyFolder:
     def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
         """Write the result of a run into its folder, last of all."""
         whole = {"study": self.study.hash, **result}
-        whole[CHECKSUM] = _checksum(whole)
+        whole["checksum"] = _checksum(whole)
         text = json.dumps(whole, ensure_ascii=False, indent=1)
         write_whole(part / RESULT, (text + "\n").encode("utf-8"))
 
@@ -241,9 +243,9 @@ class StudyFolder:
         for numbers in self._shards():
             there = self._there(numbers)
             for run in (one for one in numbers if one in there):
-                found = self.result(run)
-                if found is not None:
-                    yield found
+                result = self.result(run)
+                if result is not None:
+                    yield result
 
     def missing(self, wanted: Callable[[int], bool], *, retry: bool = False) -> Iterator[int]:
         """Give the runs that are to be made; with ``retry`` those that failed to run as well."""
@@ -252,11 +254,8 @@ class StudyFolder:
             for run in numbers:
                 if not wanted(run):
                     continue
-                if run not in there:
-                    yield run
-                    continue
-                found = self.result(run)
-                if found is None or (retry and found["status"] != DONE):
+                result = self.result(run) if run in there else None
+                if result is None or (retry and result["status"] != DONE):
                     yield run
 
     def count(self) -> int:
@@ -274,8 +273,11 @@ class StudyFolder:
 
     def _shards(self) -> Iterator[range]:
         """Give the numbers of runs, as many at a time as lie in a folder."""
-        for shard in range(self.study.n // SHARD + 1):
-            first, past = max(1, shard * SHARD), min(self.study.n + 1, (shard + 1) * SHARD)
+        for shard in range(self.study.n // RUNS_PER_FOLDER + 1):
+            first, past = (
+                max(1, shard * RUNS_PER_FOLDER),
+                min(self.study.n + 1, (shard + 1) * RUNS_PER_FOLDER),
+            )
             yield range(first, past)
 
     def _there(self, numbers: range) -> set[int]:
@@ -288,12 +290,9 @@ class StudyFolder:
         except FileNotFoundError:
             return set()
         except OSError as error:
-            raise CaseError(
-                f"cannot be read: {error.strerror}",
-                where=str(error.filename),
-                remedy="it is the place of the runs of a study: make it a folder that can be read, "
-                "or remove it",
-            ) from None
+            remedy = "runs of a study lie there: make it a folder that can be read, or remove it"
+            what = f"cannot be read: {error.strerror}"
+            raise CaseError(what, where=str(error.filename), remedy=remedy) from None
 
     def _take_over(self, run: int, part: Path) -> None:
         """Rename to ``part`` the folder of a run that was killed here and can go on."""
@@ -317,71 +316,54 @@ class StudyFolder:
         for part in (self.path / RUNS).glob("*/.*"):
             number = part.name[1:].partition(".")[0]
             is_done = number.isdecimal() and self.result(int(number)) is not None
+            is_litter = is_done and _is_stale(part)
             if _is_abandoned(part):
                 is_litter = is_done or not self._goes_on(part)
-            else:
-                is_litter = is_done and _is_stale(part)
             if is_litter:
                 with suppress(OSError):
                     _remove(part)
 
-    def _is_result(self, found: Any, run: int) -> bool:
+    def _is_result(self, result: Any, run: int) -> bool:
         """Return whether a file holds the result of a run, with all of its values."""
         study = self.study
-        if not isinstance(found, dict) or found.get("study") != study.hash:
+        if not isinstance(result, dict) or result.get("study") != study.hash:
             return False
-        if found.get("run") != run or found.get(CHECKSUM, _checksum(found)) != _checksum(found):
+        checksum = _checksum(result)
+        if result.get("run") != run or result.get("checksum", checksum) != checksum:
             return False
         if study.kind == COLLAPSE:
-            return "trial" in found
-        given, measures = found.get("parameters"), found.get("measures")
+            return "trial" in result
+        given, measures = result.get("parameters"), result.get("measures")
         planned = dict(zip((one.name for one in study.vary), self.values(run), strict=True))
         if not isinstance(given, dict) or set(given) != set(planned):
             return False
-        if not all(_is_same(value, planned[name]) for name, value in given.items()):
-            return False
-        texts = [found.get("reason", ""), *_listed(found, "blocks"), *_listed(found, "joints")]
+        texts = [result.get("reason", "")]
+        for key in ("blocks", "joints"):
+            names = result.get(key, [])
+            texts += names if isinstance(names, list) else [None]
         if not all(isinstance(one, str) for one in texts):
             return False
-        if found.get("status") != DONE:
-            return found.get("status") == NO_RESULT
+        if not all(_is_same(value, planned[name]) for name, value in given.items()):
+            return False
+        if result.get("status") != DONE:
+            return result.get("status") == NO_RESULT
         if not isinstance(measures, dict) or set(measures) != set(study.measure):
             return False
         numbers = [float(one) for one in measures.values() if isinstance(one, int | float)]
         is_whole = len(numbers) == len(measures)
-        return is_whole and (not study.fail or isinstance(found.get("fails"), bool))
+        return is_whole and (not study.fail or isinstance(result.get("fails"), bool))
 
 
 MOVED = "the folder of the study is not whole: it holds base/ with the case and its files"
 
 
-def with_files(content: Mapping[str, Any], folder: str) -> dict[str, Any]:
-    """Return a case whose files lie beside it, seen from another place: ``folder`` leads there."""
-    return _with_files(content, {name: f"{folder}/{name}" for name in _files_in(content)})
-
-
-def _files_in(value: Any, key: str = "") -> list[str]:
-    """Return the files that a case names, each once."""
+def _with_files(value: Any, place: Callable[[str], str], key: str = "") -> Any:
+    """Return a case that names its files by their places: all that a key ``file`` names."""
     if isinstance(value, Mapping):
-        found = [one for name, inner in value.items() for one in _files_in(inner, str(name))]
-    elif isinstance(value, list):
-        found = [one for inner in value for one in _files_in(inner, key)]
-    else:
-        found = [value] if isinstance(value, str) and key == NAMES_FILE else []
-    return list(dict.fromkeys(found))
-
-
-def _with_files(value: Any, places: Mapping[str, str], key: str = "") -> Any:
-    """Return a case that names its files by their new places."""
-    if isinstance(value, Mapping):
-        return {name: _with_files(inner, places, str(name)) for name, inner in value.items()}
+        return {name: _with_files(inner, place, str(name)) for name, inner in value.items()}
     if isinstance(value, list):
-        return [_with_files(inner, places, key) for inner in value]
-    return places.get(value, value) if isinstance(value, str) and key == NAMES_FILE else value
-
-
-def _bytes_of(case: Case, name: str) -> bytes:
-    return case_text.read_bytes(Path(case.file).parent / name, f"it is named by {case.file}")
+        return [_with_files(inner, place, key) for inner in value]
+    return place(value) if isinstance(value, str) and key == "file" else value
 
 
 def make_folder(path: Path) -> None:
@@ -457,44 +439,35 @@ def _hash_of(parts: Iterable[bytes]) -> str:
 
 def _checksum(result: Mapping[str, Any]) -> str:
     """Return the hash of a result but for its own."""
-    rest = {key: value for key, value in result.items() if key != CHECKSUM}
+    rest = {key: value for key, value in result.items() if key != "checksum"}
     return sha256(json.dumps(rest, ensure_ascii=False, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _is_same(value: Any, planned: Value) -> bool:
     """Return whether a parameter in a file is that of the study."""
     if isinstance(value, float) and isinstance(planned, float):
-        return math.isclose(value, planned, rel_tol=SAME)
+        return math.isclose(value, planned, rel_tol=1e-9)  # machines may round otherwise
     return type(value) is type(planned) and value == planned
-
-
-def _listed(found: Mapping[str, Any], key: str) -> list[Any]:
-    """Return a list of a result; one of a wrong kind where it is none."""
-    return found.get(key, []) if isinstance(found.get(key, []), list) else [None]
 
 
 def _is_abandoned(part: Path) -> bool:
     """Return whether a folder is of a process of this machine that has ended."""
     _, _, rest = part.name[1:].partition(".")
     host, _, process = rest.rpartition(".")
-    is_here = host == socket.gethostname() and process.isdecimal()
-    return is_here and not _lives(int(process))
+    if host != socket.gethostname() or not process.isdecimal():
+        return False
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):
+        return False
+    return int(process) == 0
 
 
 def _is_stale(part: Path) -> bool:
     """Return whether nothing was written into a folder for long."""
     with suppress(OSError):
         files = [part, *part.iterdir()] if part.is_dir() else [part]
-        return time.time() - max(file.lstat().st_mtime for file in files) > STALE
+        return time.time() - max(file.lstat().st_mtime for file in files) > STALE_AFTER
     return False
-
-
-def _lives(process: int) -> bool:
-    """Return whether a process of this machine goes on."""
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return process > 0

@@ -7,14 +7,13 @@ are histories, of which an expression takes the last value.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from clast import spelling
 from clast.contact.contacts import SLIDE
 from clast.errors import CaseError, shortened
 from clast.model.model import Floats, Model
@@ -22,19 +21,20 @@ from clast.model.stage_records import FAILS
 from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
 from clast.results.schema import BOLT_STATES, LINK_STATES
+from clast.spelling import require_known
 from clast.study.collapsing.trial import TOGETHER, moved
 from clast.study.expressions import Expression
 
 BEYOND = ("yielded", "broken", "lost")
 """States of a bolt or a link that has failed."""
-QUANTITIES = ("normal", "shear", "opening", "slip", "sliding")
-"""Quantities of a measured contact."""
+QUANTITIES = {"normal": "Pa", "shear": "Pa", "opening": "m", "slip": "m", "sliding": ""}
+"""Quantities of a measured contact -> their units."""
 PARTS = ("x", "y")
 """Parts of a vector; without one its length is meant."""
 MAY_LACK = ("part", "time")
 """Arguments that may be left out."""
-LATE = 1e-6
-"""By how much a time may be later than the end of a run, as a share of that."""
+LATE_RELATIVE = 1e-6
+"""By how much a time may be later than the end of a run, as a fraction of that."""
 FOS = "factor_of_safety"
 """The measure that is a study of its own."""
 
@@ -44,111 +44,6 @@ class RunResults:
     """The results of a run, as measures see them."""
 
     run: Run
-    """The run."""
-
-    def displacement(self, name: str, part: str = "", time: str = "") -> Floats:
-        """Displacement of a measured point or a block, m, over time or at a time."""
-        history = self._history(name)
-        return _at(history.time, _of_vector(history.displacement, part), time)
-
-    def speed(self, name: str, part: str = "", time: str = "") -> Floats:
-        """Speed of a measured point or a block, m/s, over time or at a time."""
-        history = self._history(name)
-        return _at(history.time, _of_vector(history.velocity, part), time)
-
-    def rotation(self, name: str) -> Floats:
-        """Rotation of the block of a measured point, or of a block, degrees, over time."""
-        return np.degrees(self._history(name).rotation)
-
-    def bolt_force(self, name: str) -> Floats:
-        """Force of a bolt, N/m, tension positive, over time."""
-        return self.run.bolt_history(name).force
-
-    def bolts_failed(self) -> int:
-        """Number of bolts that have yielded, broken or been lost at the end."""
-        if not len(self.run.model.bolts):
-            return 0
-        state = self.run.bolts(-1).state
-        beyond = [BOLT_STATES.index(one) for one in BEYOND]
-        return int(np.isin(state, beyond).sum())
-
-    def bolt_yields(self, name: str) -> bool:
-        """Whether a bolt has yielded, broken or been lost at the end."""
-        names = list(self.run.model.bolts.name)
-        return BOLT_STATES[int(self.run.bolts(-1).state[names.index(name)])] in BEYOND
-
-    def link_force(self, name: str) -> Floats:
-        """Size of the force of a link, N/m, over time."""
-        return np.hypot(*self.run.link(name).force.T)
-
-    def links_failed(self) -> int:
-        """Number of links that have yielded or broken at the end."""
-        last = [int(self.run.link(name)["state"][-1]) for name in self.run.model.links]
-        return sum(LINK_STATES[state] in BEYOND for state in last)
-
-    def reaction(self, name: str, part: str = "") -> Floats:
-        """Reaction of a support, N/m, over time."""
-        return _of_vector(self.run.reaction(name).force, part)
-
-    def lining_utilisation(self, name: str) -> Floats:
-        """Largest share of its strength that a section of a lining uses, over time."""
-        return np.asarray(np.nan_to_num(self.run.lining(name).utilisation).max(axis=1))
-
-    def lining_moment(self, name: str) -> Floats:
-        """Largest size of the moment along a lining, N, over time."""
-        return np.asarray(np.abs(self.run.lining(name).moment).max(axis=1))
-
-    def lining_force(self, name: str) -> Floats:
-        """Normal force along a lining of the largest size, N/m, tension positive, over time."""
-        normal = self.run.lining(name).normal_force
-        largest = np.abs(normal).argmax(axis=1)
-        return np.asarray(normal[np.arange(len(normal)), largest])
-
-    def contact(self, name: str, quantity: str) -> Floats:
-        """A quantity of a measured contact over time: normal, shear, Pa; opening, slip, m."""
-        return np.asarray(self.run.measured_contact(name)[quantity])
-
-    def normal_force(self, joint: str) -> float:
-        """Sum of the normal forces along a joint at the end, N/m."""
-        return float(self._along(joint, "normal_force").sum())
-
-    def shear_force(self, joint: str) -> float:
-        """Sum of the sizes of shear forces along a joint at the end, N/m."""
-        return float(np.abs(self._along(joint, "shear_force")).sum())
-
-    def sliding(self, joint: str) -> float:
-        """Share of the normal force along a joint that contacts carry which slide at the end."""
-        force, mode = self._along(joint, "normal_force"), self._along(joint, "mode")
-        total = float(force.sum())
-        return float(force[mode == SLIDE].sum()) / total if total > 0.0 else 0.0
-
-    def penetration(self) -> float:
-        """Largest penetration at the end of a step, m."""
-        return self.run.report.largest_penetration
-
-    def energy(self, entry: str) -> Floats:
-        """An entry of the energy ledger, J/m, over time."""
-        return self.run.energy[entry]
-
-    def fails(self) -> bool:
-        """Whether a static run, or a static stage, has no equilibrium."""
-        return any(event.kind == FAILS for event in self.run.events)
-
-    def failing(self) -> int:
-        """Number of blocks that move where it has none."""
-        return len(self.blocks) if self.fails() else 0
-
-    def farthest(self) -> float:
-        """Largest displacement of a block since the start, m."""
-        return float(self._far.max(initial=0.0))
-
-    def end(self) -> float:
-        """Time at the end, s."""
-        return float(self.run.state.time)
-
-    def steps(self) -> int:
-        """Number of accepted steps."""
-        return self.run.report.steps
 
     @cached_property
     def blocks(self) -> tuple[str, ...]:
@@ -156,9 +51,10 @@ class RunResults:
         named = [record.mechanism for record in self.run.stages if record.mechanism]
         if named:
             return named[0]
-        most = float(self._far.max(initial=0.0))
-        order = np.argsort(-self._far, kind="stable")
-        chosen = order[self._far[order] >= TOGETHER * most] if most > 0.0 else order[:0]
+        distance = self.distance
+        most = float(distance.max(initial=0.0))
+        order = np.argsort(-distance, kind="stable")
+        chosen = order[distance[order] >= TOGETHER * most] if most > 0.0 else order[:0]
         return tuple(self.run.model.block_name[k] for k in chosen)
 
     @cached_property
@@ -178,81 +74,144 @@ class RunResults:
         return tuple(model.joint_table.joints[k].name for k in np.unique(chosen))
 
     @cached_property
-    def _far(self) -> Floats:
-        """How far each block has moved since the start, m, shape (n,)."""
+    def distance(self) -> Floats:
+        """Distance that each block has moved since the start, m, shape (n,)."""
         model = self.run.model
         return moved(model, model.vertices, self.run.state.vertices)
 
-    def _history(self, name: str) -> Any:
+    @property
+    def fails(self) -> bool:
+        """Whether a static run, or a static stage, has no equilibrium."""
+        return any(event.kind == FAILS for event in self.run.events)
+
+    def history(self, name: str) -> Any:
+        """History of a measured point or a block; "block:crown" is a block in any case."""
         model = self.run.model
         if name in model.measured_points.name:
             return self.run.history(name)
         if name in model.block_name:
             return self.run.block(name)
-        kind, _, own = name.partition(":")
-        return self.run.block(own) if kind == "block" else self.run.history(own)
+        kind, _, rest = name.partition(":")
+        return self.run.block(rest) if kind == "block" else self.run.history(rest)
 
-    def _along(self, joint: str, column: str) -> Any:
-        """Return a column of the last contacts along a joint."""
+    @property
+    def bolts_failed(self) -> list[bool]:
+        """Whether each bolt has yielded, broken or been lost at the end."""
+        states = self.run.bolts(-1).state if len(self.run.model.bolts) else ()
+        return [BOLT_STATES[int(one)] in BEYOND for one in states]
+
+    def along(self, joint: str, column: str) -> Any:
+        """A column of the last contacts along a joint."""
         contacts = self.run.contacts(-1)
         names = [one.name for one in self.run.model.joint_table.joints]
         return contacts[column][contacts["joint"] == names.index(joint)]
 
 
-ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "displacement": ("point or block", "part", "time"),
-    "speed": ("point or block", "part", "time"),
-    "rotation": ("point or block",),
-    "bolt_force": ("bolt",),
-    "bolt_yields": ("bolt",),
-    "bolts_failed": (),
-    "link_force": ("link",),
-    "links_failed": (),
-    "reaction": ("support", "part"),
-    "lining_utilisation": ("lining",),
-    "lining_moment": ("lining",),
-    "lining_force": ("lining",),
-    "contact": ("measured contact", "quantity"),
-    "normal_force": ("joint",),
-    "shear_force": ("joint",),
-    "sliding": ("joint",),
-    "penetration": (),
-    "energy": ("entry",),
-    "fails": (),
-    "failing": (),
-    "farthest": (),
-    "end": (),
-    "steps": (),
-}
-"""Functions of measures -> their arguments; a part and a time may be left out."""
+def _vectors(quantity: str) -> Callable[..., Floats]:
+    """Return the measure of a vector of a point or a block, over time or at a time."""
+
+    def measure(of: RunResults, name: str, part: str = "", time: str = "") -> Floats:
+        history = of.history(name)
+        return _at(history.time, _of_vector(getattr(history, quantity), part), time)
+
+    return measure
 
 
-UNITS = {
-    "displacement": "m",
-    "speed": "m/s",
-    "rotation": "degrees",
-    "bolt_force": "N/m",
-    "link_force": "N/m",
-    "reaction": "N/m",
-    "lining_moment": "N",
-    "lining_force": "N/m",
-    "normal_force": "N/m",
-    "shear_force": "N/m",
-    "penetration": "m",
-    "energy": "J/m",
-    "farthest": "m",
-    "end": "s",
+def _lining_force(of: RunResults, name: str) -> Floats:
+    """Normal force along a lining of the largest size, N/m, tension positive, over time."""
+    normal = of.run.lining(name).normal_force
+    largest = np.abs(normal).argmax(axis=1)
+    return np.asarray(normal[np.arange(len(normal)), largest])
+
+
+def _sliding(of: RunResults, joint: str) -> float:
+    """Fraction of the normal force along a joint that sliding contacts carry at the end."""
+    force, mode = of.along(joint, "normal_force"), of.along(joint, "mode")
+    total = float(force.sum())
+    return float(force[mode == SLIDE].sum()) / total if total > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A function of measures."""
+
+    unit: str
+    """Its unit; "" of numbers, and where it depends on an argument."""
+    arguments: tuple[str, ...]
+    """What its arguments name; a part and a time may be left out."""
+    value: Callable[..., Any]
+    """Its value, of the results of a run and the arguments."""
+
+
+MOTION = ("point or block", "part", "time")
+MEASURES: dict[str, Measure] = {
+    "displacement": Measure("m", MOTION, _vectors("displacement")),
+    "speed": Measure("m/s", MOTION, _vectors("velocity")),
+    "rotation": Measure(
+        "degrees", MOTION[:1], lambda of, name: np.degrees(of.history(name).rotation)
+    ),
+    # tension positive
+    "bolt_force": Measure("N/m", ("bolt",), lambda of, name: of.run.bolt_history(name).force),
+    "bolt_yields": Measure(
+        "",
+        ("bolt",),
+        lambda of, name: of.bolts_failed[list(of.run.model.bolts.name).index(name)],
+    ),
+    "bolts_failed": Measure("", (), lambda of: sum(of.bolts_failed)),
+    "link_force": Measure("N/m", ("link",), lambda of, name: np.hypot(*of.run.link(name).force.T)),
+    "links_failed": Measure(
+        "",
+        (),
+        lambda of: sum(
+            LINK_STATES[int(of.run.link(name)["state"][-1])] in BEYOND
+            for name in of.run.model.links
+        ),
+    ),
+    "reaction": Measure(
+        "N/m",
+        ("support", "part"),
+        lambda of, name, part="": _of_vector(of.run.reaction(name).force, part),
+    ),
+    # the largest of all sections
+    "lining_utilisation": Measure(
+        "", ("lining",), lambda of, name: np.nan_to_num(of.run.lining(name).utilisation).max(axis=1)
+    ),
+    "lining_moment": Measure(
+        "N", ("lining",), lambda of, name: np.abs(of.run.lining(name).moment).max(axis=1)
+    ),
+    "lining_force": Measure("N/m", ("lining",), _lining_force),
+    "contact": Measure(
+        "",
+        ("measured contact", "quantity"),
+        lambda of, name, quantity: np.asarray(of.run.measured_contact(name)[quantity]),
+    ),
+    # sums along a joint at the end, of the sizes of shear forces
+    "normal_force": Measure(
+        "N/m", ("joint",), lambda of, joint: float(of.along(joint, "normal_force").sum())
+    ),
+    "shear_force": Measure(
+        "N/m", ("joint",), lambda of, joint: float(np.abs(of.along(joint, "shear_force")).sum())
+    ),
+    "sliding": Measure("", ("joint",), _sliding),
+    # the largest at the end of a step
+    "penetration": Measure("m", (), lambda of: of.run.report.largest_penetration),
+    "energy": Measure("J/m", ("entry",), lambda of, entry: of.run.energy[entry]),
+    "fails": Measure("", (), lambda of: of.fails),
+    "failing": Measure("", (), lambda of: len(of.blocks) if of.fails else 0),
+    # the largest displacement of a block since the start
+    "farthest": Measure("m", (), lambda of: float(of.distance.max(initial=0.0))),
+    "end": Measure("s", (), lambda of: float(of.run.state.time)),
+    "steps": Measure("", (), lambda of: of.run.report.steps),
+    FOS: Measure("", (), lambda of: of.factor),
 }
-"""Functions of measures -> their units; others are numbers, or contact."""
-CONTACT_UNITS = {"normal": "Pa", "shear": "Pa", "opening": "m", "slip": "m"}
-"""Quantities of a measured contact -> their units."""
+"""Functions of measures by name; histories of points and blocks are over time."""
 
 
 def unit_of(function: str, given: Sequence[str]) -> str:
     """Return the unit of a function of measures with its arguments; "" where it has none."""
     if function == "contact":
-        return CONTACT_UNITS.get(given[-1], "") if given else ""
-    return UNITS.get(function, "")
+        return QUANTITIES.get(given[-1], "") if given else ""
+    return MEASURES[function].unit
 
 
 CONDITIONS = ("fails", "bolt_yields")
@@ -274,7 +233,7 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
         "support": model.reactions.name,
         "lining": model.lining_joints.linings,
         "measured contact": model.measured_contacts.name,
-        "quantity": QUANTITIES,
+        "quantity": tuple(QUANTITIES),
         "joint": tuple(one.name for one in model.joint_table.joints),
         "entry": LEDGER_ENTRIES,
     }
@@ -288,10 +247,7 @@ def check(
     Or a time after the end of the run, s.
     """
     for name, given in expression.calls():
-        if name == FOS:
-            wanted: tuple[str, ...] = ()
-        else:
-            wanted = ARGUMENTS[name]
+        wanted = MEASURES[name].arguments
         least = len([one for one in wanted if one not in MAY_LACK])
         if not least <= len(given) <= len(wanted):
             raise CaseError(
@@ -303,16 +259,12 @@ def check(
         for kind, one in zip(wanted, given, strict=False):
             if kind == "time":
                 _check_time(one, expression.where, end)
-            elif one not in known[kind]:
-                raise CaseError(
-                    f"there is no {kind} '{shortened(one)}'",
-                    where=expression.where,
-                    remedy=spelling.advice(one, known[kind], kind=kind),
-                )
+            else:
+                require_known(one, known[kind], kind=kind, where=expression.where)
 
 
-def _check_time(text: str, where: str, end: float) -> None:
-    """Raise CaseError where a text is not a time, or one after the end of the run, s."""
+def _check_time(text: str, where: str, end: float) -> float:
+    """Return a time, s; raises CaseError where it is none, or after the end of the run, s."""
     try:
         time = float(text)
     except ValueError:
@@ -321,30 +273,18 @@ def _check_time(text: str, where: str, end: float) -> None:
         raise CaseError(
             f"there is no time '{shortened(text)}'", where=where, remedy="give seconds, from 0 on"
         )
-    if time > end * (1.0 + LATE):
-        raise _too_late(time, end, where)
+    if time > end * (1.0 + LATE_RELATIVE):
+        what = f"the run ends at {end:g} s, before {time:g} s"
+        raise CaseError(what, where=where, remedy="raise time.end")
+    return time
 
 
 def _at(times: Floats, values: Floats, time: str) -> Floats:
-    """Return a history (t,), or its value at a time, shape (1,).
-
-    Raises CaseError for a time after its end.
-    """
+    """Return a history (t,), or its value at a time, shape (1,)."""
     if not time:
         return values
-    wanted, end = float(time), float(times[-1])
-    if wanted > end * (1.0 + LATE):
-        raise _too_late(wanted, end, "measure")
+    wanted = _check_time(time, "measure", float(times[-1]))
     return np.atleast_1d(np.interp(wanted, times, values))
-
-
-def _too_late(time: float, end: float, where: str) -> CaseError:
-    """Return the error of a time after the end of a run, s."""
-    return CaseError(
-        f"the run ends at {end:g} s, before {time:g} s",
-        where=where,
-        remedy="raise time.end",
-    )
 
 
 def _of_vector(values: Floats, part: str) -> Floats:

@@ -17,17 +17,17 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from clast import spelling
 from clast.case.case_file import Case, json_schema
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import UNIT
 from clast.model.distributions import Discrete, Distribution, Value, Values
+from clast.spelling import advice
 from clast.study.distributions import Times
 
 PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
 """A key of a path, and the rest after it."""
-NAMED = ("rock", "joint", "bolt_kind", "amplitude")
+NAMED_TABLES = ("rock", "joint", "bolt_kind", "amplitude")
 """Tables whose keys are names: one that is not there would be another rock or joint."""
 
 Keys = tuple[str | int, ...]
@@ -39,11 +39,10 @@ class Parameter:
     """A parameter that varies from run to run."""
 
     name: str
-    """Its name in tables and figures."""
     paths: tuple[str, ...]
     """Keys of the case that it sets."""
     distribution: Distribution
-    """Its distribution, or the list of its values."""
+    """Also the list of its values, or a factor of the value in the case."""
 
     @property
     def drawn(self) -> Distribution:
@@ -59,7 +58,7 @@ class Parameter:
 
 def keys_of(path: str) -> tuple[str, ...]:
     """Return the keys of a path; raises CaseError for an invalid one."""
-    found: list[str] = []
+    keys: list[str] = []
     at = 0
     while True:
         match = PART.match(path, at)
@@ -69,31 +68,30 @@ def keys_of(path: str) -> tuple[str, ...]:
                 where="vary",
                 remedy="write it as table.key, e.g. joint.bedding.friction_angle",
             )
-        found.append(match[1] if match[1] is not None else match[2])
+        keys.append(match[1] if match[1] is not None else match[2])
         at = match.end()
         if not match[3]:
-            return tuple(found)
+            return tuple(keys)
 
 
 def places(content: Mapping[str, Any], path: str) -> list[Keys]:
     """Return where a path leads to in a case; raises CaseError where that is nowhere."""
-    keys = keys_of(path)
-    found = list(_found(content, keys, (), path))
-    if not found:
-        raise CaseError(
-            f"'{shortened(path)}' is not a key of the case", where="vary", remedy="check its name"
-        )
-    return found
+    places = list(_walk(content, keys_of(path), (), path))
+    if not places:
+        what = f"'{shortened(path)}' is not a key of the case"
+        raise CaseError(what, where="vary", remedy="check its name")
+    return places
 
 
-def _found(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[Keys]:
+def _walk(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[Keys]:
     """Give where the keys lead to from a table or a list that ``behind`` has led to."""
     key, rest = keys[0], keys[1:]
     if isinstance(here, Mapping):
-        known: list[Any] = list(here)
-        chosen: list[Any] = known if key == "*" else [key]
-        if key != "*" and key not in here and (rest or not behind or _is_named(behind)):
-            chosen = _missing(here, key, rest, behind, path)
+        chosen: list[Any] = list(here) if key == "*" else [key]
+        # the next key is the name of a rock, a joint or the like
+        is_name = len(behind) == 1 and behind[0] in NAMED_TABLES
+        if key != "*" and key not in here and (rest or not behind or is_name):
+            _check_default(here, key, rest, behind, path)
     elif isinstance(here, list):
         chosen = list(range(len(here))) if key == "*" else [_position(here, key, behind, path)]
     else:
@@ -109,37 +107,30 @@ def _found(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[
             inner = here[one] if isinstance(here, list) else here.get(one, {})
             if key == "*" and not isinstance(inner, Mapping | list):
                 continue
-            yield from _found(inner, rest, (*behind, one), path)
+            yield from _walk(inner, rest, (*behind, one), path)
 
 
-def _missing(
+def _check_default(
     here: Mapping[str, Any], key: str, rest: Sequence[str], behind: Keys, path: str
-) -> list[Any]:
-    """Return a key that a case does not give but has all the same; raises CaseError for others.
+) -> None:
+    """Raise CaseError for a key that a case neither gives nor has by default.
 
     A table that a case lacks is another case: one key of it, a seed say, would not make it whole.
     """
     from clast.case.case_file import Case
 
-    own = {} if behind else {one.alias or name: one for name, one in Case.model_fields.items()}
+    tables = {one.alias or name: one for name, one in Case.model_fields.items()}
     what, remedy = f"'{_written((*behind, key))}'", "give it in the case: a study varies it there"
-    if key in own:
-        default = own[key].get_default(call_default_factory=True)
+    if not behind and key in tables:
+        default = tables[key].get_default(call_default_factory=True)
         if not rest or isinstance(default, BaseModel | str):
-            return [key]
-        what = _as_written(key, default)
+            return
+        # as a case file writes it, by the value that it has where it is left out
+        kinds = {tuple: f"'{key}'", list: f"[[{key}]]", dict: f"[{key}.NAME]"}
+        what = kinds.get(type(default), f"[{key}]")
     elif here:
-        remedy = spelling.advice(key, [str(one) for one in here], kind="key")
+        remedy = advice(key, [str(one) for one in here], kind="key")
     raise CaseError(f"the case has no {what}", where=f"vary {shortened(path)}", remedy=remedy)
-
-
-def _as_written(key: str, default: Any) -> str:
-    """Return a key as a case file writes it, by the value that it has where it is left out."""
-    if isinstance(default, tuple):
-        return f"'{key}'"
-    if isinstance(default, list):
-        return f"[[{key}]]"
-    return f"[{key}.NAME]" if isinstance(default, dict) else f"[{key}]"
 
 
 def _position(here: Sequence[Any], key: str, behind: Keys, path: str) -> int:
@@ -152,7 +143,7 @@ def _position(here: Sequence[Any], key: str, behind: Keys, path: str) -> int:
     called = [str(one) for one in names if one is not None]
     remedy = f"give a number from 1 to {len(here)}"
     if called:
-        remedy += f", or a name: {spelling.advice(key, called, kind='name')}"
+        remedy += f", or a name: {advice(key, called, kind='name')}"
     raise CaseError(
         f"'{_written(behind)}' has no entry '{shortened(key)}'",
         where=f"vary {shortened(path)}",
@@ -171,20 +162,16 @@ def value_at(content: Mapping[str, Any], keys: Keys) -> Any:
     return here
 
 
-def with_value(content: Mapping[str, Any], keys: Keys, value: Any) -> dict[str, Any]:
-    """Return a case with another value at a place; all else is shared with the first."""
-    return _replaced(dict(content), keys, value)
-
-
-def _replaced(here: Any, keys: Keys, value: Any) -> Any:
+def _with_value(here: Any, keys: Keys, value: Any) -> Any:
+    """Return a case, or a part of it, with another value at a place; all else is shared."""
     if not keys:
         return value
     copied = list(here) if isinstance(here, list) else dict(here or {})
     first: Any = keys[0]
     inner = copied[first] if isinstance(copied, list) else copied.get(first)
     if isinstance(inner, str) and len(keys) > 1:
-        inner = {"name": inner}  # a choice that is given by its name alone gets numbers of its own
-    copied[first] = _replaced(inner, keys[1:], value)
+        inner = {"name": inner}  # a choice that is given by its name alone gets numbers too
+    copied[first] = _with_value(inner, keys[1:], value)
     return copied
 
 
@@ -195,18 +182,17 @@ class ParameterPlaces:
     content: Mapping[str, Any]
     """The case as its file has it."""
     parameters: tuple[Parameter, ...]
-    """The parameters."""
     places: tuple[tuple[Keys, ...], ...]
     """Where each of them is set."""
 
     @classmethod
     def of(cls, content: Mapping[str, Any], parameters: Sequence[Parameter]) -> ParameterPlaces:
         """Return them; raises CaseError for paths that lead nowhere, or twice to one key."""
-        found: list[tuple[Keys, ...]] = []
+        all_places: list[tuple[Keys, ...]] = []
         taken: dict[Keys, str] = {}
         for one in parameters:
-            own = tuple(keys for path in one.paths for keys in places(content, path))
-            for keys in own:
+            all_places.append(tuple(keys for path in one.paths for keys in places(content, path)))
+            for keys in all_places[-1]:
                 if keys in taken:
                     raise CaseError(
                         f"'{_written(keys)}' is varied twice: {taken[keys]}, {one.name}",
@@ -216,16 +202,15 @@ class ParameterPlaces:
                 taken[keys] = one.name
                 if one.multiplies:
                     _check_factor(content, keys, one)
-            found.append(own)
-        return cls(content=content, parameters=tuple(parameters), places=tuple(found))
+        return cls(content=content, parameters=tuple(parameters), places=tuple(all_places))
 
     def case(self, values: Sequence[Value]) -> dict[str, Any]:
         """Return the content of a case file with the parameters at ``values``."""
         content = dict(self.content)
-        for one, own, value in zip(self.parameters, self.places, values, strict=True):
-            for keys in own:
+        for one, places, value in zip(self.parameters, self.places, values, strict=True):
+            for keys in places:
                 product = _times(value_at(content, keys), value) if one.multiplies else value
-                content = with_value(content, keys, product)
+                content = _with_value(content, keys, product)
         return content
 
 
@@ -249,9 +234,8 @@ def _check_factor(content: Mapping[str, Any], keys: Keys, one: Parameter) -> Non
     drawn = one.drawn
     listed = drawn.values if isinstance(drawn, Values | Discrete) else ()
     if not all(isinstance(part, int | float) and math.isfinite(part) for part in listed):
-        raise CaseError(
-            "a factor has to be a number", where=f"vary {one.name}", remedy="write numbers"
-        )
+        what = "a factor has to be a number"
+        raise CaseError(what, where=f"vary {one.name}", remedy="write numbers")
 
 
 def _written(keys: Sequence[str | int]) -> str:
@@ -259,16 +243,9 @@ def _written(keys: Sequence[str | int]) -> str:
     return ".".join(str(key + 1) if isinstance(key, int) else key for key in keys)
 
 
-def _is_named(behind: Keys) -> bool:
-    """Return whether the next key is the name of a rock, a joint or the like."""
-    return len(behind) == 1 and behind[0] in NAMED
-
-
 Schema = Mapping[str, Any]
 PLAIN = {"-": "", "degrees": "°"}
 """Unit of the case file -> how figures and tables of numbers write it."""
-FORCE, SPACING = "N per metre of thickness", "out_of_plane_spacing"
-"""Unit of forces of bolts, and the key with which they are of one bolt."""
 
 
 def units_of(places: ParameterPlaces) -> dict[str, str]:
@@ -277,11 +254,19 @@ def units_of(places: ParameterPlaces) -> dict[str, str]:
     They are read from the meanings of keys, of which the JSON Schema consists.
     """
     schema = json_schema()
-    found: dict[str, str] = {}
+    bolts = places.content.get("bolt_kind", {})
+
+    def unit(keys: Keys) -> str:
+        # forces of bolts at a distance are of one of them
+        is_of_one = keys[0] == "bolt_kind" and "out_of_plane_spacing" in bolts[keys[1]]
+        unit = unit_of_key(schema, keys)
+        return "N" if is_of_one and unit == "N per metre of thickness" else unit
+
+    units: dict[str, str] = {}
     for one, own in zip(places.parameters, places.places, strict=True):
-        units = {_unit_in(places.content, keys, unit_of_key(schema, keys)) for keys in own}
-        found[one.name] = units.pop() if len(units) == 1 and not one.multiplies else ""
-    return found
+        different = {unit(keys) for keys in own}
+        units[one.name] = different.pop() if len(different) == 1 and not one.multiplies else ""
+    return units
 
 
 def unit_of_key(schema: Schema, keys: Keys) -> str:
@@ -298,12 +283,6 @@ def unit_of_key(schema: Schema, keys: Keys) -> str:
     return PLAIN.get(unit, unit)
 
 
-def _unit_in(content: Mapping[str, Any], keys: Keys, unit: str) -> str:
-    """Return the unit of a key in a case: forces of bolts at a distance are of one of them."""
-    is_of_one = keys[0] == "bolt_kind" and SPACING in content["bolt_kind"][keys[1]]
-    return "N" if is_of_one and unit == FORCE else unit
-
-
 def _inside(node: Schema, key: str | int) -> Iterator[Schema]:
     """Give what a node has at a key of a table, or at a position of a list."""
     if isinstance(key, int):
@@ -316,13 +295,11 @@ def _inside(node: Schema, key: str | int) -> Iterator[Schema]:
 def _alternatives(node: Schema, schema: Schema) -> Iterator[Schema]:
     """Give a node, and all that it refers to or is a choice of."""
     yield node
-    inner: list[Schema] = []
     if "$ref" in node:
-        inner.append(schema["$defs"][node["$ref"].rpartition("/")[2]])
+        yield from _alternatives(schema["$defs"][node["$ref"].rpartition("/")[2]], schema)
     for word in ("anyOf", "allOf", "oneOf"):
-        inner += node.get(word, ())
-    for one in inner:
-        yield from _alternatives(one, schema)
+        for one in node.get(word, ()):
+            yield from _alternatives(one, schema)
 
 
 def with_units(names: Iterable[str], units: Mapping[str, str]) -> list[str]:

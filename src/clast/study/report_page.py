@@ -1,22 +1,25 @@
-"""The page of a report: headings, sentences, tables, pictures and runs to play, in one file."""
+"""The page of a report: headings, sentences, tables, pictures and runs to play, in one file.
+
+It asks no network.  Figures need matplotlib; without it the page says so and has the tables alone.
+"""
 
 from __future__ import annotations
 
 import math
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from typing import Any
 
 from clast.errors import CaseError
-from clast.pictures.page.document import page_text
+from clast.pictures.page.document import page_text, write_html
 from clast.pictures.page.scene import scene_of
+from clast.study.description import Description
+from clast.study.folder import StudyFolder, make_folder
 
-REPORT, FIGURES = "report.html", "figures"
-"""The page in the folder of a study, and the folder of its figures."""
-PAGE_BUDGET = 6e6
+PAGE_BYTES = 6e6
 """Bytes that contacts of a run take before they are compressed."""
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
@@ -41,13 +44,34 @@ class Page:
     """The parts of a page, as they are put together."""
 
     title: str
-    """Title."""
+    folder: Path = Path()
+    """Folder of the study."""
     parts: list[str] = field(default_factory=list)
     """HTML."""
+
+    @classmethod
+    def of(cls, folder: StudyFolder, kind: str) -> Page:
+        """Return the page of a study, without any part; its figures have a folder."""
+        page = cls(f"{folder.base.title or 'Study'}: {kind}", folder.path)
+        make_folder(page.pictures)
+        return page
+
+    @property
+    def pictures(self) -> Path:
+        """The folder of its figures."""
+        return self.folder / "figures"
+
+    def write(self) -> Path:
+        """Write the page into the folder of its study; return its path."""
+        return write_html(self.text(), self.folder / "report.html")
 
     def say(self, text: str, kind: str = "") -> None:
         """Add a paragraph."""
         self.parts.append(f"<p{f' class={kind}' if kind else ''}>{escape(text)}</p>")
+
+    def remark(self, text: str) -> None:
+        """Add a paragraph in small letters."""
+        self.say(text, "remark")
 
     def head(self, text: str) -> None:
         """Add a heading."""
@@ -64,21 +88,36 @@ class Page:
         body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in listed)
         self.parts.append(f'<div class="table"><table><tr>{head}</tr>\n{body}</table></div>')
 
-    def pictures(self, paths: Iterable[tuple[Path, str]], kind: str = "figures") -> None:
-        """Add pictures (PNG) side by side, each with its caption; ``kind`` is their CSS class."""
-        drawn = "".join(
-            f'<img alt="{escape(text)}" src="data:image/png;base64,'
-            f'{b64encode(path.read_bytes()).decode()}">'
-            for path, text in paths
-        )
-        self.parts.append(f'<div class="{kind}">{drawn}</div>')
+    def figures(
+        self, draw: Callable[[], Iterable[tuple[Path, str]]], kind: str = "figures"
+    ) -> None:
+        """Add figures (PNG) side by side, each with its caption, or a note on what is missing.
+
+        ``kind`` is their CSS class.
+        """
+        try:
+            drawn = "".join(
+                f'<img alt="{escape(text)}" src="data:image/png;base64,'
+                f'{b64encode(path.read_bytes()).decode()}">'
+                for path, text in draw()
+            )
+        except CaseError as error:
+            self.remark(f"{error.what}. {error.remedy}")
+        else:
+            self.parts.append(f'<div class="{kind}">{drawn}</div>')
+
+    def parameters(self, study: Description, units: Mapping[str, str], head: str) -> None:
+        """Add the table of what varies."""
+        rows = [
+            [one.name, ", ".join(one.paths), str(one.distribution), units[one.name]]
+            for one in study.vary
+        ]
+        self.table(["parameter", "keys", head, "unit"], rows)
 
     def run(self, run: Any, title: str) -> None:
         """Add the page that plays a run, with a title for those who do not see it."""
-        inner, said = (
-            escape(one, quote=True) for one in (page_text(scene_of(run, PAGE_BUDGET)), title)
-        )
-        self.parts.append(f'<iframe title="{said}" srcdoc="{inner}"></iframe>')
+        inner = escape(page_text(scene_of(run, PAGE_BYTES)))
+        self.parts.append(f'<iframe title="{escape(title)}" srcdoc="{inner}"></iframe>')
 
     def text(self) -> str:
         """Return the page."""
@@ -92,14 +131,6 @@ class Page:
         )
 
 
-def add_figures(page: Page, draw: Any, kind: str = "figures") -> None:
-    """Add figures, or a note on the missing library."""
-    try:
-        page.pictures(draw(), kind)
-    except CaseError as error:
-        page.say(f"{error.what}. {error.remedy}", "remark")
-
-
 def file_stem(name: str) -> str:
     """Return the name of a measure as the beginning of a file name."""
     return "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
@@ -108,10 +139,7 @@ def file_stem(name: str) -> str:
 def _cell(value: Any) -> str:
     if isinstance(value, str):
         return f'<td class="text">{escape(value)}</td>'
-    if isinstance(value, bool):
-        return f"<td>{'true' if value else 'false'}</td>"
-    if isinstance(value, float):
-        return f"<td>{value:.5g}</td>" if math.isfinite(value) else "<td>-</td>"
-    if value is None:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "<td>-</td>"
-    return f"<td>{escape(str(value))}</td>"
+    number = f"{value:.5g}" if isinstance(value, float) else str(value).lower()  # true and false
+    return f"<td>{number}</td>"

@@ -23,14 +23,8 @@ from scipy import special
 from clast.errors import CaseError
 from clast.model.model import Floats
 
-WORD = 1 << 64
-ROUNDS = 8
-"""Rounds of the permutation that orders a Latin hypercube."""
-REPLICATES = 10
-"""Latin hypercubes that a study consists of where nothing else is said: their scatter gives the
-interval."""
-MOST_RUNS = 100_000_000
-"""Most runs of a study."""
+RUNS_MAX = 100_000_000
+"""Runs of a study, at most."""
 
 
 class Sampling:
@@ -58,7 +52,6 @@ class Random(Sampling):
 
     WORD: ClassVar[str] = "random"
     seed: int = 1
-    """Seed."""
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
         """Return the probabilities of a run."""
@@ -74,24 +67,18 @@ class LatinHypercube(Sampling):
 
     WORD: ClassVar[str] = "latin-hypercube"
     seed: int = 1
-    """Seed."""
-    replicates: int = REPLICATES
-    """Hypercubes that the runs are divided among."""
+    replicates: int = 10
+    """Hypercubes that the runs are divided among: their scatter gives the interval."""
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
         """Return the probabilities of a run."""
         size = count // self.replicates
         replicate, within = divmod(run, size)
-        return np.array(
-            [
-                (
-                    _permuted(within, size, mixed(self.seed, replicate, k))
-                    + uniform(self.seed, run, k)
-                )
-                / size
-                for k in range(parameters)
-            ]
-        )
+        slices = [
+            _permute(within, size, mixed(self.seed, replicate, k)) + uniform(self.seed, run, k)
+            for k in range(parameters)
+        ]
+        return np.array(slices) / size
 
     def replicate(self, run: int, count: int) -> int:
         """Return the replicate that a run belongs to, from 0."""
@@ -106,12 +93,9 @@ class LatinHypercube(Sampling):
                 remedy="give a whole number from 1 on; intervals need 2",
             )
         if self.replicates > count or count % self.replicates:
-            raise CaseError(
-                f"{count} runs cannot be divided among {self.replicates} Latin hypercubes",
-                where="replicates",
-                remedy=f"make n a multiple of {self.replicates}, or give another number of "
-                "replicates",
-            )
+            what = f"{count} runs cannot be divided among {self.replicates} Latin hypercubes"
+            remedy = f"make n a multiple of {self.replicates}, or give other replicates"
+            raise CaseError(what, where="replicates", remedy=remedy)
         return count
 
 
@@ -121,7 +105,6 @@ class Sobol(Sampling):
 
     WORD: ClassVar[str] = "sobol"
     seed: int = 1
-    """Seed of the shift."""
     BITS: ClassVar[int] = 30
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
@@ -207,15 +190,15 @@ def mixed(*numbers: int) -> int:
     """Return 64 bits that look random of whole numbers (splitmix64, Steele et al. 2014)."""
     state = 0x9E3779B97F4A7C15
     for number in numbers:
-        state = (state ^ number) * 0xBF58476D1CE4E5B9 % WORD
-        state = (state + 0x9E3779B97F4A7C15) % WORD
-        state = (state ^ (state >> 30)) * 0xBF58476D1CE4E5B9 % WORD
-        state = (state ^ (state >> 27)) * 0x94D049BB133111EB % WORD
+        state = (state ^ number) * 0xBF58476D1CE4E5B9 % (1 << 64)
+        state = (state + 0x9E3779B97F4A7C15) % (1 << 64)
+        state = (state ^ (state >> 30)) * 0xBF58476D1CE4E5B9 % (1 << 64)
+        state = (state ^ (state >> 27)) * 0x94D049BB133111EB % (1 << 64)
         state ^= state >> 31
     return state
 
 
-def _permuted(number: int, size: int, key: int) -> int:
+def _permute(number: int, size: int, key: int) -> int:
     """Return where a permutation of ``size`` numbers, chosen by a key, sends one of them.
 
     A Feistel network on the least even number of bits that holds them, walked until it falls
@@ -227,7 +210,7 @@ def _permuted(number: int, size: int, key: int) -> int:
     mask = (1 << half) - 1
     while True:
         left, right = number >> half, number & mask
-        for turn in range(ROUNDS):
+        for turn in range(8):
             left, right = right, left ^ (mixed(key, turn, right) & mask)
         number = left << half | right
         if number < size:
@@ -245,7 +228,6 @@ class Saltelli(Sampling):
     WORD: ClassVar[str] = "saltelli"
     INDICES: ClassVar[bool] = True
     seed: int = 1
-    """Seed of the shift of the sequence."""
 
     def probabilities(self, run: int, count: int, parameters: int) -> Floats:
         """Return the probabilities of a run."""
@@ -287,7 +269,6 @@ class Morris(Sampling):
     END: ClassVar[float] = 0.01
     """Probability at the ends of the grid: many distributions have no value at 0 and 1."""
     seed: int = 1
-    """Seed."""
 
     def shares(self, run: int, parameters: int) -> Floats:
         """Return the place of a run on the grid, 0 to 1 for each parameter, shape (parameters,)."""

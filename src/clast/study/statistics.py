@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy import stats
@@ -21,10 +21,8 @@ from clast.study.sampling import LatinHypercube, Morris, PointEstimate, Random
 
 CONFIDENCE = 0.95
 """Confidence of intervals."""
-LONGEST_REASON = 160
-"""Most characters by which reasons for a missing result are told apart."""
-TAIL = 0.2
-"""Share of the runs, with the least and the largest values of a parameter, that are compared."""
+TAIL_FRACTION = 0.2
+"""Fraction of the runs, with the least and the largest values of a parameter, that are compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,11 +30,9 @@ class Probability:
     """A probability of failure with its interval."""
 
     value: float
-    """Estimate."""
     low: float
     """Lower end of the interval; the known value where there is no interval."""
     high: float
-    """Upper end."""
     failed: int
     """Runs that fail."""
     runs: int
@@ -76,6 +72,8 @@ class StudyResults:
     """Why there is no result -> how often."""
     remarks: Mapping[str, int] = field(default_factory=dict)
     """Why a run with a result has no value of a measure -> how often."""
+    without: tuple[int, ...] = ()
+    """Numbers of the runs that were made and have no result."""
 
     @property
     def lost(self) -> int:
@@ -98,17 +96,16 @@ def columns_of(folder: StudyFolder) -> StudyResults:
     """Return the results of a study."""
     study = folder.study
     run: list[int] = []
+    without: list[int] = []
     parameters: dict[str, list[Any]] = {one.name: [] for one in study.vary}
     measures: dict[str, list[float]] = {name: [] for name in study.measure}
     fails: list[bool] = []
-    blocks: Counter[str] = Counter()
-    joints: Counter[str] = Counter()
-    reasons: Counter[str] = Counter()
-    remarks: Counter[str] = Counter()
+    blocks, joints, reasons, remarks = (Counter[str]() for _ in range(4))
     for result in folder.results():
-        reason = shortened(result.get("reason", ""), LONGEST_REASON)
+        reason = shortened(result.get("reason", ""), 160)
         if result["status"] != DONE:
             reasons[reason] += 1
+            without.append(result["run"])
             continue
         if reason:
             remarks[reason] += 1
@@ -121,21 +118,21 @@ def columns_of(folder: StudyFolder) -> StudyResults:
             fails.append(result["fails"])
         blocks.update(result.get("blocks", ()))
         joints.update(result.get("joints", ()))
-    numeric = {
-        name: np.array(values, np.float64)
-        for name, values in parameters.items()
-        if values and not any(isinstance(one, str) for one in values)
-    }
     return StudyResults(
         study=study,
         run=np.array(run, np.float64),
-        parameters=numeric,
+        parameters={
+            name: np.array(values, np.float64)
+            for name, values in parameters.items()
+            if values and not any(isinstance(one, str) for one in values)
+        },
         measures={name: np.array(values) for name, values in measures.items()},
         fails=np.array(fails, np.float64),
         blocks=dict(blocks.most_common()),
         joints=dict(joints.most_common()),
         reasons=dict(reasons.most_common()),
         remarks=dict(remarks.most_common()),
+        without=tuple(without),
     )
 
 
@@ -145,42 +142,33 @@ def probability(columns: StudyResults) -> Probability | None:
     Independent runs have Wilson's interval (1927), Latin hypercubes that of Student's t of their
     replicates; other samplings have none.
     """
-    study, fails = columns.study, columns.fails
-    if study.kind != MONTECARLO or not study.fail or not len(fails):
+    study, fails, sampling = columns.study, columns.fails, columns.study.sampling
+    if study.kind != MONTECARLO or not len(fails) or not sampling.OF_CHANCE:
         return None
-    if not study.sampling.OF_CHANCE:
-        return None
-    failed, lost = int(fails.sum()), columns.lost
-    known: dict[str, Any] = {"failed": failed, "runs": len(fails), "lost": lost}
-    if isinstance(study.sampling, PointEstimate):
+    failed = int(fails.sum())
+    value, how, ends = failed / len(fails), "", None
+    if isinstance(sampling, PointEstimate):
         weights = np.array([study.weight(int(run)) for run in columns.run])
         value = float(weights @ fails / weights.sum())
-        return Probability(value=value, low=value, high=value, how="", **known)
-    value = failed / len(fails)
-    if isinstance(study.sampling, Random):
-        low, high = _of_independent(columns, failed)
-        return Probability(value=value, low=low, high=high, how="Wilson", **known)
-    if isinstance(study.sampling, LatinHypercube) and study.sampling.replicates > 1:
-        low, high = _of_replicates(columns)
-        how = f"Student's t of {study.sampling.replicates} Latin hypercubes"
-        return Probability(value=value, low=low, high=high, how=how, **known)
-    return Probability(value=value, low=value, high=value, how="", **known)
+    elif isinstance(sampling, Random):
+        how, ends = "Wilson", interval_of_count(columns, failed)
+    elif isinstance(sampling, LatinHypercube) and sampling.replicates > 1:
+        how = f"Student's t of {sampling.replicates} Latin hypercubes"
+        ends = _of_replicates(columns)
+    low, high = ends or (value, value)
+    counts = {"failed": failed, "runs": len(fails), "lost": columns.lost}
+    return Probability(value=value, low=low, high=high, how=how, **counts)
 
 
 def interval_of_count(columns: StudyResults, count: int) -> tuple[float, float] | None:
-    """Return the interval of the probability of what happens in ``count`` runs with a result.
+    """Return Wilson's interval of the probability of what happens in ``count`` runs with a result.
 
-    So fails a block, or slides a joint.  None where runs are not independent: Latin hypercubes
-    would need the counts of each.
+    So fails a block, or slides a joint.  Runs without a result count as either.  None where runs
+    are not independent: Latin hypercubes would need the counts of each.
     """
     study = columns.study
     if study.kind != MONTECARLO or not isinstance(study.sampling, Random) or not len(columns.run):
         return None
-    return _of_independent(columns, count)
-
-
-def _of_independent(columns: StudyResults, count: int) -> tuple[float, float]:
-    """Return Wilson's interval of ``count`` of the runs, those without a result as either."""
     runs = len(columns.run) + columns.lost
     return wilson(count, runs)[0], wilson(count + columns.lost, runs)[1]
 
@@ -193,9 +181,8 @@ def wilson(failed: int, runs: int) -> tuple[float, float]:
     half = z * math.sqrt(share * (1.0 - share) / runs + (z / (2.0 * runs)) ** 2)
     half /= 1.0 + z * z / runs
     # 0 and 1 are ends of their intervals, without rounding
-    return (max(0.0, middle - half) if failed else 0.0), (
-        min(1.0, middle + half) if failed < runs else 1.0
-    )
+    low = max(0.0, middle - half) if failed else 0.0
+    return low, min(1.0, middle + half) if failed < runs else 1.0
 
 
 def _of_replicates(columns: StudyResults) -> tuple[float, float]:
@@ -220,7 +207,6 @@ class Influence:
     """How a measure goes with a parameter."""
 
     parameter: str
-    """The parameter."""
     low: float
     """Mean of the measure where the parameter is least, in the lowest fifth of the runs."""
     high: float
@@ -230,11 +216,6 @@ class Influence:
     rank: float
     """Rank correlation (Spearman), -1 to 1; nan where nothing changes."""
 
-    @property
-    def swing(self) -> float:
-        """Difference of the two means."""
-        return abs(self.high - self.low)
-
 
 def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     """Return how values (k,) of the runs go with each parameter, the strongest first.
@@ -243,9 +224,12 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     values have none, and no sweep whose runs lie on one curve, which says more.
     """
     study = columns.study
-    if not study.sampling.OF_CHANCE or (study.kind == SWEEP and _is_curve(study)):
+    is_curve = study.kind == SWEEP and (
+        study.together or sum(len(one) > 1 for one in study.lists) < 2
+    )
+    if not study.sampling.OF_CHANCE or is_curve:
         return []
-    found = []
+    listed = []
     sound = np.isfinite(values)
     numbers = {one.name for one in study.vary if isinstance(one.drawn, Numbered)}
     for name, given in columns.parameters.items():
@@ -254,9 +238,9 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
         x, y = given[sound], values[sound]
         if len(x) < 2 or np.ptp(x) == 0.0:
             continue
-        low, high = np.quantile(x, (TAIL, 1.0 - TAIL))
+        low, high = np.quantile(x, (TAIL_FRACTION, 1.0 - TAIL_FRACTION))
         rank = float(stats.spearmanr(x, y).statistic) if np.ptp(y) > 0.0 else math.nan
-        found.append(
+        listed.append(
             Influence(
                 parameter=name,
                 low=float(y[x <= low].mean()),
@@ -265,12 +249,7 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
                 rank=rank,
             )
         )
-    return sorted(found, key=lambda one: -one.swing)
-
-
-def _is_curve(study: Description) -> bool:
-    """Return whether one parameter of a sweep varies, or several in step."""
-    return study.together or sum(len(one) > 1 for one in study.lists) < 2
+    return sorted(listed, key=lambda one: -abs(one.high - one.low))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -278,15 +257,19 @@ class Spread:
     """How a measure is spread."""
 
     mean: float
-    """Mean."""
     sd: float
     """Standard deviation."""
     least: float
-    """Least value."""
     quantiles: tuple[float, float, float]
     """Values below which 5, 50 and 95 % of the runs lie."""
     largest: float
-    """Largest value."""
+
+    HEADS: ClassVar[tuple[str, ...]] = ("mean", "sd", "least", "5 %", "median", "95 %", "largest")
+
+    @property
+    def row(self) -> tuple[float, ...]:
+        """Its numbers in the order of HEADS."""
+        return (self.mean, self.sd, self.least, *self.quantiles, self.largest)
 
 
 def spread(columns: StudyResults, values: Floats) -> Spread | None:
@@ -319,25 +302,14 @@ class Extreme:
     """The least or the largest value of a measure, and the run that has it."""
 
     value: float
-    """The value."""
     run: int
     """Number of the run; of several the first."""
     parameters: Mapping[str, Value]
     """Parameter -> its value in this run."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Extremes:
-    """Between which values a measure lies."""
-
-    least: Extreme
-    """The least one."""
-    largest: Extreme
-    """The largest one."""
-
-
-def extremes(columns: StudyResults, values: Floats) -> Extremes | None:
-    """Return the extreme values of a measure (k,); None where it has no values.
+def extremes(columns: StudyResults, values: Floats) -> dict[str, Extreme] | None:
+    """Return the "least" and the "largest" value of a measure (k,); None where it has no values.
 
     They are what is to say of a sweep: its mean would tell how the grid was chosen.
     """
@@ -351,7 +323,7 @@ def extremes(columns: StudyResults, values: Floats) -> Extremes | None:
         return Extreme(value=float(values[k]), run=run, parameters=parameters)
 
     sound = np.where(np.isfinite(values), values, np.nan)
-    return Extremes(least=at(int(np.nanargmin(sound))), largest=at(int(np.nanargmax(sound))))
+    return {"least": at(int(np.nanargmin(sound))), "largest": at(int(np.nanargmax(sound)))}
 
 
 def cumulative(study: Description, values: Floats) -> tuple[Floats, Floats, Floats]:
@@ -384,8 +356,6 @@ def worst(columns: StudyResults, count: int = 1) -> list[int]:
     return [int(columns.run[k]) for k in order[:count]]
 
 
-RESAMPLES = 200
-"""Bootstrap samples of an interval."""
 MEANING = {
     "saltelli": "First: share of the variance that the parameter causes alone; total: with all of "
     "its interactions. Plus or minus: 95 %, by bootstrap.",
@@ -396,17 +366,11 @@ MEANING = {
 """Sampling -> meaning of its indices."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class SensitivityIndex:
-    """The indices of one parameter."""
-
-    parameter: str
-    """The parameter."""
-    index: dict[str, float]
-    """Name of an index -> value: first, total; or mu, mu*, sigma; and "plus or minus ..."."""
+Sensitivities = dict[str, dict[str, float]]
+"""Parameter -> name of an index (first, total; or mu, mu*, sigma; "plus or minus ...") -> value."""
 
 
-def sensitivities(columns: StudyResults, values: Floats) -> list[SensitivityIndex]:
+def sensitivities(columns: StudyResults, values: Floats) -> Sensitivities:
     """Return the indices of a measure (k,), the strongest parameter first.
 
     There are none for other samplings, and where the measure does not change.  Groups of runs of
@@ -414,12 +378,20 @@ def sensitivities(columns: StudyResults, values: Floats) -> list[SensitivityInde
     no two groups are left.
     """
     study = columns.study
-    if not study.sampling.INDICES or study.kind != "montecarlo":
-        return []
+    if not study.sampling.INDICES or study.kind != MONTECARLO:
+        return {}
     names = [one.name for one in study.vary]
     is_morris = isinstance(study.sampling, Morris)
     size = len(names) + (1 if is_morris else 2)
-    rows, output = _whole_groups(columns, values, size)
+    sound = dict(zip((columns.run - 1).astype(int).tolist(), values.tolist(), strict=True))
+    groups = [range(first, first + size) for first in range(0, study.n, size)]
+    rows = [
+        row
+        for group in groups
+        if all(math.isfinite(sound.get(one, math.nan)) for one in group)
+        for row in group
+    ]
+    output = np.array([sound[row] for row in rows])
     if len(output) < 2 * size:
         raise CaseError(
             "too few groups of runs have results",
@@ -427,87 +399,27 @@ def sensitivities(columns: StudyResults, values: Floats) -> list[SensitivityInde
             remedy="continue the study, or look at the reasons it gives",
         )
     if np.ptp(output) == 0.0:
-        return []
+        return {}
+    try:
+        from SALib.analyze import morris, sobol
+    except ImportError:
+        raise CaseError(
+            "indices of sensitivity need SALib, which is not installed",
+            where="sampling",
+            remedy="install it: pip install 'clast[salib]', then clast study collect",
+        ) from None
     problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-    found = _of_morris(study, problem, rows, output) if is_morris else _of_sobol(problem, output)
-    strength = "mu*" if is_morris else "total"
-    listed = [
-        SensitivityIndex(
-            parameter=name, index={key: float(column[k]) for key, column in found.items()}
-        )
-        for k, name in enumerate(names)
-    ]
-    return sorted(listed, key=lambda one: -one.index[strength])
-
-
-def _whole_groups(columns: StudyResults, values: Floats, size: int) -> tuple[list[int], Floats]:
-    """Return the runs of whole groups, from 0, and their values."""
-    sound = {
-        int(run) - 1: float(value)
-        for run, value in zip(columns.run, values, strict=True)
-        if np.isfinite(value)
-    }
-    rows = [
-        row
-        for group in range(columns.study.n // size)
-        for row in range(group * size, (group + 1) * size)
-        if all(one in sound for one in range(group * size, (group + 1) * size))
-    ]
-    return rows, np.array([sound[row] for row in rows])
-
-
-def _of_sobol(problem: dict[str, Any], output: Floats) -> dict[str, Sequence[float]]:
-    """Return first and total indices with their intervals."""
-    try:
-        from SALib.analyze import sobol
-    except ImportError:
-        raise _missing() from None
-    # Saltelli's estimators lose digits where the mean is large against the spread
-    found = sobol.analyze(
-        problem,
-        (output - output.mean()) / output.std(),
-        calc_second_order=False,
-        num_resamples=RESAMPLES,
-        conf_level=CONFIDENCE,
-        seed=1,
-    )
-    return {
-        "first": found["S1"],
-        "plus or minus": found["S1_conf"],
-        "total": found["ST"],
-        "plus or minus of total": found["ST_conf"],
-    }
-
-
-def _of_morris(
-    study: Any, problem: dict[str, Any], rows: list[int], output: Floats
-) -> dict[str, Sequence[float]]:
-    """Return elementary effects with their interval."""
-    try:
-        from SALib.analyze import morris
-    except ImportError:
-        raise _missing() from None
-    places = np.array([study.sampling.shares(row, len(study.vary)) for row in rows])
-    found = morris.analyze(
-        problem,
-        places,
-        output,
-        num_resamples=RESAMPLES,
-        conf_level=CONFIDENCE,
-        num_levels=Morris.LEVELS,
-        seed=1,
-    )
-    return {
-        "mu": found["mu"],
-        "mu*": found["mu_star"],
-        "plus or minus": found["mu_star_conf"],
-        "sigma": found["sigma"],
-    }
-
-
-def _missing() -> CaseError:
-    return CaseError(
-        "indices of sensitivity need SALib, which is not installed",
-        where="sampling",
-        remedy="install it: pip install 'clast[salib]', then clast study collect",
-    )
+    bootstrap = {"num_resamples": 200, "conf_level": CONFIDENCE, "seed": 1}
+    if isinstance(study.sampling, Morris):
+        places = np.array([study.sampling.shares(row, len(names)) for row in rows])
+        keys = {"mu": "mu", "mu*": "mu_star", "plus or minus": "mu_star_conf", "sigma": "sigma"}
+        indices = morris.analyze(problem, places, output, num_levels=Morris.LEVELS, **bootstrap)
+    else:
+        # Saltelli's estimators lose digits where the mean is large against the spread
+        scaled = (output - output.mean()) / output.std()
+        keys = {"first": "S1", "plus or minus": "S1_conf"}
+        keys |= {"total": "ST", "plus or minus of total": "ST_conf"}
+        indices = sobol.analyze(problem, scaled, calc_second_order=False, **bootstrap)
+    strength = indices[keys["mu*" if is_morris else "total"]]
+    order = np.argsort(-np.asarray(strength), kind="stable")
+    return {names[k]: {key: float(indices[one][k]) for key, one in keys.items()} for k in order}

@@ -19,13 +19,12 @@ from typing import Any
 
 from clast.errors import CaseError, shortened
 from clast.study import trial_table
+from clast.study.collapsing.search import FactorSettings
 from clast.study.description import (
     COLLAPSE,
     MONTECARLO,
-    RUNS,
     SWEEP,
     Description,
-    FactorSettings,
     parameters_of,
     sampling_of,
 )
@@ -62,41 +61,31 @@ class HowMade:
                 where="executor",
                 remedy="give one of concurrent.futures, e.g. client.get_executor() of Dask",
             )
-        if self.workers is not None and not (_is_whole(self.workers) and self.workers > 0):
+        if self.workers is not None and not (type(self.workers) is int and self.workers > 0):
             raise CaseError(
                 f"{shortened(repr(self.workers))} is not a valid number of workers",
                 where="workers",
                 remedy="give a whole number from 1 on, or leave it out",
             )
-        if self.array is not None and not _is_part(self.array):
-            raise CaseError(
-                f"{shortened(repr(self.array))} is not part of an array",
-                where="array",
-                remedy="give e.g. (3, 10): every tenth run, from the third on",
+        match self.array:
+            case None:
+                pass
+            case (int(first), int(count)) if 1 <= first <= count:
+                pass
+            case _:
+                raise CaseError(
+                    f"{shortened(repr(self.array))} is not part of an array",
+                    where="array",
+                    remedy="give e.g. (3, 10): every tenth run, from the third on",
+                )
+        names = ("array", "scheduler", "executor")
+        given = [name for name in names if getattr(self, name) not in (None, "")]
+        if len(given) > 1:
+            what, remedy = (
+                f"{' and '.join(given)} exclude each other",
+                "leave all but one of them out",
             )
-        given = {
-            "array": self.array is not None,
-            "scheduler": bool(self.scheduler),
-            "executor": self.executor is not None,
-        }
-        several = [name for name, is_given in given.items() if is_given]
-        if len(several) > 1:
-            raise CaseError(
-                f"{' and '.join(several)} exclude each other",
-                where=several[-1],
-                remedy="leave all but one of them out",
-            )
-
-
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
-
-
-def _is_part(value: Any) -> bool:
-    """Return whether a value is (i, n) with i from 1 to n."""
-    if not (isinstance(value, tuple) and len(value) == 2 and all(map(_is_whole, value))):
-        return False
-    return 1 <= value[0] <= value[1]
+            raise CaseError(what, where=given[-1], remedy=remedy)
 
 
 USUAL = HowMade()
@@ -138,22 +127,20 @@ class Study:
         )
 
     def described(
-        self, n: int | None = None, sampling: str = "random", kind: str = "", **numbers: int
+        self, n: int = 100, sampling: str = "random", kind: str = "", **numbers: int
     ) -> Description:
         """Return the description of the study with so many runs; raises CaseError for none.
 
         ``kind`` is "sweep" or "montecarlo" where it is not to follow from the parameters.
         """
-        chosen = sampling_of(sampling, **numbers)
-        count = RUNS if n is None else n
-        own = self._description
-        return replace(own, n=count, sampling=chosen, kind=kind or own.kind).checked()
+        chosen, kind = sampling_of(sampling, **numbers), kind or self._description.kind
+        return replace(self._description, n=n, sampling=chosen, kind=kind).checked()
 
     def run(
         self,
         folder: str | Path,
         *,
-        n: int | None = None,
+        n: int = 100,
         sampling: str = "random",
         how: HowMade = USUAL,
         **given: Any,
@@ -199,15 +186,15 @@ def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
             folder.tidy()
             left, total = sum(1 for _ in mine()), len(range(first, study.n + 1, count))
             driver = Driver(folder, ThisProcess.of(folder), how.watch)
-            driver.make(_again(folder, mine()), left, total)
+            driver.make(_forget(folder, mine()), left, total)
         return
     with folder.driven(), workers_of(folder, how.executor, how.workers, how.scheduler) as workers:
         left = max(1, study.n - folder.count())
         runs = folder.missing(lambda run: True, retry=how.retry)
-        Driver(folder, workers, how.watch).make(_again(folder, runs), left, study.n)
+        Driver(folder, workers, how.watch).make(_forget(folder, runs), left, study.n)
 
 
-def _again(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:
+def _forget(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:
     """Give runs, each of them without the result that it may have."""
     for run in runs:
         folder.forget(run)

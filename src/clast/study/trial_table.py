@@ -6,8 +6,8 @@ Rows go through one at a time, so that a table may be of any length.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import chain
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -17,27 +17,23 @@ from clast.study.description import Description
 from clast.study.folder import StudyFolder
 
 CSV, PARQUET = "results.csv", "results.parquet"
-BATCH = 10_000
-"""Rows that are put into a Parquet file at a time."""
 
 
 def columns(study: Description) -> list[str]:
     """Return the names of the columns: run, status, parameters, measures, fails, reason."""
-    own = [one.name for one in study.vary]
-    measures = [f"measure.{name}" if name in own else name for name in study.measure]
+    varied = [one.name for one in study.vary]
+    measures = [f"measure.{name}" if name in varied else name for name in study.measure]
     fails = ["fails"] if study.fail else []
-    return ["run", "status", *own, *measures, *fails, "reason"]
+    return ["run", "status", *varied, *measures, *fails, "reason"]
 
 
 def row(study: Description, result: Mapping[str, Any]) -> list[Any]:
     """Return the row of a result; None where it has no value, also where a measure is nan."""
-    given, found = result["parameters"], result.get("measures", {})
-    own = [given.get(one.name) for one in study.vary]
+    varied = [result["parameters"].get(one.name) for one in study.vary]
+    measures = [result.get("measures", {}).get(name) for name in study.measure]
+    measures = [None if one != one else one for one in measures]
     fails = [result.get("fails")] if study.fail else []
-    measures = [
-        None if found.get(name) != found.get(name) else found.get(name) for name in study.measure
-    ]
-    return [result["run"], result["status"], *own, *measures, *fails, result.get("reason", "")]
+    return [result["run"], result["status"], *varied, *measures, *fails, result.get("reason", "")]
 
 
 def write_csv(folder: StudyFolder, path: Path) -> int:
@@ -71,52 +67,30 @@ def write_parquet(folder: StudyFolder, path: Path) -> int:
             remedy="install it: pip install 'clast[parquet]', or take the CSV",
         ) from None
     study, names, count = folder.study, columns(folder.study), 0
-    kinds = _kinds(folder, pyarrow)
-    schema = pyarrow.schema(list(zip(names, kinds, strict=True)))
-    with replaced(path) as file, pyarrow.parquet.ParquetWriter(file, schema) as writer:
-        for rows in _batches(row(study, one) for one in folder.results()):
-            parts = [
-                pyarrow.array([_as(kind, value) for value in column], kind)
-                for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)
-            ]
-            writer.write_table(pyarrow.Table.from_arrays(parts, schema=schema))
-            count += len(rows)
-    return count
-
-
-def _kinds(folder: StudyFolder, arrow: Any) -> list[Any]:
-    """Return the types of the columns: numbers, or texts where a parameter may be one."""
-    study = folder.study
     texts = {
         one.name
         for one in study.vary
         if any(isinstance(value, str) for value in getattr(one.drawn, "values", ()))
     }
-    plain = {"run": arrow.int64(), "status": arrow.string(), "reason": arrow.string()}
-    plain["fails"] = arrow.bool_()
-    return [
-        arrow.string() if name in texts else plain.get(name, arrow.float64())
-        for name in columns(study)
-    ]
+    kinds = {"run": pyarrow.int64(), "fails": pyarrow.bool_()}
+    kinds |= dict.fromkeys(("status", "reason", *texts), pyarrow.string())
+    schema = pyarrow.schema([(name, kinds.get(name, pyarrow.float64())) for name in names])
 
+    def plain(name: str, value: Any) -> Any:
+        if value is None or name in ("run", "fails"):
+            return value
+        return str(value) if name in kinds else float(value)
 
-def _as(kind: Any, value: Any) -> Any:
-    """Return a value in the type of its column."""
-    if value is None or str(kind) in ("int64", "bool"):
-        return value
-    return str(value) if str(kind) == "string" else float(value)
-
-
-def _batches(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
-    """Give rows, some at a time."""
-    batch: list[list[Any]] = []
-    for one in rows:
-        batch.append(one)
-        if len(batch) == BATCH:
-            yield batch
-            batch = []
-    if batch:
-        yield batch
+    with replaced(path) as file, pyarrow.parquet.ParquetWriter(file, schema) as writer:
+        rows = (row(study, one) for one in folder.results())
+        while batch := list(islice(rows, 10_000)):
+            parts = [
+                pyarrow.array([plain(name, value) for value in column], schema.field(name).type)
+                for name, column in zip(names, zip(*batch, strict=True), strict=True)
+            ]
+            writer.write_table(pyarrow.Table.from_arrays(parts, schema=schema))
+            count += len(batch)
+    return count
 
 
 class TrialTable(dict[str, list[Any]]):

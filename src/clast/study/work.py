@@ -11,40 +11,41 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
 from clast.case.resume import resume
 from clast.errors import CaseError, ClastError, ResultsLost, shortened
-from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.study import statistics
 from clast.study.collapsing.reduction import Reduction, reduction
-from clast.study.collapsing.trial import FactorBracket, FactorSearch, Trials, standing, tried
-from clast.study.description import WORST, Description, FactorSettings
+from clast.study.collapsing.search import (
+    FactorBracket,
+    FactorSettings,
+    bracket_of,
+    search_factor,
+)
+from clast.study.collapsing.trial import run_trial, settle_standing
+from clast.study.description import WORST, Description
 from clast.study.folder import (
     CASE,
     DONE,
-    LARGEST_RESULT,
     NO_RESULT,
+    RESULT_BYTES_MAX,
     RUN_FILE,
     StudyFolder,
     is_in,
-    with_files,
     write_whole,
     writing,
 )
-from clast.study.measures import ARGUMENTS, FOS, RunResults, check, known_names
+from clast.study.measures import FOS, MEASURES, RunResults, check, known_names
 from clast.study.parameters import ParameterPlaces, changed, content_of
 from clast.study.statistics import StudyResults
-
-LONGEST_REASON = 500
-"""Most characters of why there is no result."""
 
 
 def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
@@ -54,7 +55,7 @@ def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
     """
     made = 0
     with writing(Path(folder)):
-        bench = Bench.at(Path(folder))
+        bench = Bench.of(StudyFolder.opened(Path(folder)))
         for run in runs:
             if driver and os.getppid() != driver:
                 break
@@ -85,9 +86,9 @@ def check_study(case: Case, study: Description) -> None:
         check(expression, known, end)
     if any(name == FOS for one in study.expressions for name, _ in one.calls()):
         how = study.factor or FactorSettings()
-        by = factor_of(how)
+        by = reduction(how.by, how.joints)
         by.check(content_of(first))
-        search_of(how, by)
+        how.of(by)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,14 +96,7 @@ class Bench:
     """All that the runs of a study have in common."""
 
     folder: StudyFolder
-    """Where the study is kept."""
     settings: ParameterPlaces
-    """Where its parameters are set."""
-
-    @classmethod
-    def at(cls, path: Path) -> Bench:
-        """Return the bench of a folder."""
-        return cls.of(StudyFolder.opened(path))
 
     @classmethod
     def of(cls, folder: StudyFolder) -> Bench:
@@ -120,9 +114,7 @@ class Bench:
             "parameters": {one.name: value for one, value in zip(study.vary, values, strict=True)},
         }
         with folder.making(run) as part:
-            base = f"../../../{Path(study.case).parent.as_posix()}"
-            text = case_text.to_toml(with_files(content, base)).encode("utf-8")
-            file = part / CASE
+            text, file = folder.case_text(content), part / CASE
             if not is_in(file, text):  # what is there is a checkpoint of other parameters
                 _forget(part)
                 write_whole(file, text)
@@ -146,21 +138,15 @@ class Bench:
         except ResultsLost:
             raise
         except ClastError as error:
-            return self._no_result(str(error), output)
+            reason = str(error)
         except Exception as error:  # the fault of one run is not that of the others
-            return self._no_result(f"{type(error).__name__}: {error}", output)
-
-    def _no_result(self, reason: str, output: Path | None) -> dict[str, Any]:
-        """Return the result of a run that has none.
-
-        Files of case and run are named without their folders: no table depends on where a study
-        lies, and by whom it is made.
-        """
-        for file in (Path(self.folder.base.file), output):
-            if file is not None:
-                reason = reason.replace(f"{file.parent}{os.sep}", "")
+            reason = f"{type(error).__name__}: {error}"
+        # without folders: no table depends on where a study lies, and by whom it is made
+        for named in (Path(self.folder.base.file), output):
+            if named is not None:
+                reason = reason.replace(f"{named.parent}{os.sep}", "")
         lines = filter(None, map(str.strip, reason.split("\n")))
-        return {"status": NO_RESULT, "reason": shortened("; ".join(lines), LONGEST_REASON)}
+        return {"status": NO_RESULT, "reason": shortened("; ".join(lines), 500)}
 
     def _measured(self, one: One) -> dict[str, Any]:
         """Return the measures of a run.
@@ -175,13 +161,13 @@ class Bench:
             values = {
                 name: value if value == others[name] else math.nan for name, value in values.items()
             }
-            result["reason"] = one.factor.sentence(factor_of(one.how).TITLE)
+            result["reason"] = one.factor.describe(one.by.TITLE)
             if fails is not also:
                 raise CaseError(result["reason"])
         result["measures"] = values
         if fails is not None:
             result["fails"] = fails
-        if fails and one.made:
+        if fails and "measured" in vars(one):
             result["blocks"] = list(one.measured.blocks)
             result["joints"] = list(one.measured.joints)
         return result
@@ -190,19 +176,18 @@ class Bench:
         """Return the measures of a run, and whether it fails, with an end of its factor."""
         study = self.folder.study
 
-        def called(name: str, *given: str) -> Any:
-            return getattr(one.measured, name)(*given)
+        def function(name: str) -> Callable[..., Any]:
+            if name == FOS:
+                return lambda: getattr(one.factor, end)
+            return lambda *given: MEASURES[name].value(one.measured, *given)
 
-        functions: dict[str, Callable[..., Any]] = {
-            name: partial(called, name) for name in ARGUMENTS
-        }
-        functions[FOS] = lambda: getattr(one.factor, end)
-        found: dict[str, Any] = {}
+        functions = {name: function(name) for name in MEASURES}
+        values: dict[str, Any] = {}
         for name, expression in study.measures.items():
-            found[name] = expression.value(found, functions)
+            values[name] = expression.value(values, functions)
         if study.condition is None:
-            return found, None
-        return found, bool(study.condition.value(found, functions))
+            return values, None
+        return values, bool(study.condition.value(values, functions))
 
 
 @dataclass
@@ -210,12 +195,15 @@ class One:
     """A run that is made when something is asked of it."""
 
     case: Case
-    """Its case."""
     output: Path | None
     """Its result file."""
     how: FactorSettings
     """How its factor of safety is looked for."""
-    made: list[RunResults] = field(default_factory=list)
+
+    @property
+    def by(self) -> Reduction:
+        """The quantity of its factor of safety."""
+        return reduction(self.how.by, self.how.joints)
 
     @cached_property
     def factor(self) -> FactorBracket:
@@ -223,35 +211,31 @@ class One:
 
         Raises CaseError where every trial is undecided: nothing is known of it.
         """
-        by = factor_of(self.how)
+        by = self.by
         by.check(content_of(self.case))
-        start = standing(self.case, by)
-        trials = Trials(
-            search_of(self.how, by), lambda _number, factor: tried(start, by, factor)[0]
-        )
-        found = trials.all()
-        if found.low == 0.0 and math.isinf(found.high):
+        start = settle_standing(self.case, by)
+        trials = search_factor(self.how.of(by), lambda _, factor: run_trial(start, by, factor))
+        bracket = bracket_of(trials)
+        if bracket.low == 0.0 and math.isinf(bracket.high):
             raise CaseError(
-                f"all {len(trials.done)} trials of the factor are undecided",
+                f"all {len(trials)} trials of the factor are undecided",
                 where=FOS,
                 remedy="run clast study fos on the case of this run for the curves",
             )
-        return found
+        return bracket
 
     @property
     def is_open(self) -> bool:
         """Whether its factor of safety was asked for, and has an open end."""
         return "factor" in vars(self) and not self.factor.is_closed
 
-    @property
+    @cached_property
     def measured(self) -> RunResults:
         """Its results."""
-        if not self.made:
-            run = self._run()
-            if not run.report.finished:
-                raise KeyboardInterrupt
-            self.made.append(RunResults(run))
-        return self.made[0]
+        run = self._run()
+        if not run.report.finished:
+            raise KeyboardInterrupt
+        return RunResults(run)
 
     def _run(self) -> Run:
         """Return the run, gone on with from its checkpoint where it has one."""
@@ -267,30 +251,10 @@ class One:
         return self.case.run(output=self.output, **quiet)
 
 
-def factor_of(how: FactorSettings) -> Reduction:
-    """Return the reduction of a factor."""
-    return reduction(how.by, how.joints)
-
-
-def search_of(how: FactorSettings, by: Reduction) -> FactorSearch:
-    """Return where and how well a factor is looked for; raises CaseError for wrong numbers."""
-    return FactorSearch(
-        start=by.START if how.start is None else how.start,
-        growth=by.GROWTH if how.growth is None else how.growth,
-        tolerance=how.tolerance,
-    )
-
-
 def _forget(part: Path) -> None:
     """Remove result file and checkpoints of a run."""
     for file in part.glob("run*"):
         file.unlink()
-
-
-KEPT = "worst.txt"
-"""Numbers of the worst runs, the worst first."""
-NUMBER = re.compile(rb"[0-9]{1,9}")
-"""Number of a run in that file."""
 
 
 def keep_worst(folder: StudyFolder, columns: StudyResults) -> list[int]:
@@ -303,20 +267,22 @@ def keep_worst(folder: StudyFolder, columns: StudyResults) -> list[int]:
         if not file.exists():
             part = file.with_name(f"part{os.getpid()}.vtkhdf")
             part.unlink(missing_ok=True)
-            if made_again(folder, number, part) is not None:
+            if rerun(folder, number, part) is not None:
                 os.replace(part, file)
-    listed, before = folder.path / KEPT, b""
+    file, before = folder.path / "worst.txt", b""
     with suppress(OSError, CaseError):
-        before = content_of_file(listed, LARGEST_RESULT)
+        before = content_of_file(file, RESULT_BYTES_MAX)
     kept = {str(number).encode() for number in wanted}
-    for number in map(int, filter(NUMBER.fullmatch, set(before.split()) - kept)):
+    for number in map(
+        int, filter(re.compile(rb"[0-9]{1,9}").fullmatch, set(before.split()) - kept)
+    ):
         (folder.place(number) / RUN_FILE).unlink(missing_ok=True)
-    write_whole(listed, "".join(f"{number}\n" for number in wanted).encode())
+    write_whole(file, "".join(f"{number}\n" for number in wanted).encode())
     return wanted
 
 
-def made_again(folder: StudyFolder, number: int, output: Path | None = None) -> Run | None:
-    """Return a run, made again; None where it cannot go on."""
+def rerun(folder: StudyFolder, number: int, output: Path | None = None) -> Run | None:
+    """Make a run again; None where it cannot go on."""
     settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
     case = changed(folder.base, settings.case(folder.values(number)))
     try:

@@ -24,7 +24,7 @@ import clast
 from clast.errors import CaseError, ResultsLost
 from clast.inputs.declaring import text as case_text
 from clast.study import folder as folders
-from clast.study.description import FactorSettings
+from clast.study.collapsing.search import FactorSettings
 from clast.study.folder import StudyFolder, make_folder
 from clast.study.study_api import HowMade, go_on
 

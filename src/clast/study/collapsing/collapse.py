@@ -8,39 +8,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
 from clast.errors import CaseError
-from clast.inputs.declaring import text as case_text
 from clast.rockmass.drawings.drawing_files import write_rows
-from clast.study.collapsing.reduction import Reduction
-from clast.study.collapsing.trial import (
+from clast.study.collapsing.reduction import Reduction, reduction
+from clast.study.collapsing.search import (
     FAILED,
     STANDS,
     UNDECIDED,
     FactorBracket,
-    Settled,
+    FactorSettings,
     Trial,
-    Trials,
-    as_plain,
     bracket_of,
-    standing,
-    trial_content,
-    tried,
+    search_factor,
+    trial_of,
 )
-from clast.study.description import COLLAPSE, Description, FactorSettings
-from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, with_files, write_whole
+from clast.study.collapsing.trial import Settled, run_trial, settle_standing, trial_content
+from clast.study.description import COLLAPSE, Description
+from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
 from clast.study.parameters import content_of, given_case
-from clast.study.work import factor_of, search_of
 
-TRIALS = "trials.csv"
-"""Table of the trials."""
-NAMED = 5
-"""Bolts that a warning names."""
-AROUND = 5.0
+REFINED_RANGE = 5.0
 """How far more trials reach on both sides of the bracket, in units of the tolerance."""
 
 Watch = Callable[[int, Trial], None]
@@ -48,15 +41,9 @@ Watch = Callable[[int, Trial], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Collapse:
+class Collapse(FactorBracket):
     """The factor with which blocks fail, as a bracket of trials."""
 
-    low: float
-    """Largest factor with which the blocks stand; 0 where they stand with none that was tried."""
-    high: float
-    """Least factor with which they fail; inf where they fail with none that was tried."""
-    undecided: tuple[float, ...]
-    """Factors between the two with which they neither stand nor fail."""
     trials: tuple[Trial, ...]
     """All trials, in the order in which they were made."""
     by: Reduction
@@ -67,45 +54,34 @@ class Collapse:
     """Where the study is kept; None: in memory."""
 
     @property
-    def bracket(self) -> FactorBracket:
-        """The two ends, and the undecided trials between them."""
-        return FactorBracket(low=self.low, high=self.high, undecided=self.undecided)
-
-    @property
-    def value(self) -> float:
-        """The answer: the lower end of the bracket; nan where an end is open."""
-        return self.low if self.bracket.is_closed else math.nan
-
-    @property
     def warnings(self) -> tuple[str, ...]:
         """Doubts about the state from which the trials begin, and about the answer."""
-        found = [text for one in self.trials for text in one.warnings]
+        texts = [text for one in self.trials for text in one.warnings]
         for one in self.trials:
             if one.bolts and (one.factor, one.verdict) == (self.low, STANDS):
-                more = f" and {len(one.bolts) - NAMED} more" if len(one.bolts) > NAMED else ""
-                found.append(
+                texts.append(
                     f"bolts carry more than their pretension with {self.by.SYMBOL} = "
-                    f"{one.factor:.6g}, and have no yield_force: {', '.join(one.bolts[:NAMED])}"
-                    f"{more}. The answer counts on these forces: give the kind a yield_force, or "
+                    f"{one.factor:.6g}, and have no yield_force: {listed(one.bolts, 5)}. "
+                    "The answer counts on these forces: give the kind a yield_force, or "
                     'hold the pretension: pretension_is = "jacked"'
                 )
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(texts))
 
     @property
     def is_settled(self) -> bool:
         """Whether the bracket is closed and as narrow as was asked for."""
-        return self.bracket.width() <= self.tolerance * (1.0 + 1e-9)
+        return self.width <= self.tolerance * (1.0 + 1e-9)
 
     @property
     def sentence(self) -> str:
         """The answer in words, with its reservations."""
-        return self.bracket.sentence(self.by.TITLE)
+        return self.describe(self.by.TITLE)
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
         return {
             "what": self.by.TITLE,
-            "value": self.value if self.bracket.is_closed else None,
+            "value": self.value if self.is_closed else None,
             "low": self.low,
             "high": self.high if math.isfinite(self.high) else None,
             "undecided": list(self.undecided),
@@ -162,17 +138,14 @@ def collapse(
     case: Case, how: FactorSettings, folder: str | Path | None = None, watch: Watch | None = None
 ) -> Collapse:
     """Return the factor with which the blocks of a case fail; raises CaseError as above."""
-    by = factor_of(how)
+    by = reduction(how.by, how.joints)
     by.check(content_of(case))
-    search_of(how, by)  # NaN and infinity are rejected before any run
+    how.of(by)  # NaN and infinity are rejected before any run
     if not (isinstance(how.refine, int) and 0 <= how.refine <= 500):
-        raise CaseError(
-            f"{how.refine!r} is not a valid number of trials",
-            where="refine",
-            remedy="give 0 to 500",
-        )
+        what = f"{how.refine!r} is not a valid number of trials"
+        raise CaseError(what, where="refine", remedy="give 0 to 500")
     if folder is None:
-        return TrialMaker(case=case, how=how, by=by, watch=watch).all()
+        return TrialMaker(case=case, how=how, watch=watch).all()
     kept = StudyFolder.made(Path(folder), case, Description(kind=COLLAPSE, factor=how).checked())
     return go_on(kept, watch)
 
@@ -181,12 +154,19 @@ def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
     """Go on with the trials in a folder; return their result."""
     how = folder.study.factor or FactorSettings()
     with folder.driven():
-        found = TrialMaker(
-            case=folder.base, how=how, by=factor_of(how), watch=watch, folder=folder
-        ).all()
-        write_trials(found, folder.path / TRIALS)
-        _drop_files(folder, found)
-    return found
+        result = TrialMaker(case=folder.base, how=how, watch=watch, folder=folder).all()
+        heads = ["trial", "factor", "verdict", "displacement", "block", "steps", "reason"]
+        rows = (
+            [k, one.factor, one.verdict, one.displacement, one.mover, one.steps, one.reason]
+            for k, one in enumerate(result.trials, 1)
+        )
+        write_rows(folder.path / "trials.csv", [heads, *rows])
+        kept = [*ends(result), *undecided(result)]
+        for number in range(1, len(result.trials) + 1):
+            if number not in kept and folder.study.keep != "all":
+                for file in folder.place(number).glob("run*"):
+                    file.unlink()
+    return result
 
 
 @dataclass(kw_only=True)
@@ -194,29 +174,29 @@ class TrialMaker:
     """Makes the trials of a study of collapse."""
 
     case: Case
-    """The case."""
     how: FactorSettings
-    """How the factor is looked for."""
-    by: Reduction
-    """The quantity that it multiplies or divides."""
     watch: Watch | None = None
-    """Told of each trial."""
     folder: StudyFolder | None = None
     """Where trials are kept; None: nowhere."""
-    _start: list[Settled] = field(default_factory=list)
+
+    @cached_property
+    def by(self) -> Reduction:
+        """The quantity that the factor multiplies or divides."""
+        return reduction(self.how.by, self.how.joints)
+
+    @cached_property
+    def start(self) -> Settled:
+        """The state from which all trials begin."""
+        return settle_standing(self.case, self.by)
 
     def all(self) -> Collapse:
         """Return the result of all trials."""
-        trials = Trials(search_of(self.how, self.by), self.trial)
-        found = trials.all()
-        for factor in self._more(found):
-            trials.done.append(self.trial(len(trials.done) + 1, factor))
-        found = bracket_of(trials.done)
+        trials = search_factor(self.how.of(self.by), self.trial)
+        for factor in self._more(bracket_of(trials)):
+            trials += (self.trial(len(trials) + 1, factor),)
         return Collapse(
-            low=found.low,
-            high=found.high,
-            undecided=found.undecided,
-            trials=tuple(trials.done),
+            **vars(bracket_of(trials)),
+            trials=trials,
             by=self.by,
             tolerance=self.how.tolerance,
             folder=None if self.folder is None else self.folder.path,
@@ -229,73 +209,55 @@ class TrialMaker:
             self.watch(number, trial)
         return trial
 
-    def _more(self, found: FactorBracket) -> list[float]:
+    def _more(self, bracket: FactorBracket) -> list[float]:
         """Return the factors of more trials near the bracket."""
         count = self.how.refine
-        if not count or not found.is_closed:
+        if not count or not bracket.is_closed:
             return []
-        reach = AROUND * self.how.tolerance * found.high
-        low, high = max(0.0, found.low - reach), found.high + reach
+        reach = REFINED_RANGE * self.how.tolerance * bracket.high
+        low, high = max(0.0, bracket.low - reach), bracket.high + reach
         return [low + (high - low) * (k + 1) / (count + 1) for k in range(count)]
 
     def _written(self, number: int, factor: float) -> Trial | None:
         """Return a trial that is in the folder."""
         result = None if self.folder is None else self.folder.result(number)
-        trial = None if result is None else as_plain(result["trial"])
+        trial = None if result is None else trial_of(result["trial"])
         return trial if trial is not None and trial.factor == factor else None
 
     def _made(self, number: int, factor: float) -> Trial:
         """Return a trial that is made now, and written down."""
-        if not self._start:
-            self._start.append(standing(self.case, self.by))
-        start = self._start[0]
+        start = self.start
         if self.folder is None:
-            return tried(start, self.by, factor)[0]
+            return run_trial(start, self.by, factor)
         with self.folder.making(number) as part:
-            trial, _ = tried(start, self.by, factor, part / RUN_FILE)
-            parts = 3 if trial.longer else 1
-            content = trial_content(start.content, self.by, factor, parts)
-            base = f"../../../{Path(self.folder.study.case).parent.as_posix()}"
-            text = case_text.to_toml(with_files(content, base))
-            write_whole(part / CASE, text.encode("utf-8"))
+            trial = run_trial(start, self.by, factor, part / RUN_FILE)
+            content = trial_content(start.content, self.by, factor, 3 if trial.longer else 1)
+            write_whole(part / CASE, self.folder.case_text(content))
             plain = {"run": number, "status": DONE, "parameters": {}, "trial": trial.as_dict()}
             self.folder.write_result(part, plain)
         return trial
 
 
-def ends(found: Collapse) -> list[int]:
+def listed(names: Sequence[str], most: int) -> str:
+    """Return the first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def ends(result: Collapse) -> list[int]:
     """Return the numbers of the last trial that stands and the first that fails, from 1."""
-    wanted = ((found.low, STANDS), (found.high, FAILED))
+    wanted = ((result.low, STANDS), (result.high, FAILED))
     return [
         k
         for factor, verdict in wanted
-        for k, one in enumerate(found.trials, 1)
+        for k, one in enumerate(result.trials, 1)
         if one.factor == factor and one.verdict == verdict
     ]
 
 
-def undecided(found: Collapse) -> list[int]:
+def undecided(result: Collapse) -> list[int]:
     """Return the numbers of the trials that are undecided, from 1."""
-    return [k for k, one in enumerate(found.trials, 1) if one.verdict == UNDECIDED]
-
-
-def write_trials(found: Collapse, path: Path) -> None:
-    """Write the table of the trials as CSV."""
-    heads = ["trial", "factor", "verdict", "displacement", "block", "steps", "reason"]
-    rows = (
-        [k, one.factor, one.verdict, one.displacement, one.mover, one.steps, one.reason]
-        for k, one in enumerate(found.trials, 1)
-    )
-    write_rows(path, [heads, *rows])
-
-
-def _drop_files(folder: StudyFolder, found: Collapse) -> None:
-    """Remove the result files of trials but of undecided ones and the ends of the bracket."""
-    kept = [*ends(found), *undecided(found)]
-    for number in range(1, len(found.trials) + 1):
-        if number not in kept and folder.study.keep != "all":
-            for file in folder.place(number).glob("run*"):
-                file.unlink()
+    return [k for k, one in enumerate(result.trials, 1) if one.verdict == UNDECIDED]
 
 
 def _names(joints: Any) -> tuple[str, ...]:

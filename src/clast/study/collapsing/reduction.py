@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.model.stages import STRENGTHS
+from clast.spelling import advice, require_known
 from clast.study.parameters import Content
 
 SETTLE, TRIAL = "settle", "trial"
@@ -30,21 +30,44 @@ SEISMIC = "seismic_coefficient"
 """Key of a push that lasts."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
-STATIC_STEPS = 300
+STATIC_STEPS_MIN = 300
 """Steps of a stage, at least, where a process does not carry steps of any length."""
 
 
+class Reduction:
+    """The quantity that a factor multiplies or divides; each kind has its own."""
+
+    SYMBOL: ClassVar[str]
+    TITLE: ClassVar[str]
+    DIVIDES: ClassVar[bool] = False
+    """Whether blocks may come to rest with more strength where they do not at a factor of 1."""
+    START: ClassVar[float] = 1.0
+    """First factor that is tried."""
+    GROWTH: ClassVar[float] = 2.0
+    """By how much the next ones are larger, until one fails."""
+
+    def check(self, content: Content) -> None:
+        """Raise CaseError where the case has nothing that the factor could change."""
+
+    def base(self, content: Content, factor: float) -> Content:
+        """Return the case in which blocks come to rest: without load or push."""
+        return content
+
+    def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
+        """Return the case of a trial, and the loads that its stage has beside those of all."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True, kw_only=True)
-class ScaledStrength:
+class ScaledStrength(Reduction):
     """The strengths of joints are divided by the factor: cohesion, tension, tan(phi).
 
     The case of a trial is the same for all factors: its stage alone has other strengths.
     """
 
-    DIVIDES: ClassVar[bool] = True
     SYMBOL: ClassVar[str] = "F"
     TITLE: ClassVar[str] = "factor of safety"
-    START: ClassVar[float] = 1.0
+    DIVIDES: ClassVar[bool] = True
     GROWTH: ClassVar[float] = 1.25
     joints: tuple[str, ...] = ()
     """Joints by name; none: all of them."""
@@ -53,13 +76,11 @@ class ScaledStrength:
         """Raise CaseError where there is nothing to reduce."""
         known = content.get("joint", {})
         for name in self.joints:
-            if name not in known:
-                raise CaseError(
-                    f"there is no joint '{shortened(name)}'",
-                    where="joints",
-                    remedy=spelling.advice(name, known, kind="joint"),
-                )
-        if not any(map(_has_strength, self._last(content).values())):
+            require_known(name, known, kind="joint", where="joints")
+        if not any(
+            ROUGH in table or any(table.get(key, 0.0) > 0.0 for key in ("friction_angle", *FORCES))
+            for table in self._last(content).values()
+        ):
             raise CaseError(
                 "no joint has a friction angle or another strength that could be reduced",
                 where="joints",
@@ -67,11 +88,11 @@ class ScaledStrength:
             )
 
     def base(self, content: Content, factor: float) -> Content:
-        """Return the case in which blocks come to rest, with its strengths divided."""
+        """Return the case with its strengths divided."""
         if factor == 1.0:
             return content
         joints = {
-            name: {**table, **divided({ROUGH: 1.0, **table} if _is_rough(table) else table, factor)}
+            name: {**table, **divide({ROUGH: 1.0, **table} if _is_rough(table) else table, factor)}
             if self._is_meant(name)
             else table
             for name, table in content.get("joint", {}).items()
@@ -83,74 +104,71 @@ class ScaledStrength:
         return {**content, "joint": joints, **({"stage": stages} if stages else {})}
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and the loads that its stage has beside those of all."""
+        """Return the case, and the strengths of the stage of the trial."""
         return content, {"joint": self._divided(self._last(content), factor)}
 
     def _divided(self, joints: Content, factor: float) -> dict[str, Any]:
         return {
-            name: divided(table, factor) if self._is_meant(name) else dict(table)
+            name: divide(table, factor) if self._is_meant(name) else dict(table)
             for name, table in joints.items()
         }
 
     def _last(self, content: Content) -> dict[str, dict[str, float]]:
         """Return the strengths of the joints that are meant after the stages of the case."""
-        found: dict[str, dict[str, float]] = {}
+        strengths: dict[str, dict[str, float]] = {}
         for name, table in content.get("joint", {}).items():
             if self._is_meant(name):
                 usual = {ROUGH: 1.0} if _is_rough(table) else {"friction_angle": 0.0}
-                found[name] = {**usual, **{k: table[k] for k in STRENGTHS if k in table}}
+                strengths[name] = {**usual, **{k: table[k] for k in STRENGTHS if k in table}}
         for stage in content.get("stage", []):
             for name, table in stage.get("joint", {}).items():
-                if name in found:
-                    found[name].update(table)
-        return found
+                if name in strengths:
+                    strengths[name].update(table)
+        return strengths
 
     def _is_meant(self, name: str) -> bool:
         return not self.joints or name in self.joints
 
 
 @dataclass(frozen=True, kw_only=True)
-class ScaledGravity:
+class ScaledGravity(Reduction):
     """Gravity is multiplied by the factor."""
 
-    DIVIDES: ClassVar[bool] = True
     SYMBOL: ClassVar[str] = "factor of gravity"
     TITLE: ClassVar[str] = "factor of gravity at collapse"
-    START: ClassVar[float] = 1.0
+    DIVIDES: ClassVar[bool] = True
     GROWTH: ClassVar[float] = 1.25
 
     def check(self, content: Content) -> None:
         """Raise CaseError where there is no gravity."""
-        _weight(content)
+        _check_weight(content)
 
     def base(self, content: Content, factor: float) -> Content:
-        """Return the case in which blocks come to rest."""
+        """Return the case with its gravity multiplied."""
         x, y = content.get("gravity", GRAVITY)
         return {**content, "gravity": [factor * x, factor * y]}
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and the loads that its stage has beside those of all."""
+        """Return the case of a trial."""
         return self.base(content, factor), {}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Push:
+class Push(Reduction):
     """All blocks are pushed sideways by the factor times their weight: the critical acceleration.
 
     The push of an earthquake that lasts, as in limit analysis of walls and arches.
     """
 
-    DIVIDES: ClassVar[bool] = False
     SYMBOL: ClassVar[str] = "push over weight"
     TITLE: ClassVar[str] = "push over weight at collapse"
     START: ClassVar[float] = 0.1
-    GROWTH: ClassVar[float] = 2.0
     sign: float = 1.0
     """1: to the right, -1: to the left."""
 
     def check(self, content: Content) -> None:
         """Raise CaseError where there is no gravity, or a push already."""
-        _weight(content)
+        _check_weight(content)
         if SEISMIC in content:
             raise CaseError(
                 "the case already has a seismic coefficient, which excludes finding another one",
@@ -158,12 +176,8 @@ class Push:
                 remedy=f"leave {SEISMIC} out",
             )
 
-    def base(self, content: Content, factor: float) -> Content:
-        """Return the case in which blocks come to rest: without any push."""
-        return content
-
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and the loads that its stage has beside those of all."""
+        """Return the case with the push."""
         x, y = content.get("gravity", GRAVITY)
         # across gravity: to its left where it points down, which is +x
         push = self.sign * factor / math.hypot(x, y)
@@ -171,29 +185,22 @@ class Push:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Load:
+class Load(Reduction):
     """Loads of a name are multiplied by the factor; they act in trials only."""
 
-    DIVIDES: ClassVar[bool] = False
     SYMBOL: ClassVar[str] = "factor of load"
     TITLE: ClassVar[str] = "factor of load at collapse"
-    START: ClassVar[float] = 1.0
-    GROWTH: ClassVar[float] = 2.0
     name: str
-    """Name of the loads."""
 
     def check(self, content: Content) -> None:
         """Raise CaseError where there is no such load, or where a stage of the case has it."""
         named = [one.get("name") for key in LOADS for one in content.get(key, [])]
         if self.name not in named:
             known = [one for one in named if one is not None]
-            raise CaseError(
-                f"there is no load '{shortened(self.name)}'",
-                where="by",
-                remedy=spelling.advice(self.name, known, kind="load")
-                if known
-                else "give a [[point_load]], [[line_load]] or [[pressure]] a name",
-            )
+            remedy = "give a [[point_load]], [[line_load]] or [[pressure]] a name"
+            remedy = advice(self.name, known, kind="load") if known else remedy
+            what = f"there is no load '{shortened(self.name)}'"
+            raise CaseError(what, where="by", remedy=remedy)
         for stage in content.get("stage", []):
             if self.name in stage.get("loads", []):
                 raise CaseError(
@@ -207,28 +214,27 @@ class Load:
         return self._with(content, 0.0)
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and the loads that its stage has beside those of all."""
+        """Return the case with the load, which begins with the stage of the trial."""
         return self._with(content, factor), {"loads": [self.name]}
 
     def _with(self, content: Content, factor: float) -> Content:
         """Return the case with the load multiplied by a factor."""
+
+        def multiplied(load: Content, key: str) -> Content:
+            if load.get("name") != self.name:
+                return load
+            value = load[key]
+            product = [factor * one for one in value] if isinstance(value, list) else factor * value
+            return {**load, key: product}
+
         changed = {
-            key: [self._multiplied(one, value, factor) for one in content[key]]
+            key: [multiplied(one, value) for one in content[key]]
             for key, value in LOADS.items()
             if key in content
         }
         return {**content, **changed}
 
-    def _multiplied(self, load: Content, key: str, factor: float) -> Content:
-        if load.get("name") != self.name:
-            return load
-        value = load[key]
-        product = [factor * one for one in value] if isinstance(value, list) else factor * value
-        return {**load, key: product}
 
-
-Reduction = ScaledStrength | ScaledGravity | Push | Load
-"""The quantity that a factor multiplies or divides."""
 GRAVITY = (0.0, -9.8)
 """Gravity of a case that does not say it, m/s2."""
 
@@ -261,15 +267,6 @@ def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
     )
 
 
-def written(one: Reduction) -> str:
-    """Return the text by which ``reduction`` makes a reduction again, joints left out."""
-    if isinstance(one, Load):
-        return f"load {one.name}"
-    if isinstance(one, Push):
-        return "pga" if one.sign > 0.0 else "pga left"
-    return "gravity" if isinstance(one, ScaledGravity) else "strength"
-
-
 def staged(
     content: Content, trial: Mapping[str, Any] | None = None, parts: int = 1
 ) -> dict[str, Any]:
@@ -277,19 +274,19 @@ def staged(
 
     ``trial`` are the loads that the first of its ``parts`` has beside those of all; None: none.
     """
-    own = list(content.get("stage", []))
-    taken = {stage.get("name") for stage in own}
+    stages = list(content.get("stage", []))
+    taken = {stage.get("name") for stage in stages}
     step = content["time"]["step"]
-    time = max(float(content["time"]["end"]), STATIC_STEPS * step)
+    time = max(float(content["time"]["end"]), STATIC_STEPS_MIN * step)
     usual = {"dynamic_ratio": 0.0, "until": "equilibrium", "step": step, "time": time}
     usual["jacks"] = "hold"  # they hold the force that the case says, whatever moves
     settle = {**usual, "name": _free(SETTLE, taken), "reset_displacement": True}
     if trial is None:
-        return {**content, "stage": [*own, settle]}
+        return {**content, "stage": [*stages, settle]}
     names = [_free(f"{TRIAL} {k + 1}" if k else TRIAL, taken) for k in range(parts)]
     trials = [{**usual, "name": name} for name in names]
     trials[0].update(trial)
-    return {**content, "stage": [*own, settle, *trials]}
+    return {**content, "stage": [*stages, settle, *trials]}
 
 
 def _free(name: str, taken: set[Any]) -> str:
@@ -297,7 +294,7 @@ def _free(name: str, taken: set[Any]) -> str:
     return name if name not in taken else _free(f"{name} of the study", taken)
 
 
-def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
+def divide(table: Mapping[str, float], factor: float) -> dict[str, float]:
     """Return the strengths of a joint divided by a factor.
 
     Of a rough joint it is the mobilised friction angle whose tangent is divided, and nothing else;
@@ -306,25 +303,20 @@ def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
     if ROUGH in table:
         kept = {key: table[key] for key in ANGLES if key in table}
         return {**kept, ROUGH: table[ROUGH] * factor}
-    found = {key: table[key] / factor for key in FORCES if key in table}
-    for key in ANGLES:
-        if key in table:
-            tangent = math.tan(math.radians(table[key]))
-            found[key] = math.degrees(math.atan(tangent / factor))
+    divided = {key: table[key] / factor for key in FORCES if key in table}
+    angles = {key: math.radians(table[key]) for key in ANGLES if key in table}
+    for key, angle in angles.items():
+        divided[key] = math.degrees(math.atan(math.tan(angle) / factor))
     if table.get(DILATION, 0.0) > 0.0:
-        found[DILATION] = min(table[DILATION], *(found[key] for key in ANGLES if key in found))
-    return found
+        divided[DILATION] = min(table[DILATION], *(divided[key] for key in angles))
+    return divided
 
 
 def _is_rough(table: Mapping[str, Any]) -> bool:
     return table.get("law") == "barton-bandis"
 
 
-def _has_strength(table: Mapping[str, float]) -> bool:
-    return ROUGH in table or any(table.get(key, 0.0) > 0.0 for key in ("friction_angle", *FORCES))
-
-
-def _weight(content: Content) -> None:
+def _check_weight(content: Content) -> None:
     """Raise CaseError where blocks have no weight."""
     if math.hypot(*content.get("gravity", GRAVITY)) == 0.0:
         raise CaseError(

@@ -31,15 +31,11 @@ from clast.study.fitting.observations import FitSettings
 from clast.study.parameters import Parameter
 from clast.study.statistics import CONFIDENCE
 
-EDGE = 1e-12
-"""Least distance of a probability from 0 and 1."""
-ENOUGH = 0.5
-"""Share of the members that have to be left."""
 GROUPS = 5
 """Groups of members, each of which is moved by the covariances of the others."""
 
 
-def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings) -> Fit:
+def smooth(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings) -> Fit:
     """Return means and intervals of an ensemble that has taken in the observations.
 
     Both are those of the normal scores; the interval is that of one more draw, by Student's t of
@@ -49,11 +45,11 @@ def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings
     draw = np.random.default_rng(how.seed)
     scores = draw.standard_normal((how.members, len(parameters)))
     for _ in range(how.rounds):
-        scores, found = _sound(fitting, parameters, scores, how)
-        residuals = (found - fitting.observed) / fitting.deviations
+        scores, computed = _sound(fitting, parameters, scores, how)
+        residuals = (computed - fitting.observed) / fitting.deviations
         noise = math.sqrt(how.rounds) * draw.standard_normal(residuals.shape)
-        scores = updated(scores, residuals, noise, float(how.rounds))
-    scores, found = _sound(fitting, parameters, scores, how)
+        scores = update(scores, residuals, noise, float(how.rounds))
+    scores, computed = _sound(fitting, parameters, scores, how)
     count, mean = len(scores), scores.mean(axis=0)
     half = stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1) * scores.std(axis=0, ddof=1)
     half *= math.sqrt(1.0 + 1.0 / count)
@@ -68,33 +64,33 @@ def smoothed(fitting: Fitting, parameters: Sequence[Parameter], how: FitSettings
         high=high,
         correlation=np.atleast_2d(np.corrcoef(scores.T)),
         observed=fitting.observed,
-        predicted=found.mean(axis=0),
-        runs=fitting.runs,
+        predicted=computed.mean(axis=0),
+        runs=fitting.made.count,
         remark=f"{lost} of {how.members} members could not be run to their end." if lost else "",
     )
 
 
-def updated(scores: Floats, residuals: Floats, noise: Floats, inflation: float) -> Floats:
+def update(scores: Floats, residuals: Floats, noise: Floats, inflation: float) -> Floats:
     """Return the scores (n, m) of members that have taken in residuals (n, k) with noise (n, k)."""
     group = np.arange(len(scores)) % GROUPS
-    found = scores.copy()
-    for own in (group == one for one in range(GROUPS)):
-        others = gain(scores[~own], residuals[~own], inflation)
-        found[own] += (noise[own] - residuals[own]) @ others.T
-    return found
+    moved = scores.copy()
+    for chosen in (group == one for one in range(GROUPS)):
+        others = gain(scores[~chosen], residuals[~chosen], inflation)
+        moved[chosen] += (noise[chosen] - residuals[chosen]) @ others.T
+    return moved
 
 
 def gain(scores: Floats, residuals: Floats, inflation: float) -> Floats:
     """Return C_zd (C_dd + inflation I)^-1, (m, k), of scores (n, m) and residuals (n, k)."""
     z, d = scores - scores.mean(axis=0), residuals - residuals.mean(axis=0)
     count = len(z) - 1
-    own = d.T @ d / count + inflation * np.eye(d.shape[1])
-    return np.asarray(np.linalg.solve(own, d.T @ z / count).T)
+    covariance = d.T @ d / count + inflation * np.eye(d.shape[1])
+    return np.asarray(np.linalg.solve(covariance, d.T @ z / count).T)
 
 
 def values_of(parameters: Sequence[Parameter], scores: Floats) -> list[float]:
     """Return the parameters at normal scores (m,)."""
-    chances = np.clip(special.ndtr(scores), EDGE, 1.0 - EDGE)
+    chances = np.clip(special.ndtr(scores), 1e-12, 1.0 - 1e-12)
     return [
         float(one.drawn.quantile(chance))
         for one, chance in zip(parameters, chances.tolist(), strict=True)
@@ -105,13 +101,13 @@ def _sound(
     fitting: Fitting, parameters: Sequence[Parameter], scores: Floats, how: FitSettings
 ) -> tuple[Floats, Floats]:
     """Return the scores (n, m) of members that can be run, and their computed values (n, k)."""
-    found = fitting.computed([values_of(parameters, one) for one in scores])
-    kept = [not isinstance(one, ClastError) for one in found]
-    if sum(kept) < ENOUGH * how.members:
-        reason = next(str(one) for one in found if isinstance(one, ClastError))
+    computed = fitting.computed([values_of(parameters, one) for one in scores])
+    kept = [not isinstance(one, ClastError) for one in computed]
+    if sum(kept) < 0.5 * how.members:
+        reason = next(str(one) for one in computed if isinstance(one, ClastError))
         raise CaseError(
             f"{len(kept) - sum(kept)} of {len(kept)} members cannot be completed: {reason}",
             where="vary",
             remedy="choose ranges with which the case can be run",
         )
-    return scores[kept], np.array([one for one in found if not isinstance(one, ClastError)])
+    return scores[kept], np.array([one for one in computed if not isinstance(one, ClastError)])

@@ -17,6 +17,7 @@ import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,27 +26,23 @@ from scipy import optimize, stats
 
 from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError, ResultsLost
-from clast.inputs.declaring import text as case_text
 from clast.study import trial_table
 from clast.study.description import FIT, Description, parameters_of
 from clast.study.executors import workers_of
-from clast.study.fitting.ensemble import smoothed
+from clast.study.fitting.ensemble import smooth
 from clast.study.fitting.fitting import Fit, FitRuns, Fitting, ParameterScale, Watch
 from clast.study.fitting.observations import (
     ENSEMBLE,
-    MOST_PLACES,
+    PLACES_MAX,
     FitSettings,
     Observation,
     read_observations,
 )
-from clast.study.folder import DONE, StudyFolder, with_files, write_whole
-from clast.study.parameters import Parameter, ParameterPlaces, content_of, given_case
+from clast.study.folder import DONE, StudyFolder, write_whole
+from clast.study.parameters import ParameterPlaces, content_of, given_case
 from clast.study.statistics import CONFIDENCE
 from clast.study.study_api import USUAL, HowMade
 from clast.study.work import check_study
-
-RESULT, BEST = "fit.json", "best.toml"
-"""The result of a back-analysis, and its case with the best parameters."""
 
 
 def fit(
@@ -74,8 +71,8 @@ def fit(
         if place is None:
             place = stack.enter_context(tempfile.TemporaryDirectory(prefix="clast-fit-"))
         kept = StudyFolder.made(Path(place), loaded, study)
-        found = go_on(kept, HowMade(**made), watch)
-    return found if folder is not None else found.in_folder(None)
+        result = go_on(kept, HowMade(**made), watch)
+    return result if folder is not None else replace(result, folder=None)
 
 
 def described(
@@ -87,13 +84,25 @@ def described(
     """Return the description of a back-analysis; raises CaseError for an invalid one."""
     chosen = how.checked()
     parameters = parameters_of(vary)
-    if not parameters:
-        raise CaseError("no parameter varies", where="vary", remedy="give at least one parameter")
     if isinstance(observe, str | Path):
         observations = read_observations(Path(observe), case.model().measured_points.name)
     else:
         observations = list(observe)
-    _check_observations(observations, parameters, chosen)
+    if not observations:
+        raise CaseError("there is none", where="observe", remedy="give at least one observation")
+    if chosen.method == ENSEMBLE and observations[0].sd is None:
+        raise CaseError(
+            "es-mda weights observations by their standard deviations, which are missing",
+            where="observe",
+            remedy="give the table a column sd, or take method least-squares",
+        )
+    if chosen.method != ENSEMBLE and len(observations) < len(parameters):
+        raise CaseError(
+            f"{len(observations)} observations do not determine {len(parameters)} parameters",
+            where="observe",
+            remedy="measure more, vary less, or take method es-mda, which starts from prior "
+            "distributions",
+        )
     for one in parameters:
         ParameterScale.of(one)
     return Description(
@@ -103,28 +112,6 @@ def described(
         observe=tuple(observations),
         fit=chosen,
     ).checked()
-
-
-def _check_observations(
-    observations: Sequence[Observation], parameters: Sequence[Parameter], how: FitSettings
-) -> None:
-    """Raise CaseError where observations do not suit the method."""
-    if not observations:
-        raise CaseError("there is none", where="observe", remedy="give at least one observation")
-    if how.method == ENSEMBLE:
-        if observations[0].sd is None:
-            raise CaseError(
-                "es-mda weights observations by their standard deviations, which are missing",
-                where="observe",
-                remedy="give the table a column sd, or take method least-squares",
-            )
-    elif len(observations) < len(parameters):
-        raise CaseError(
-            f"{len(observations)} observations do not determine {len(parameters)} parameters",
-            where="observe",
-            remedy="measure more, vary less, or take method es-mda, which starts from prior "
-            "distributions",
-        )
 
 
 def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None) -> Fit:
@@ -151,29 +138,22 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
         fitting = Fitting(
             scales=tuple(map(ParameterScale.of, study.vary)),
             observations=study.observe,
-            made=FitRuns.of(folder, workers),
+            made=FitRuns(folder=folder, workers=workers, asked=folder.asked()),
             watch=watch,
         )
         how = study.fit or FitSettings()
         if how.method == ENSEMBLE:
-            found = smoothed(fitting, study.vary, how)
+            result = smooth(fitting, study.vary, how)
         else:
-            found = least_squares(fitting, [one.name for one in study.vary])
-        found = found.in_folder(folder.path)
-        _write(folder, found)
-    return found
-
-
-def _write(folder: StudyFolder, found: Fit) -> None:
-    """Write the result, the table of the runs, and the case with the best parameters."""
-    text = json.dumps(found.as_dict(), indent=1, ensure_ascii=False)
-    write_whole(folder.path / RESULT, f"{text}\n".encode())
-    trial_table.write_csv(folder, folder.path / trial_table.CSV)
-    settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
-    content = settings.case(found.value.tolist())
-    base = Path(folder.study.case).parent.as_posix()
-    text = case_text.to_toml(with_files(content, base))
-    write_whole(folder.path / BEST, text.encode("utf-8"))
+            result = least_squares(fitting, [one.name for one in study.vary])
+        result = replace(result, folder=folder.path)
+        text = json.dumps(result.as_dict(), indent=1, ensure_ascii=False)
+        write_whole(folder.path / "fit.json", f"{text}\n".encode())
+        trial_table.write_csv(folder, folder.path / trial_table.CSV)
+        settings = ParameterPlaces.of(content_of(folder.base), study.vary)
+        content = settings.case(result.value.tolist())
+        write_whole(folder.path / "best.toml", folder.case_text(content, ""))
+    return result
 
 
 def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
@@ -183,7 +163,7 @@ def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
     """
     middle = np.full(len(names), 0.5)
     try:
-        found = optimize.least_squares(
+        solution = optimize.least_squares(
             lambda x: fitting.residuals([x])[0],
             middle,
             jac=fitting.derivative,
@@ -191,7 +171,7 @@ def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
             x_scale=1.0,
             xtol=1e-6,
             ftol=1e-10,
-            max_nfev=MOST_PLACES,
+            max_nfev=PLACES_MAX,
         )
     except ResultsLost:
         raise
@@ -204,26 +184,26 @@ def least_squares(fitting: Fitting, names: Sequence[str]) -> Fit:
     observed, scale = fitting.observed, fitting.deviations
     known = fitting.observations[0].sd is not None
     freedom = len(observed) - len(names)
-    normal = found.jac.T @ found.jac
-    remark = "" if found.success else "the search ended before it had converged. "
+    normal = solution.jac.T @ solution.jac
+    remark = "" if solution.success else "the search ended before it had converged. "
     if np.linalg.matrix_rank(normal) < len(names):
         remark += "the observations do not tell all parameters apart. "
-    variance = 1.0 if known else float(found.fun @ found.fun) / max(1, freedom)
+    variance = 1.0 if known else float(solution.fun @ solution.fun) / max(1, freedom)
     covariance = variance * np.linalg.pinv(normal)
     spread = np.sqrt(np.diag(covariance))
     chance = 0.5 + 0.5 * CONFIDENCE
     t = stats.norm.ppf(chance) if known else stats.t.ppf(chance, max(1, freedom))
-    at_end = [name for name, x in zip(names, found.x, strict=True) if not 1e-3 < x < 1.0 - 1e-3]
+    at_end = [name for name, x in zip(names, solution.x, strict=True) if not 1e-3 < x < 1.0 - 1e-3]
     if at_end:
         remark += f"{', '.join(at_end)} lies at an end of its range. "
     return Fit(
         parameter=tuple(names),
-        value=np.array(fitting.values(found.x)),
-        low=np.array(fitting.values(found.x - t * spread)),
-        high=np.array(fitting.values(found.x + t * spread)),
+        value=np.array(fitting.values(solution.x)),
+        low=np.array(fitting.values(solution.x - t * spread)),
+        high=np.array(fitting.values(solution.x + t * spread)),
         correlation=covariance / np.maximum(np.outer(spread, spread), 1e-300),
         observed=observed,
-        predicted=observed + found.fun * scale,
-        runs=fitting.runs,
+        predicted=observed + solution.fun * scale,
+        runs=fitting.made.count,
         remark=remark.strip(),
     )

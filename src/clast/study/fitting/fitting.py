@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +20,10 @@ from clast.study.fitting.observations import Observation
 from clast.study.folder import DONE, StudyFolder, write_whole
 from clast.study.parameters import Parameter
 
-STEP = 1e-3
-"""Change of a parameter, as a share of its range, by which derivatives are taken."""
-FAR = 1e-9
+DIFFERENCE_STEP = 1e-3
+"""Change of a parameter, as a fraction of its range, by which derivatives are taken."""
+TAIL_PROBABILITY = 1e-9
 """Probability at which an unbounded distribution is taken to end."""
-DECADE = 10.0
-"""Ratio of the ends of a range from which a parameter is sought by its logarithm."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +31,6 @@ class Fit:
     """The result of a back-analysis; m parameters, k observations."""
 
     parameter: tuple[str, ...]
-    """Names."""
     value: Floats
     """Best values, shape (m,)."""
     low: Floats
@@ -47,28 +44,18 @@ class Fit:
     predicted: Floats
     """The values of the case with the best parameters, m, shape (k,)."""
     runs: int
-    """Runs that were made."""
     remark: str = ""
     """The reservations; "" where there are none."""
     folder: Path | None = None
     """Where the study is kept; None: nowhere."""
 
-    def in_folder(self, folder: Path | None) -> Fit:
-        """Return it as the result of a study that is kept in a folder; None: nowhere."""
-        return replace(self, folder=folder)
-
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
+        numbers = np.stack([self.value, self.low, self.high], axis=1).tolist()
         return {
             "parameters": {
-                name: {"value": value, "low": low, "high": high}
-                for name, value, low, high in zip(
-                    self.parameter,
-                    self.value.tolist(),
-                    self.low.tolist(),
-                    self.high.tolist(),
-                    strict=True,
-                )
+                name: dict(zip(("value", "low", "high"), row, strict=True))
+                for name, row in zip(self.parameter, numbers, strict=True)
             },
             "correlation": self.correlation.tolist(),
             "observed": self.observed.tolist(),
@@ -83,9 +70,7 @@ class ParameterScale:
     """How a parameter is sought: from 0 to 1 over its range, or that of its logarithm."""
 
     low: float
-    """Least value."""
     high: float
-    """Largest value."""
 
     @classmethod
     def of(cls, one: Parameter) -> ParameterScale:
@@ -97,12 +82,15 @@ class ParameterScale:
                 where=f"vary {shortened(one.name)}",
                 remedy="give e.g. uniform(1e8, 1e10)",
             )
-        return cls(low=float(drawn.quantile(FAR)), high=float(drawn.quantile(1.0 - FAR)))
+        return cls(
+            low=float(drawn.quantile(TAIL_PROBABILITY)),
+            high=float(drawn.quantile(1.0 - TAIL_PROBABILITY)),
+        )
 
     @property
     def is_logarithmic(self) -> bool:
         """Whether the logarithm is sought."""
-        return self.low > 0.0 and self.high > DECADE * self.low
+        return self.low > 0.0 and self.high > 10.0 * self.low
 
     def value(self, share: float) -> float:
         """Return the value at a share of the range."""
@@ -120,18 +108,9 @@ class Fitting:
     """A back-analysis on its way."""
 
     scales: tuple[ParameterScale, ...]
-    """How each parameter is sought."""
     observations: tuple[Observation, ...]
-    """The measured values."""
     made: FitRuns
-    """Its runs."""
     watch: Watch | None = None
-    """Told how far it is."""
-
-    @property
-    def runs(self) -> int:
-        """Runs so far."""
-        return self.made.count
 
     @property
     def observed(self) -> Floats:
@@ -145,33 +124,32 @@ class Fitting:
 
     def computed(self, places: Sequence[Sequence[float]]) -> list[Floats | ClastError]:
         """Return the computed values (k,) with sets of parameters, or why there are none."""
-        found = self.made.computed(places)
+        computed = self.made.computed(places)
         if self.watch is not None:
-            sound = [one for one in found if not isinstance(one, ClastError)]
-            errors = [(one - self.observed) / self.deviations for one in sound[:1]]
-            self.watch(self.runs, float(np.sqrt(np.mean(np.square(errors)))) if sound else math.nan)
-        return found
+            first = next((one for one in computed if not isinstance(one, ClastError)), None)
+            error = math.nan
+            if first is not None:
+                squares = np.square((first - self.observed) / self.deviations)
+                error = float(np.sqrt(np.mean(squares)))
+            self.watch(self.made.count, error)
+        return computed
 
     def residuals(self, shares: Sequence[Floats]) -> list[Floats]:
         """Return computed less measured, over the standard deviations, at several places.
 
         Raises ClastError where a run cannot go on.
         """
-        found = []
+        residuals = []
         for one in self.computed([self.values(share) for share in shares]):
             if isinstance(one, ClastError):
                 raise one
-            found.append((one - self.observed) / self.deviations)
-        return found
+            residuals.append((one - self.observed) / self.deviations)
+        return residuals
 
     def derivative(self, share: Floats) -> Floats:
         """Return the derivatives of the residuals (k, m), by runs that are made at one time."""
-        steps = np.where(share + STEP <= 1.0, STEP, -STEP)
-        places = [
-            share,
-            *(share + step * unit for step, unit in zip(steps, np.eye(len(share)), strict=True)),
-        ]
-        base, *others = self.residuals(places)
+        steps = np.where(share + DIFFERENCE_STEP <= 1.0, DIFFERENCE_STEP, -DIFFERENCE_STEP)
+        base, *others = self.residuals([share, *(share + np.diag(steps))])
         columns = [(one - base) / step for one, step in zip(others, steps, strict=True)]
         return np.stack(columns, axis=1)
 
@@ -180,27 +158,16 @@ class Fitting:
         return [one.value(float(x)) for one, x in zip(self.scales, share, strict=True)]
 
 
-Asked = tuple[float, ...]
-"""Parameters of a run, in their order."""
-
-
 @dataclass(kw_only=True)
 class FitRuns:
     """The runs of a back-analysis in the folder of its study."""
 
     folder: StudyFolder
-    """The folder."""
     workers: Workers
-    """Who makes them."""
-    asked: list[Asked] = field(default_factory=list)
+    asked: list[tuple[float, ...]]
     """Parameters of each run that has been asked for, from run 1 on, by this search or before."""
-    number: dict[Asked, int] = field(default_factory=dict)
+    number: dict[tuple[float, ...], int] = field(default_factory=dict)
     """Parameters -> number of the run, of this search."""
-
-    @classmethod
-    def of(cls, folder: StudyFolder, workers: Workers) -> FitRuns:
-        """Return the runs in a folder."""
-        return cls(folder=folder, workers=workers, asked=folder.asked())
 
     @property
     def count(self) -> int:
@@ -219,7 +186,7 @@ class FitRuns:
             Driver(self.folder, self.workers).make(iter(missing), len(missing), len(missing))
         return [self._values(run) for run in numbers]
 
-    def _number(self, values: Asked) -> int:
+    def _number(self, values: tuple[float, ...]) -> int:
         """Return the number of the run with these parameters, a new one where there is none."""
         if values not in self.number:
             run = self.count + 1
@@ -231,9 +198,9 @@ class FitRuns:
 
     def _result(self, run: int) -> dict[str, object] | None:
         """Return the result of a run; None where it is not there, or has other parameters."""
-        found = self.folder.result(run)
-        same = found is not None and tuple(found["parameters"].values()) == self.asked[run - 1]
-        return found if same else None
+        result = self.folder.result(run)
+        same = result is not None and tuple(result["parameters"].values()) == self.asked[run - 1]
+        return result if same else None
 
     def _values(self, run: int) -> Floats | ClastError:
         """Return the computed values of a run that was made, m, shape (k,)."""

@@ -11,14 +11,12 @@ from keyword import iskeyword
 from pathlib import Path
 from typing import Any
 
-from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring import text as case_text
+from clast.spelling import require_known
 
 COLUMNS = ("point", "time", "x", "y", "sd")
 """Columns of a table of observations; time and sd may be missing or empty, x or y empty."""
-LARGEST = 1e9
-"""Largest number of a table, m or s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +46,9 @@ class Observation:
 
     def row(self) -> dict[str, Any]:
         """Return it as a row of a table: values by column."""
-        values = {"x": None, "y": None, "xy"[self.part]: self.value}
-        found = {"point": self.point, "time": self.time, **values, "sd": self.sd}
-        return {key: value for key, value in found.items() if value is not None}
+        part = "xy"[self.part]
+        cells = {"point": self.point, "time": self.time, part: self.value, "sd": self.sd}
+        return {key: value for key, value in cells.items() if value is not None}
 
 
 def of_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[Observation, ...]:
@@ -75,32 +73,23 @@ def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:
     heads = [head.strip() for head in reader.fieldnames or ()]
     for head in heads:
         if ";" in head:
-            raise CaseError(
-                "has semicolons between its columns",
-                where=str(path),
-                remedy="put commas between columns, and points into numbers",
-            )
+            remedy = "put commas between columns, and points into numbers"
+            what = "has semicolons between its columns"
+            raise CaseError(what, where=str(path), remedy=remedy)
         if heads.count(head) > 1:
-            raise CaseError(
-                f"has the column '{shortened(head)}' twice",
-                where=str(path),
-                remedy="keep one of them",
-            )
-        if head not in COLUMNS:
-            remedy = spelling.advice(head, COLUMNS, kind="column")
-            raise CaseError(f"has a column '{shortened(head)}'", where=str(path), remedy=remedy)
+            what = f"has the column '{shortened(head)}' twice"
+            raise CaseError(what, where=str(path), remedy="keep one of them")
+        what = f"has a column '{shortened(head)}'"
+        require_known(head, COLUMNS, kind="column", where=str(path), what=what)
     if "point" not in heads or not {"x", "y"} & set(heads):
         raise CaseError(
             "lacks the columns point and x or y", where=str(path), remedy="e.g. point,time,x,y,sd"
         )
-    found = []
+    observations = []
     for number, line in enumerate(reader, start=2):
         cells = {str(key).strip(): (value or "").strip() for key, value in line.items() if key}
         where = f"{path}, line {number}"
-        if cells["point"] not in points:
-            remedy = spelling.advice(cells["point"], points, kind="measured point")
-            what = f"there is no measured point '{shortened(cells['point'])}'"
-            raise CaseError(what, where=where, remedy=remedy)
+        require_known(cells["point"], points, kind="measured point", where=where)
         time, sd = (_number(cells.get(key, ""), where, key) for key in ("time", "sd"))
         if time is not None and time < 0.0:
             raise CaseError(
@@ -112,12 +101,12 @@ def read_observations(path: Path, points: Sequence[str]) -> list[Observation]:
             value = _number(cells.get(key, ""), where, key)
             if value is not None:
                 one = Observation(point=cells["point"], part=part, value=value, time=time, sd=sd)
-                found.append(one)
-    if not found:
+                observations.append(one)
+    if not observations:
         raise CaseError("has no observation", where=str(path), remedy="give at least one row")
-    if len({one.sd is None for one in found}) > 1:
+    if len({one.sd is None for one in observations}) > 1:
         raise CaseError("has an sd in some rows only", where=str(path), remedy="give all, or none")
-    return found
+    return observations
 
 
 def _number(text: str, where: str, column: str) -> float | None:
@@ -127,7 +116,7 @@ def _number(text: str, where: str, column: str) -> float | None:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not abs(value) <= LARGEST:
+    if not abs(value) <= 1e9:
         remedy = "write a number, or leave it empty"
         raise CaseError(f"'{shortened(text)}' is not a valid {column}", where=where, remedy=remedy)
     return value
@@ -135,7 +124,7 @@ def _number(text: str, where: str, column: str) -> float | None:
 
 LEAST_SQUARES, ENSEMBLE = "least-squares", "es-mda"
 """Methods."""
-MOST_PLACES = 60
+PLACES_MAX = 60
 """Most places that least squares look at, each with the derivatives there."""
 
 
@@ -154,11 +143,7 @@ class FitSettings:
 
     def checked(self) -> FitSettings:
         """Return itself; raises CaseError for wrong numbers."""
-        methods = (LEAST_SQUARES, ENSEMBLE)
-        if self.method not in methods:
-            remedy = spelling.advice(str(self.method), methods, kind="method")
-            what = f"there is no method '{shortened(str(self.method))}'"
-            raise CaseError(what, where="method", remedy=remedy)
+        require_known(self.method, (LEAST_SQUARES, ENSEMBLE), kind="method", where="method")
         for name, least, most in (
             ("members", 10, 100_000),
             ("rounds", 1, 50),
@@ -166,17 +151,13 @@ class FitSettings:
         ):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-                raise CaseError(
-                    f"{value!r} is not a valid number of {name}"
-                    if name != "seed"
-                    else "is not a valid seed",
-                    where=name,
-                    remedy=f"give a whole number from {least} to {most:,}",
-                )
+                what = "seed" if name == "seed" else f"number of {name}"
+                remedy = f"give a whole number from {least} to {most:,}"
+                raise CaseError(f"{value!r} is not a valid {what}", where=name, remedy=remedy)
         return self
 
     def most_runs(self, parameters: int) -> int:
         """Return how many runs it takes at most."""
         if self.method == ENSEMBLE:
             return self.members * (self.rounds + 1)
-        return MOST_PLACES * (parameters + 2)
+        return PLACES_MAX * (parameters + 2)
