@@ -21,7 +21,7 @@ from clast.case.templates import TEMPLATES
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.leader import LivePage
-from clast.pictures.live.server import MOST_PAGES, LiveServer
+from clast.pictures.live.server import PAGES_MAX, LiveServer
 from clast.run.run_state import Halt
 from clast.run.schedule import Progress
 from scenes.live_runs import live_command
@@ -162,10 +162,10 @@ def test_frames_come_behind_those_that_a_page_has(served):
 
 def test_pages_are_counted_and_not_too_many(served):
     server, _ = served
-    streams = [events(server) for _ in range(MOST_PAGES)]
+    streams = [events(server) for _ in range(PAGES_MAX)]
     for stream in streams:
         next(stream)
-    assert server.pages == MOST_PAGES
+    assert server.pages == PAGES_MAX
     assert ask(server, "/events?from=0")[0] == 503
 
 
@@ -174,7 +174,7 @@ def test_pages_are_counted_and_not_too_many(served):
 
 def test_many_that_ask_at_once_are_eight(served):
     server, _ = served
-    answers, start = [], threading.Barrier(3 * MOST_PAGES)
+    answers, start = [], threading.Barrier(3 * PAGES_MAX)
 
     def look() -> None:
         one = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
@@ -182,14 +182,14 @@ def test_many_that_ask_at_once_are_eight(served):
         one.request("GET", "/events?from=0", headers={"Authorization": f"Bearer {server.token}"})
         answers.append((one.getresponse(), one))
 
-    threads = [threading.Thread(target=look) for _ in range(3 * MOST_PAGES)]
+    threads = [threading.Thread(target=look) for _ in range(3 * PAGES_MAX)]
     for one in threads:
         one.start()
     for one in threads:
         one.join()
     found = sorted(answer.status for answer, _ in answers)
-    assert found == [200] * MOST_PAGES + [503] * 2 * MOST_PAGES
-    assert server.pages == MOST_PAGES
+    assert found == [200] * PAGES_MAX + [503] * 2 * PAGES_MAX
+    assert server.pages == PAGES_MAX
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def test_many_that_ask_at_once_are_eight(served):
 )
 def test_a_request_has_one_limit_of_time_in_however_many_pieces(served, monkeypatch, sent):
     """A letter every now and then does not keep a place for ever."""
-    monkeypatch.setattr("clast.pictures.live.server.PATIENCE", 0.5)
+    monkeypatch.setattr("clast.pictures.live.server.TIMEOUT", 0.5)
     server, _ = served
     began = time.monotonic()
     with socket.create_connection(("127.0.0.1", server.port)) as one:

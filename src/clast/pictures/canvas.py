@@ -202,9 +202,7 @@ class Keys:
             loc="upper left",
             bbox_to_anchor=(sheet.axes[0] / width, (sheet.legend + 0.2) / height),
             ncols=self._columns,
-            frameon=False,
-            fontsize=SMALL_SIZE,
-            labelcolor=INK,
+            **LEGEND,
             borderpad=0.0,
             borderaxespad=0.0,
             handlelength=2.0,
@@ -247,8 +245,8 @@ def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> Non
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel("x (m)", fontsize=TEXT_SIZE, color=INK)
-    axes.set_ylabel("y (m)", fontsize=TEXT_SIZE, color=INK)
+    axes.set_xlabel("x (m)", **TEXT)
+    axes.set_ylabel("y (m)", **TEXT)
     axes.locator_params(axis="x", nbins=max(2, int(box[0] / 0.6)), steps=[1, 2, 5, 10])
     axes.locator_params(axis="y", nbins=max(2, int(box[1] / 0.4)), steps=[1, 2, 5, 10])
     style(axes)
@@ -332,19 +330,34 @@ def literal(text: str) -> str:
 def head(figure: Figure, left: float, lines: Sequence[str], below: str) -> None:
     """Write the lines of a title at the top of a figure, and a line in small type below it."""
     width, height = figure.get_size_inches()
-    for number, line in enumerate(lines):
+    bold = {"fontsize": TITLE_SIZE, "fontweight": "bold", "color": INK}
+    for number, line in enumerate((*map(literal, lines), below)):
         up = height - 0.1 - LINE * (number + 0.5)
-        figure.text(
-            left / width,
-            up / height,
-            literal(line),
-            fontsize=TITLE_SIZE,
-            fontweight="bold",
-            color=INK,
-            va="center",
-        )
-    up = height - 0.1 - LINE * (len(lines) + 0.5)
-    figure.text(left / width, up / height, below, fontsize=TEXT_SIZE, color=INK, va="center")
+        looks = bold if number < len(lines) else TEXT
+        figure.text(left / width, up / height, line, va="center", **looks)
+
+
+def write(axes: Axes, text: str, at: Any, zorder: float, **words: Any) -> None:
+    """Write small text about a point (2,), m, readable on anything; ``words`` as for matplotlib."""
+    middle = {"ha": "center", "va": "center", "bbox": NAME_BOX}
+    looks = {"fontsize": SMALL_SIZE, "color": INK, "zorder": zorder, **middle, **words}
+    axes.annotate(text, (float(at[0]), float(at[1])), **looks)
+
+
+def colour_bar(
+    figure: Figure,
+    drawn: Any,
+    box: tuple[float, float, float, float],
+    label: str,
+    extend: str,
+    orientation: str = "horizontal",
+) -> Any:
+    """Explain in a box, in parts of the figure, how artists are coloured; return the bar."""
+    bar = figure.colorbar(drawn, cax=figure.add_axes(box), orientation=orientation, extend=extend)
+    bar.set_label(label, **TEXT)
+    bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
+    bar.outline.set(linewidth=0.5, edgecolor=FAINT)
+    return bar
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import INK, SMALL_SIZE, TEXT
 from clast.pictures.fields import colours_between, prefixed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
 
 STOPPED = "#b3261e"
 """Colour of the remark on a run that could not go on."""
@@ -99,10 +98,18 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
         axes = figure.add_axes(box)
         canvas.view(axes, *canvas.seen(low, high, size), size)
         drawn = _draw_panel(axes, scene, panel, largest)
-        _keep_outer_labels(axes, row == rows - 1, column == 0)
+        if row < rows - 1:
+            axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
+        if column > 0:
+            axes.set_ylabel("")
+            axes.tick_params(labelleft=False)
     if drawn is not None:
         beyond = any(scene.farthest(panel) > 1.001 * largest for panel in scene.panels)
-        _draw_scale(figure, drawn, (width, height), "max" if beyond else "neither", largest)
+        long = min(width - canvas.LEFT - canvas.RIGHT, 5.0)
+        box = (canvas.LEFT / width, 0.5 / height, long / width, 0.14 / height)
+        label = f"Displacement of a block ({prefixed(largest, 'm')[1]})"
+        canvas.colour_bar(figure, drawn, box, label, "max" if beyond else "neither")
     return canvas.save(figure, path)
 
 
@@ -132,53 +139,10 @@ def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> 
     free.set_array(factor * values)
     free.set_cmap(colours)
     free.set_clim(0.0, factor * largest or 1.0)
-    axes.annotate(
-        canvas.literal(panel.title),
-        (0.0, 1.0),
-        xytext=(0, 17),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        fontsize=TEXT_SIZE,
-        fontweight="bold",
-        color=INK,
-    )
-    axes.annotate(
-        canvas.literal(panel.remark),
-        (0.0, 1.0),
-        xytext=(0, 5),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        fontsize=SMALL_SIZE,
-        color=INK if panel.finished else STOPPED,
-    )
+    place: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    title, remark = canvas.literal(panel.title), canvas.literal(panel.remark)
+    axes.annotate(title, (0.0, 1.0), xytext=(0, 17), **place, **TEXT, fontweight="bold")
+    colour = INK if panel.finished else STOPPED
+    looks = {"fontsize": SMALL_SIZE, "color": colour}
+    axes.annotate(remark, (0.0, 1.0), xytext=(0, 5), **place, **looks)
     return free
-
-
-def _keep_outer_labels(axes: Axes, lowest: bool, leftmost: bool) -> None:
-    """Take the labels off axes inside the sheet."""
-    if not lowest:
-        axes.set_xlabel("")
-        axes.tick_params(labelbottom=False)
-    if not leftmost:
-        axes.set_ylabel("")
-        axes.tick_params(labelleft=False)
-
-
-def _draw_scale(
-    figure: Figure,
-    drawn: PolyCollection,
-    size: tuple[float, float],
-    extend: str,
-    largest: float,
-) -> None:
-    """Explain the colours below the panels."""
-    width, height = size
-    long = min(width - canvas.LEFT - canvas.RIGHT, 5.0)
-    place = figure.add_axes((canvas.LEFT / width, 0.5 / height, long / width, 0.14 / height))
-    bar = figure.colorbar(drawn, cax=place, orientation="horizontal", extend=extend)
-    bar.set_label(
-        f"Displacement of a block ({prefixed(largest, 'm')[1]})", fontsize=TEXT_SIZE, color=INK
-    )
-    bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
-    bar.outline.set_linewidth(0.5)
-    bar.outline.set_edgecolor(FAINT)

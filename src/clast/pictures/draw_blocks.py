@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
-from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
+from clast.pictures.canvas import FAINT, INK, Sheet, colour_bar, literal, write
 from clast.pictures.fields import ColourScale, prefixed
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
@@ -173,21 +173,12 @@ def draw_colour_bar(
     """Explain on a sheet how blocks or lines are coloured; ``extend`` as matplotlib has it."""
     from matplotlib.ticker import MaxNLocator
 
-    place = figure.add_axes(sheet.share(sheet.bar))
-    bar = figure.colorbar(
-        coloured,
-        cax=place,
-        orientation="vertical" if sheet.upright else "horizontal",
-        extend=extend,
-    )
+    orientation = "vertical" if sheet.upright else "horizontal"
+    bar = colour_bar(figure, coloured, sheet.share(sheet.bar), label, extend, orientation)
     if not sheet.upright:
         most = max(2, int(sheet.bar[2] / WIDTH_OF_TICK))
         bar.locator = MaxNLocator(min(9, most), steps=[1, 2, 2.5, 5, 10])
         bar.update_ticks()
-    bar.set_label(label, fontsize=TEXT_SIZE, color=INK)
-    bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
-    bar.outline.set_linewidth(0.5)
-    bar.outline.set_edgecolor(FAINT)
 
 
 def areas_of(results: Divided, vertices: Floats) -> Floats:
@@ -221,14 +212,4 @@ def draw_names(axes: Axes, results: Recording, vertices: Floats, absent: Bools) 
     if len(outlines) > MOST_NAMES:
         return
     for block in np.flatnonzero(~absent):
-        name, outline = results.block_name[block], outlines[block]
-        axes.annotate(
-            literal(name),
-            outline.mean(axis=0),
-            fontsize=SMALL_SIZE,
-            color=INK,
-            ha="center",
-            va="center",
-            bbox=NAME_BOX,
-            zorder=4,
-        )
+        write(axes, literal(results.block_name[block]), outlines[block].mean(axis=0), 4)

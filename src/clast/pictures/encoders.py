@@ -32,13 +32,9 @@ Encoder = Callable[[Path, Iterator[Pixels], Sequence[int], float], None]
 
 
 def ffmpeg() -> str:
-    """Return the program ffmpeg: that of the machine, or of the package imageio-ffmpeg.
-
-    Raises CaseError where there is none.
-    """
-    found = shutil.which("ffmpeg")
-    if found:
-        return found
+    """Return the program ffmpeg: that of the machine, or of the package imageio-ffmpeg."""
+    if program := shutil.which("ffmpeg"):
+        return program
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 
@@ -65,10 +61,10 @@ def write_mp4(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps:
     command += ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]
     command += ["-c:v", "libx264", "-preset", "veryfast", "-crf", str(QUALITY)]
     command += ["-movflags", "+faststart", "-f", "mp4", str(path.absolute())]
-    with tempfile.TemporaryFile() as said:
+    with tempfile.TemporaryFile() as log:
         # a session of its own: Ctrl-C is for clast, which ends it in order
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True
+            command, stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True
         )
         try:
             # where ffmpeg has ended, its own words say why
@@ -82,13 +78,9 @@ def write_mp4(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps:
             process.wait()
             raise
         if ended != 0:
-            raise OSError(f"ffmpeg ended with {ended}: {_last_line(said)}")
-
-
-def _last_line(said: IO[bytes]) -> str:
-    said.seek(0)
-    lines = said.read().decode("utf-8", "replace").strip().splitlines()
-    return lines[-1].strip() if lines else "no reason given"
+            log.seek(0)
+            lines = log.read().decode("utf-8", "replace").strip().splitlines()
+            raise OSError(f"ffmpeg ended with {ended}: {lines[-1] if lines else 'no reason given'}")
 
 
 def write_gif(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
@@ -111,34 +103,25 @@ def write_gif(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps:
     def reduced(image: Image.Image) -> Image.Image:
         numbers = np.array(image.quantize(palette=palette, dither=Image.Dither.NONE))
         numbers[np.asarray(image).min(axis=2) == 255] = COLOURS
-        found = Image.fromarray(numbers, "P")
-        found.putpalette(colours)
-        return found
+        image = Image.fromarray(numbers, "P")
+        image.putpalette(colours)
+        return image
 
-    reduced(first).save(
-        path,
-        format="GIF",
-        save_all=True,
-        append_images=(reduced(_image(picture)) for picture in pictures),
-        duration=_durations(ticks, fps, 10),
-        loop=0,
-        optimize=False,
-    )
+    more = (reduced(_image(picture)) for picture in pictures)
+    looks = {"duration": _durations(ticks, fps, 10), "optimize": False}
+    _save(reduced(first), more, path, "GIF", **looks)
 
 
 def write_webp(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
     """Write an animated WebP that goes round."""
-    first = _image(next(pictures))
-    first.save(
-        path,
-        format="WEBP",
-        save_all=True,
-        append_images=(_image(picture) for picture in pictures),
-        duration=_durations(ticks, fps, 1),
-        loop=0,
-        quality=90,
-        method=1,
-    )
+    looks = {"duration": _durations(ticks, fps, 1), "quality": 90, "method": 1}
+    _save(_image(next(pictures)), map(_image, pictures), path, "WEBP", **looks)
+
+
+def _save(
+    first: Image.Image, more: Iterator[Image.Image], path: Path, kind: str, **looks: Any
+) -> None:
+    first.save(path, format=kind, save_all=True, append_images=more, loop=0, **looks)
 
 
 def _image(picture: Pixels) -> Image.Image:
@@ -150,7 +133,7 @@ def _image(picture: Pixels) -> Image.Image:
 def _durations(ticks: Sequence[int], fps: float, unit: int) -> list[int]:
     """Return how long each picture is shown, ms, in multiples of ``unit``, none of it lost."""
     ends = np.round(np.cumsum([0, *ticks]) * (1000.0 / fps / unit)).astype(int)
-    return [int(unit * own) for own in np.diff(ends)]
+    return [int(unit * length) for length in np.diff(ends)]
 
 
 ENCODERS: dict[str, Encoder] = {".mp4": write_mp4, ".gif": write_gif, ".webp": write_webp}

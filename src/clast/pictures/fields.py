@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,47 +22,43 @@ from clast.results import Recording
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap
 
-Values: TypeAlias = Callable[[Recording, int], Floats]
-
 
 @dataclass(frozen=True)
-class PictureField:
-    """A scalar field of the blocks."""
+class Field:
+    """A quantity that colours blocks or joints."""
 
     label: str
     """Its name on the picture."""
     unit: str
     """Unit of the values; the picture may put a prefix before it."""
-    values: Values
-    """Gives the values (n,) of a frame."""
+    values: Callable[[Recording, int], Any]
+    """Gives the values (n,) of the blocks in a frame, or the faces of joints with theirs."""
 
 
-def _plain(name: str) -> Values:
+def _column(name: str) -> Callable[[Recording, int], Floats]:
     return lambda results, frame: results.field(name, frame)
 
 
-def _magnitude(name: str) -> Values:
+def _magnitude(name: str) -> Callable[[Recording, int], Floats]:
     return lambda results, frame: np.hypot(*results.field(name, frame).T)
 
 
-def _degrees(results: Recording, frame: int) -> Floats:
-    return np.degrees(results.field("rotation", frame))
-
-
 SCALARS = {
-    "displacement": PictureField("Displacement", "m", _magnitude("displacement")),
-    "displacement_x": PictureField("Displacement in x", "m", _plain("displacement_x")),
-    "displacement_y": PictureField("Displacement in y", "m", _plain("displacement_y")),
-    "velocity": PictureField("Velocity", "m/s", _magnitude("velocity")),
-    "velocity_x": PictureField("Velocity in x", "m/s", _plain("velocity_x")),
-    "velocity_y": PictureField("Velocity in y", "m/s", _plain("velocity_y")),
-    "rotation": PictureField("Rotation", "°", _degrees),
-    "sigma_xx": PictureField(r"Stress $\sigma_{xx}$", "Pa", _plain("sigma_xx")),
-    "sigma_yy": PictureField(r"Stress $\sigma_{yy}$", "Pa", _plain("sigma_yy")),
-    "sigma_xy": PictureField(r"Shear stress $\sigma_{xy}$", "Pa", _plain("sigma_xy")),
-    "sigma_1": PictureField(r"Largest principal stress $\sigma_1$", "Pa", _plain("sigma_1")),
-    "sigma_3": PictureField(r"Smallest principal stress $\sigma_3$", "Pa", _plain("sigma_3")),
-    "max_shear": PictureField("Largest shear stress", "Pa", _plain("max_shear")),
+    "displacement": Field("Displacement", "m", _magnitude("displacement")),
+    "displacement_x": Field("Displacement in x", "m", _column("displacement_x")),
+    "displacement_y": Field("Displacement in y", "m", _column("displacement_y")),
+    "velocity": Field("Velocity", "m/s", _magnitude("velocity")),
+    "velocity_x": Field("Velocity in x", "m/s", _column("velocity_x")),
+    "velocity_y": Field("Velocity in y", "m/s", _column("velocity_y")),
+    "rotation": Field(
+        "Rotation", "°", lambda results, frame: np.degrees(results.field("rotation", frame))
+    ),
+    "sigma_xx": Field(r"Stress $\sigma_{xx}$", "Pa", _column("sigma_xx")),
+    "sigma_yy": Field(r"Stress $\sigma_{yy}$", "Pa", _column("sigma_yy")),
+    "sigma_xy": Field(r"Shear stress $\sigma_{xy}$", "Pa", _column("sigma_xy")),
+    "sigma_1": Field(r"Largest principal stress $\sigma_1$", "Pa", _column("sigma_1")),
+    "sigma_3": Field(r"Smallest principal stress $\sigma_3$", "Pa", _column("sigma_3")),
+    "max_shear": Field("Largest shear stress", "Pa", _column("max_shear")),
 }
 """Fields with a scale."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
+from clast.pictures.canvas import FAINT, INK, SMALL_SIZE
 from clast.pictures.draw_water import (
     draw_water,
     handles_of_water,
@@ -72,7 +72,7 @@ class FrameDrawing:
         """Return one scale for the free blocks or joints seen in some frames; None without any."""
         results, field = self.results, self.field
         if field in JOINT_FIELDS:
-            faces = together([JOINT_FIELDS[field].faces(results, frame) for frame in frames])
+            faces = together([JOINT_FIELDS[field].values(results, frame) for frame in frames])
             return scale_of_faces(faces, faces.within(*seen), limits)
         if field not in SCALARS:
             return None
@@ -102,7 +102,7 @@ class FrameDrawing:
             *handles_of_water(waters, pressures),
             *handles_of_bolts(results.bolts(frame)),
             *handles_of_links(results, frame),
-            *(handle for layer in self.layers for handle in layer.handles(results, frame)),
+            *(handle for layer in self.layers for handle in layer(results, frame)[0]),
         ]
 
     def draw(
@@ -121,7 +121,7 @@ class FrameDrawing:
         if field in JOINT_FIELDS:
             coloured.set_facecolor(GROUND)
             if scale is not None:
-                faces = JOINT_FIELDS[field].faces(results, frame)
+                faces = JOINT_FIELDS[field].values(results, frame)
                 coloured = draw_faces(axes, faces, scale)
                 label = self.paint(coloured, faces.value, scale)
         elif scale is None:
@@ -132,7 +132,7 @@ class FrameDrawing:
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
         draw_bolts(axes, results.bolts(frame))
         for layer in self.layers:
-            layer.draw(axes, results, frame)
+            layer(results, frame)[1](axes)
         draw_links(axes, results, frame)
         if field == "block":
             draw_blocks.draw_names(axes, results, here, absent)
@@ -182,17 +182,9 @@ def _draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
     for name, at in list(zip(names, places, strict=True))[:POINT_NAMES_MAX]:
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
         text, side = _beside(axes, name, float(at[0]))
-        axes.annotate(
-            canvas.literal(text),
-            at,
-            xytext=(4, 4) if side == "left" else (-4, 4),
-            textcoords="offset points",
-            ha=side,
-            fontsize=SMALL_SIZE,
-            color=INK,
-            bbox=NAME_BOX,
-            zorder=7,
-        )
+        beside = {"xytext": (4, 4) if side == "left" else (-4, 4), "ha": side, "va": "baseline"}
+        text = canvas.literal(text)
+        canvas.write(axes, text, at, 7, textcoords="offset points", **beside)
 
 
 def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:

@@ -16,7 +16,7 @@ from clast.pictures import canvas
 from clast.pictures.canvas import LEGEND, TEXT
 from clast.pictures.charts import Curve
 from clast.pictures.fields import prefixed
-from clast.pictures.linings import DIAGRAMS
+from clast.pictures.linings import DIAGRAMS, carries
 from clast.results import Recording
 from clast.thumbnails import CURVE_COLOURS
 
@@ -27,8 +27,6 @@ LEGEND_LINE = 0.172
 """Height of a line of the legend, inches."""
 PANEL_LINES_MAX = 24
 COMPONENTS = {"x": 0, "y": 1}
-LOST = 4
-"""State of a joint of a lining from which on it carries nothing."""
 BOLT_MARKS = {2: ("yielded", "#8e24aa"), 3: ("broke", "#c0143c")}
 """State of a bolt -> its text in the history, and its colour."""
 
@@ -92,9 +90,8 @@ def _of_link(results: Recording, name: str) -> Iterator[History]:
 def _of_lining(results: Recording, name: str) -> Iterator[History]:
     """Yield the largest and the least of N, Q and M along a lining."""
     lining = results.lining(name)
-    carries = (lining.state > 0) & (lining.state < LOST)
     for one in DIAGRAMS.values():
-        values = np.where(carries, np.nan_to_num(getattr(lining, one.column)), 0.0)
+        values = np.where(carries(lining), np.nan_to_num(getattr(lining, one.column)), 0.0)
         lines = {"most": values.max(axis=1), "least": values.min(axis=1)}
         title, panel = f"Lining {name}, {one.letter}", f"{one.letter} of linings"
         yield History(title, panel, one.unit, lining.time, lines)

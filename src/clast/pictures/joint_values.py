@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
-from clast.pictures.fields import ColourScale, scale_of
+from clast.pictures.fields import ColourScale, Field, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import FrameContacts, Recording
 from clast.results.frames import absent_in_frame
@@ -58,10 +59,7 @@ class Faces:
 
 
 def faces_opened(results: Recording, frame: int) -> Faces:
-    """Return the edges that ran along each other at the start, and how far they are apart, m.
-
-    Blocks that are further from each other than APART of the edge are no longer neighbours.
-    """
+    """Return the edges that ran along each other at the start, and how far they are apart, m."""
     here, start = results.vertices(frame), results.vertices(0)
     after = following(results.block_start)
     other = partners(start, after)
@@ -74,61 +72,41 @@ def faces_opened(results: Recording, frame: int) -> Faces:
     out = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
     apart = np.einsum("kex,kx->ke", theirs - mine, out).mean(axis=1)
     near = np.hypot(*(theirs - mine).mean(axis=1).T) <= APART * length
-    # what is pressed together is closed
+    # further apart they are no neighbours; what is pressed together is closed
     return Faces(
         ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]), edge=own[near]
     )
 
 
-def faces_slipped(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the mean slip of their contacts, m."""
-    contacts = results.contacts(frame)
-    faces, sums = _faces_of(contacts, contacts.slip, np.ones(len(contacts)))
-    return replace(faces, value=sums[0] / sums[1])
+def _from_sums(
+    columns: Callable[[FrameContacts], tuple[Floats, Floats]],
+    value: Callable[[Floats, Floats], Floats],
+) -> Callable[[Recording, int], Faces]:
+    """Return what gives the faces of a frame a value of two sums over the contacts of each."""
+
+    def values(results: Recording, frame: int) -> Faces:
+        contacts = results.contacts(frame)
+        faces, sums = _faces_of(contacts, *columns(contacts))
+        return replace(faces, value=value(*sums))
+
+    return values
 
 
-def faces_mobilised(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the mobilised friction: atan of shear over normal, degrees.
-
-    Forces are sums over the face; what only cohesion holds, without pressure, has 90 degrees.
-    """
-    contacts = results.contacts(frame)
-    faces, sums = _faces_of(contacts, contacts.shear_force, contacts.normal_force)
-    angle = np.arctan2(np.abs(sums[0]), np.maximum(0.0, sums[1]))
-    return replace(faces, value=np.degrees(angle))
+def _percent(part: Floats, whole: Floats) -> Floats:
+    return np.asarray(100.0 * np.abs(part) / np.maximum(whole, 1e-300))
 
 
-def faces_sliding(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the share of their normal force that slides, percent."""
-    contacts = results.contacts(frame)
-    pressed = np.maximum(0.0, contacts.normal_force)
-    faces, sums = _faces_of(contacts, pressed * (contacts.mode == SLIDES), pressed)
-    return replace(faces, value=100.0 * sums[0] / np.maximum(sums[1], 1e-300))
+def _friction_angle(shear: Floats, normal: Floats) -> Floats:
+    """Return atan of shear over normal, degrees; 90 for what cohesion holds without pressure."""
+    return np.degrees(np.arctan2(np.abs(shear), np.maximum(0.0, normal)))
 
 
-def faces_utilised(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with their shear force over their shear strength, percent.
-
-    Both are sums over the contacts of a face; one without strength carries no shear force, and
-    has 0.
-    """
-    contacts = results.contacts(frame)
-    faces, sums = _faces_of(contacts, contacts.shear_force, contacts.strength)
-    return replace(faces, value=100.0 * np.abs(sums[0]) / np.maximum(sums[1], 1e-300))
+def _sliding(contacts: FrameContacts) -> tuple[Floats, Floats]:
+    pressure = np.maximum(0.0, contacts.normal_force)
+    return pressure * (contacts.mode == SLIDES), pressure
 
 
-def faces_pressed(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with their normal stress, compression positive, Pa."""
-    return _stressed(results, frame, "normal_force")
-
-
-def faces_sheared(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the size of their shear stress, Pa."""
-    faces = _stressed(results, frame, "shear_force")
-    return replace(faces, value=np.abs(faces.value))
-
-
-def _stressed(results: Recording, frame: int, force: str) -> Faces:
+def _stress(results: Recording, frame: int, force: str) -> Faces:
     """Return the faces of a frame with a force over their length, Pa; corners have no length."""
     contacts = results.contacts(frame)
     faces, sums = _faces_of(contacts, contacts[force])
@@ -139,17 +117,11 @@ def _stressed(results: Recording, frame: int, force: str) -> Faces:
     smaller = area[np.stack([contacts.vertex_block[first], contacts.edge_block[first]])].min(axis=0)
     long = np.flatnonzero(faces.length > CORNER * np.sqrt(smaller))
     value = sums[0][long] / faces.length[long]
-    return Faces(ends=faces.ends[long], value=value, edge=faces.edge[long])
-
-
-def faces_worn(results: Recording, frame: int) -> Faces:
-    """Return the faces of a frame with the share of their strength that is lost, percent.
-
-    0 at the peak, 100 at the residual strength; mean of the contacts of a face.
-    """
-    contacts = results.contacts(frame)
-    faces, sums = _faces_of(contacts, contacts.worn, np.ones(len(contacts)))
-    return replace(faces, value=100.0 * sums[0] / sums[1])
+    return Faces(
+        ends=faces.ends[long],
+        value=np.abs(value) if force == "shear_force" else value,
+        edge=faces.edge[long],
+    )
 
 
 def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Floats]]:
@@ -217,29 +189,35 @@ def together(some: Sequence[Faces]) -> Faces:
     )
 
 
-@dataclass(frozen=True)
-class JointField:
-    """A number of joints."""
-
-    label: str
-    """Its name on the picture."""
-    unit: str
-    """Its unit; the picture may put a prefix before it."""
-    faces: Callable[[Recording, int], Faces]
-    """Gives the faces of a frame with their numbers."""
-
-
 JOINT_FIELDS = {
-    "slip": JointField("Slip of joints", "m", faces_slipped),
-    "opening": JointField("Opening of joints", "m", faces_opened),
-    "mobilised": JointField("Mobilised friction of joints", "°", faces_mobilised),
-    "sliding": JointField("Share of joints that slides", "%", faces_sliding),
-    "utilisation": JointField("Shear over strength of joints", "%", faces_utilised),
-    "normal_stress": JointField(
-        "Normal stress of joints, compression positive", "Pa", faces_pressed
+    "slip": Field(
+        "Slip of joints",
+        "m",
+        _from_sums(lambda one: (one.slip, np.ones(len(one))), np.divide),
     ),
-    "shear_stress": JointField("Shear stress of joints", "Pa", faces_sheared),
-    "worn": JointField("Strength lost by joints", "%", faces_worn),
+    "opening": Field("Opening of joints", "m", faces_opened),
+    "mobilised": Field(
+        "Mobilised friction of joints",
+        "°",
+        _from_sums(lambda one: (one.shear_force, one.normal_force), _friction_angle),
+    ),
+    "sliding": Field("Share of joints that slides", "%", _from_sums(_sliding, _percent)),
+    "utilisation": Field(
+        "Shear over strength of joints",
+        "%",
+        _from_sums(lambda one: (one.shear_force, one.strength), _percent),
+    ),
+    "normal_stress": Field(
+        "Normal stress of joints, compression positive",
+        "Pa",
+        partial(_stress, force="normal_force"),
+    ),
+    "shear_stress": Field("Shear stress of joints", "Pa", partial(_stress, force="shear_force")),
+    "worn": Field(
+        "Strength lost by joints",
+        "%",
+        _from_sums(lambda one: (one.worn, np.ones(len(one))), _percent),
+    ),
 }
 """Fields that colour joints, and not blocks."""
 

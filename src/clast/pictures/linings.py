@@ -8,7 +8,7 @@ forces upwards, compression at the top: so engineers of concrete draw it.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from clast.actions.linings import InteractionCurve, interaction_curve
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import FAINT, INK, LEGEND, NAME_BOX, TEXT_SIZE
 from clast.pictures.fields import prefixed
 from clast.results import Recording
 from clast.results.result_tables import LiningHistory
@@ -53,120 +53,82 @@ DIAGRAMS = {
 """Name of a layer -> its diagram."""
 
 
-def _values(
-    results: Recording, frame: int, one: LiningQuantity
-) -> Iterator[tuple[str, Any, Floats, Bools]]:
-    """Give name, history, values (k,) and whether each joint carries (k,) of each lining there."""
+def carries(lining: LiningHistory) -> Bools:
+    """Return where and when the joints of a lining carry, shape (t, k)."""
+    return np.asarray((lining.state > 0) & (lining.state < LOST))
+
+
+def diagram(
+    one: LiningQuantity, results: Recording, frame: int
+) -> tuple[list[Any], Callable[[Axes], None]]:
+    """Return the legend of a diagram, its extremes, and what draws it on axes."""
+    from matplotlib.lines import Line2D
+
+    drawn: list[tuple[str, Floats, Bools]] = []
     for name in results.lining_name:
         lining = results.lining(name)
         row = int(results.rows_at(lining.time, frame))
-        carries = (lining.state[row] > 0) & (lining.state[row] < 4)
-        if carries.any():
-            yield name, lining, np.where(carries, getattr(lining, one.column)[row], 0.0), carries
+        here = carries(lining)[row]
+        if here.any():
+            drawn.append((name, np.where(here, getattr(lining, one.column)[row], 0.0), here))
+    largest = max((float(np.abs(values).max()) for _, values, _ in drawn), default=0.0)
 
-
-def handles_of_diagram(one: LiningQuantity) -> Callable[[Recording, int], list[Any]]:
-    """Return the function that gives the legend of a diagram: its extremes."""
-
-    def handles(results: Recording, frame: int) -> list[Any]:
-        from matplotlib.lines import Line2D
-
-        found = [values[carries] for _, _, values, carries in _values(results, frame, one)]
-        if not found:
-            return []
-        values = np.concatenate(found)
-        factor, unit = prefixed(float(np.abs(values).max(initial=0.0)), one.unit)
-        least, most = factor * values.min(), factor * values.max()
-        label = f"{one.letter} of the lining, {least:.3g} to {most:.3g} {unit}"
-        return [Line2D([], [], color=one.colour, lw=1.4, label=label)]
-
-    return handles
-
-
-def drawing_of(one: LiningQuantity) -> Callable[[Axes, Recording, int], None]:
-    """Return the function that draws a diagram."""
-
-    def draw(axes: Axes, results: Recording, frame: int) -> None:
-        found = list(_values(results, frame, one))
-        largest = max((float(np.abs(values).max()) for _, _, values, _ in found), default=0.0)
+    def draw(axes: Axes) -> None:
         if largest == 0.0:
             return
         room = min(float(np.ptp(axes.get_xlim())), float(np.ptp(axes.get_ylim())))
-        for name, lining, values, carries in found:
+        for name, values, here in drawn:
             scaled = TALLEST * room / largest * values
-            _draw_diagram(axes, results, frame, (name, lining), scaled, carries, one)
-            _label(axes, results, frame, lining, values, scaled, one)
+            foot, tip = _ordinates(results, frame, name, scaled)
+            order = np.arange(len(foot) + comes_back(results, name)) % len(foot)
+            _draw_diagram(
+                axes, foot, tip, [k for k in itertools.pairwise(order) if here[[*k]].all()], one
+            )
+            factor, unit = prefixed(float(np.abs(values).max()), one.unit)
+            for k in {int(values.argmin()), int(values.argmax())}:
+                text = f"{one.letter} {factor * values[k]:.3g} {unit}"
+                canvas.write(
+                    axes, text, tip[k], 8, color=one.colour, bbox={**NAME_BOX, "alpha": 0.85}
+                )
 
-    return draw
-
-
-def _draw_diagram(
-    axes: Axes,
-    results: Recording,
-    frame: int,
-    of: tuple[str, LiningHistory],
-    scaled: Floats,
-    carries: Bools,
-    one: LiningQuantity,
-) -> None:
-    """Draw the ordinates (k,), m, of a lining, and the line through their ends."""
-    from matplotlib.collections import LineCollection, PolyCollection
-
-    foot, tip = _ordinates(results, frame, of[1], scaled)
-    order = np.arange(len(foot))
-    if comes_back(results, *of):
-        order = np.append(order, 0)
-    pairs = [(k, j) for k, j in itertools.pairwise(order) if carries[k] and carries[j]]
-    areas = [np.array([foot[k], foot[j], tip[j], tip[k]]) for k, j in pairs]
-    axes.add_collection(PolyCollection(areas, facecolors=one.colour, alpha=0.22, zorder=6.0))
-    lines = [np.array([tip[k], tip[j]]) for k, j in pairs]
-    axes.add_collection(LineCollection(lines, colors=one.colour, lw=1.2, zorder=6.2))
-    feet = [np.array([foot[k], foot[j]]) for k, j in pairs]
-    axes.add_collection(LineCollection(feet, colors=one.colour, lw=0.5, zorder=6.1))
+    if not drawn:
+        return [], draw
+    every = np.concatenate([values[here] for _, values, here in drawn])
+    factor, unit = prefixed(largest, one.unit)
+    least, most = factor * every.min(), factor * every.max()
+    label = f"{one.letter} of the lining, {least:.3g} to {most:.3g} {unit}"
+    return [Line2D([], [], color=one.colour, lw=1.4, label=label)], draw
 
 
-def _label(
-    axes: Axes,
-    results: Recording,
-    frame: int,
-    lining: LiningHistory,
-    values: Floats,
-    scaled: Floats,
-    one: LiningQuantity,
-) -> None:
-    """Write the least and the largest value where they are."""
-    _, tip = _ordinates(results, frame, lining, scaled)
-    factor, unit = prefixed(float(np.abs(values).max()), one.unit)
-    for k in {int(values.argmin()), int(values.argmax())}:
-        axes.annotate(
-            f"{one.letter} {factor * values[k]:.3g} {unit}",
-            (float(tip[k, 0]), float(tip[k, 1])),
-            fontsize=SMALL_SIZE,
-            color=one.colour,
-            ha="center",
-            va="center",
-            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
-            zorder=8,
-        )
-
-
-def _ordinates(
-    results: Recording, frame: int, lining: LiningHistory, scaled: Floats
-) -> tuple[Floats, Floats]:
+def _ordinates(results: Recording, frame: int, name: str, scaled: Floats) -> tuple[Floats, Floats]:
     """Return feet and tips (k, 2) of the ordinates (k,) of a lining, m."""
-    outer, inner = results.vertices(frame)[lining.face.T]
+    outer, inner = results.vertices(frame)[results.lining(name).face.T]
     inwards = (inner - outer) / np.hypot(*(inner - outer).T)[:, None]
     foot = 0.5 * (outer + inner)
     return foot, foot + scaled[:, None] * inwards
 
 
-def comes_back(results: Recording, name: str, lining: LiningHistory) -> bool:
+def _draw_diagram(
+    axes: Axes, foot: Floats, tip: Floats, pairs: list[tuple[int, int]], one: LiningQuantity
+) -> None:
+    """Draw the ordinates of a lining between ``pairs`` of joints, and their outline."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    areas = [np.array([foot[k], foot[j], tip[j], tip[k]]) for k, j in pairs]
+    axes.add_collection(PolyCollection(areas, facecolors=one.colour, alpha=0.22, zorder=6.0))
+    for ends, width, zorder in ((tip, 1.2, 6.2), (foot, 0.5, 6.1)):
+        lines = [ends[[k, j]] for k, j in pairs]
+        axes.add_collection(LineCollection(lines, colors=one.colour, lw=width, zorder=zorder))
+
+
+def comes_back(results: Recording, name: str) -> bool:
     """Return whether the last joint of a lining is beside its first segment."""
-    first = results.block_name.index(f"{name}/1")
-    start, last = results.vertices(0)[[results.block_start[first], lining.face[-1, 0]]]
+    lining, start = results.lining(name), results.vertices(0)
+    first = results.block_start[results.block_name.index(f"{name}/1")]
     count = sum(block.rpartition("/")[0] == name for block in results.block_name)
-    spacing = float(np.hypot(*np.ptp(results.vertices(0)[lining.face[:, 0]], axis=0)))
-    return len(lining.along) == count and bool(np.hypot(*(start - last)) <= 1e-6 * spacing)
+    spacing = float(np.hypot(*np.ptp(start[lining.face[:, 0]], axis=0)))
+    gap = np.hypot(*(start[first] - start[lining.face[-1, 0]]))
+    return len(lining.along) == count and bool(gap <= 1e-6 * spacing)
 
 
 CURVE, CRACKS, POINTS, CLOUD = "#262626", "#c1440e", "#1b4f9c", "#9ab3d6"
@@ -175,6 +137,8 @@ SIZE = 4.6, 4.2
 """Width and height of the axes, inches."""
 LEGEND_LINES = 3
 """Lines of the legend."""
+LOST = 4
+"""State of a joint of a lining from which on it carries nothing."""
 MOST_POINTS = 20_000
 """Points of other instants that are drawn at most."""
 
@@ -190,7 +154,7 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
     number = results.frame(frame).number
     curve = _curve_of(history, lining)
     row = int(results.rows_at(history.time, number))
-    there = (history.state > 0) & (history.state < 4)
+    there = carries(history)
     if not there[row].any():
         raise CaseError(
             f"lining '{lining}' does not exist at {results.times[number]:.4g} s",
@@ -199,30 +163,19 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
         )
     title = canvas.wrapped(results.title or results.name, SIZE[0], canvas.TITLE_SIZE)
     below = canvas.BELOW + 0.12 + canvas.LINE * LEGEND_LINES
-    size = (
-        canvas.LEFT + SIZE[0] + canvas.RIGHT,
-        below + SIZE[1] + 0.32 + canvas.LINE * (len(title) + 1),
-    )
-    figure = canvas.new_figure(size, 160)
-    stage = results.frame(frame).stage
+    width = canvas.LEFT + SIZE[0] + canvas.RIGHT
+    height = below + SIZE[1] + 0.32 + canvas.LINE * (len(title) + 1)
+    figure = canvas.new_figure((width, height), 160)
     text = f"Lining {canvas.literal(lining)} at $t$ = {results.times[number]:.4g} s"
-    if stage:
+    if stage := results.frame(frame).stage:
         text += f", stage {canvas.literal(stage)}"
     canvas.head(figure, canvas.LEFT, title, text)
-    axes = figure.add_axes(
-        (canvas.LEFT / size[0], below / size[1], SIZE[0] / size[0], SIZE[1] / size[1])
-    )
+    box = (canvas.LEFT / width, below / height, SIZE[0] / width, SIZE[1] / height)
+    axes = figure.add_axes(box)
     _draw_curve(axes, history, curve, there, row)
-    figure.legend(
-        loc="lower left",
-        bbox_to_anchor=(canvas.LEFT / size[0], 0.1 / size[1]),
-        ncols=2,
-        frameon=False,
-        fontsize=SMALL_SIZE,
-        labelcolor=INK,
-        borderpad=0.0,
-        borderaxespad=0.0,
-    )
+    place = (canvas.LEFT / width, 0.1 / height)
+    padding = {"borderpad": 0.0, "borderaxespad": 0.0}
+    figure.legend(loc="lower left", bbox_to_anchor=place, ncols=2, **padding, **LEGEND)
     return canvas.save(figure, Path(path))
 
 
@@ -253,15 +206,13 @@ def _draw_curve(
     sides = np.concatenate([curve.moment, -curve.moment[::-1]])
     around = np.concatenate([curve.normal, curve.normal[::-1]])
     axes.plot(of_moment * sides, of_force * around, color=CURVE, lw=1.3, label="strength")
-    cracked = _cracks(history.section[0])
-    axes.plot(
-        of_moment * cracked[:, 0],
-        of_force * cracked[:, 1],
-        color=CRACKS,
-        lw=1.0,
-        ls="--",
-        label="a face cracks",
-    )
+    # N/t + 6 |M|/t2 = f_t, from the compression at which the other face has f_c on
+    thickness, tension, compression = history.section[0]
+    mean = 0.5 * (tension - compression)
+    edge = (tension - mean) * thickness**2 / 6.0
+    normal = of_force * thickness * np.array([mean, tension, mean])
+    moment = of_moment * np.array([-edge, 0.0, edge])
+    axes.plot(moment, normal, color=CRACKS, lw=1.0, ls="--", label="a face cracks")
     _draw_states(axes, history, there, row, (of_force, of_moment))
     axes.axhline(0.0, color=FAINT, lw=0.6)
     axes.axvline(0.0, color=FAINT, lw=0.6)
@@ -317,17 +268,4 @@ def _draw_states(
         label=f"largest utilisation: {used[at, joint]:.3g}, {history.along[joint]:.3g} m along, "
         f"$t$ = {history.time[at]:.4g} s",
         zorder=4,
-    )
-
-
-def _cracks(section: Floats) -> Floats:
-    """Return M, N, and N, N/m, at which a face has its tensile strength, shape (3, 2).
-
-    N/t + 6 |M|/t2 = f_t, from the compression at which the other face has f_c on.
-    """
-    thickness, tension, compression = section
-    mean = 0.5 * (tension - compression)
-    edge = (tension - mean) * thickness**2 / 6.0
-    return np.array(
-        [[-edge, mean * thickness], [0.0, tension * thickness], [edge, mean * thickness]]
     )

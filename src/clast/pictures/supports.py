@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from clast.model.model import Floats, Ints
 from clast.model.supports import FREE, GROUND, RIGID, LinkLines
 from clast.pictures import canvas
-from clast.pictures.canvas import SMALL_SIZE
 from clast.pictures.fields import prefixed
 from clast.results import FrameBolts, FrameContacts, Recording
 from clast.results.schema import LINK_STATES
@@ -293,17 +292,14 @@ def draw_reactions(axes: Axes, arrows: list[ReactionArrow]) -> None:
             zorder=8,
         )
         right = one.tail[0] > 0.5 * (low + high)
-        axes.annotate(
-            canvas.literal(one.label),
-            (float(one.tail[0]), float(one.tail[1])),
-            xytext=(-4 if right else 4, -9 if one.tail[1] < one.tip[1] else 4),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            fontsize=SMALL_SIZE,
-            color=REACTION_COLOUR,
-            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8},
-            zorder=9,
-        )
+        away = (-4 if right else 4, -9 if one.tail[1] < one.tip[1] else 4)
+        beside = {
+            "ha": "right" if right else "left",
+            "va": "baseline",
+            "textcoords": "offset points",
+        }
+        looks = {"color": REACTION_COLOUR, "bbox": {**canvas.NAME_BOX, "alpha": 0.8}}
+        canvas.write(axes, canvas.literal(one.label), one.tail, 9, xytext=away, **beside, **looks)
 
 
 def forces_in(results: Recording, frame: int) -> list[tuple[str, Floats, Floats]]:

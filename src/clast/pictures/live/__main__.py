@@ -11,18 +11,15 @@ import json
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.server import LiveServer
 
-TICK = 0.1
-"""Time between two looks around, s."""
-GRACE = 3.0
-"""How long nobody may look at a run that is over before its page goes, s."""
-ABSENT = 10.0
-"""A run that is paused goes on where no page has looked on for so long, s."""
+END_AFTER, GO_AFTER = 3.0, 10.0
+"""Time without a page that looks on, s, after which the server of a run that is over ends, and a
+run that is paused goes on."""
 
 
 def main() -> None:
@@ -40,10 +37,10 @@ def main() -> None:
     _say(json.dumps({"address": server.address}))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     threading.Thread(target=_hear, args=(feed,), daemon=True).start()
-    while not (feed.is_over and _is_alone(server, GRACE)):
-        time.sleep(TICK)
+    while not (feed.is_over and _is_alone(server, END_AFTER)):
+        time.sleep(0.1)
         feed.look()
-        if feed.status.get("paused") and _is_alone(server, ABSENT):
+        if feed.status.get("paused") and _is_alone(server, GO_AFTER):
             _say("go")
             feed.say({"paused": False})
 
@@ -55,20 +52,17 @@ def _is_alone(server: LiveServer, seconds: float) -> bool:
 
 def _say(line: str) -> None:
     """Say something to the run; where it has gone nobody hears it."""
-    try:
+    with suppress(OSError):
         print(line, flush=True)  # noqa: T201
-    except OSError:
-        pass
 
 
 def _hear(feed: Feed) -> None:
     """Read the messages of the run, until it is over."""
     for line in sys.stdin:
         try:
-            said: dict[str, Any] = json.loads(line)
+            feed.say(json.loads(line))
         except ValueError:
             continue  # half a line: the pipe was full
-        feed.say(said)
     feed.end()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,11 @@ from clast.pictures.page.frame_data import moving
 from clast.pictures.page.scene import scene_of, told
 from clast.results import Results, read_results
 
-PERIOD = 0.25
-"""Time between two looks at the file at least, s."""
-DUTY = 20.0
-"""A look is followed by a rest of this many times its duration: a run that writes waits for it."""
-EXPECTED = 200
-"""Frames that the budget of contacts is shared among while a run goes on."""
+READ_INTERVAL_MIN, READ_PAUSE_RATIO = 0.25, 20.0
+"""Time between two looks at the file at least, s, and in durations of the last look: a run that
+writes waits for it."""
+FRAMES_EXPECTED = 200
+"""Frames that the budget of contacts is divided among while a run goes on."""
 
 
 @dataclass
@@ -38,7 +38,7 @@ class Feed:
     _results: Results | None = None
     _seen: tuple[int, int] = (0, 0)
     _parts: dict[tuple[int, int], str] = field(default_factory=dict)
-    _curves: tuple[int, float, str] = (-1, 0.0, "")
+    _curves: tuple[int, str] = (-1, "")
     _rest: float = 0.0
     _looked: float = 0.0
 
@@ -67,12 +67,18 @@ class Feed:
     def look(self) -> None:
         """Look whether the file has new frames, if it is time to; not before the run has begun."""
         now = time.monotonic()
-        rest = PERIOD if self.status.get("paused") else max(PERIOD, self._rest)
+        rest = (
+            READ_INTERVAL_MIN if self.status.get("paused") else max(READ_INTERVAL_MIN, self._rest)
+        )
         if not self.status or now - self._looked < rest:
             return
         self._looked = now
-        if self._has_changed():
-            self._open()
+        with suppress(OSError):
+            file = self.path.stat()
+            seen = file.st_mtime_ns, file.st_size
+            changed, self._seen = seen != self._seen, seen
+            if changed:
+                self._open()
 
     def end(self) -> None:
         """Take all that a run has left, and say that it is over; without a report it was killed."""
@@ -83,28 +89,13 @@ class Feed:
 
     def _open(self) -> None:
         begun = time.monotonic()
-        with self._reading:
-            try:
-                self._results = read_results(self.path, whole=0)
-            except CaseError:
-                return  # later
-        with self.changed:
-            self.version += 1
-            self.changed.notify_all()
-        self._rested(begun)
-
-    def _has_changed(self) -> bool:
         try:
-            found = self.path.stat()
-        except OSError:
-            return False
-        seen = found.st_mtime_ns, found.st_size
-        changed = seen != self._seen
-        self._seen = seen
-        return changed
-
-    def _rested(self, begun: float) -> None:
-        self._rest = DUTY * (time.monotonic() - begun)
+            with self._reading:
+                self._results = read_results(self.path, whole=0)
+        except CaseError:
+            return  # later
+        self.say({})
+        self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
 
     def scene(self) -> str:
         """Return all that there is, as JSON: "null" before the first frame."""
@@ -123,10 +114,10 @@ class Feed:
             count = len(results.times)
             key = first, count
             if key not in self._parts:
-                share = self.budget * (count - first) / max(EXPECTED, count)
+                share = self.budget * (count - first) / max(FRAMES_EXPECTED, count)
                 part = moving(results, np.arange(first, count), share)
                 self._parts = {key: json.dumps({**part, "next": count})}
-                self._rested(begun)
+                self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
             return self._parts[key], count
 
     def words(self) -> tuple[int, str]:
@@ -136,9 +127,9 @@ class Feed:
             results = self._read()
             count = len(results.times) + (results.report is not None)
             if count != self._curves[0]:
-                self._curves = count, begun, json.dumps(told(results))
-                self._rested(begun)
-            return count, self._curves[2]
+                self._curves = count, json.dumps(told(results))
+                self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
+            return self._curves
 
     def page(self) -> str:
         """Return the text of the page as ``clast page`` writes it."""

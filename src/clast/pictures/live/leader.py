@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 HERE = "127.0.0.1:0"
 """This machine alone, and a port that is free."""
-TELL_EVERY = 0.2
+REPORT_INTERVAL = 0.2
 """Time between two lines about where the run is, s of wall time."""
-WAIT = 0.1
+KEY_INTERVAL = 0.1
 """How long a run that is paused waits before it looks whether the key was pressed, s."""
-START = 60.0
+START_TIME_MAX = 60.0
 """How long the process of the page may take to begin, s."""
 ORDERS = ("pause", "go", "step", "end", "checkpoint")
 """Requests of a page."""
@@ -79,12 +79,10 @@ class LivePage:
 
     def _first_line(self) -> dict[str, Any]:
         """Return the first message of the process of the page."""
-        guard = threading.Timer(START, self._process.kill)
+        guard = threading.Timer(START_TIME_MAX, self._process.kill)
         guard.start()
-        try:
-            line = cast("IO[bytes]", self._process.stdout).readline()
-        finally:
-            guard.cancel()
+        line = cast("IO[bytes]", self._process.stdout).readline()
+        guard.cancel()
         return json.loads(line) if line else {"fault": "the page did not begin", "remedy": ""}
 
     # --- between steps -----------------------------------------------------------------------
@@ -95,7 +93,7 @@ class LivePage:
             self.line(progress)
         self._last = progress
         now = perf_counter()
-        if now - self._told < TELL_EVERY and not self._paused:
+        if now - self._told < REPORT_INTERVAL and not self._paused:
             return
         self._told = now
         self._where = _where(progress)
@@ -118,7 +116,7 @@ class LivePage:
         self._tell()
         while self._paused and not self._steps:
             halt.let_go()
-            self._news.wait(WAIT)
+            self._news.wait(KEY_INTERVAL)
             self._obey(halt)
         self._steps = max(0, self._steps - 1)
         self._asked = self._paused or not self._orders.empty()
@@ -153,15 +151,14 @@ class LivePage:
     def _hear(self) -> None:
         """Take the requests of the page, until its process has gone."""
         for line in cast("IO[bytes]", self._process.stdout):
-            order = line.decode().strip()
-            if order in ORDERS:
-                self._order(order)
+            self._order(line.decode().strip())
         self._order("go")  # a run whose page has gone is not left waiting
 
     def _order(self, order: str) -> None:
-        self._orders.put(order)
-        self._asked = True
-        self._news.set()
+        if order in ORDERS:
+            self._orders.put(order)
+            self._asked = True
+            self._news.set()
 
     # --- the end -----------------------------------------------------------------------------
 
@@ -191,11 +188,5 @@ class LivePage:
 
 def _where(progress: Progress) -> dict[str, Any]:
     """Return the progress of a run as a page shows it."""
-    return {
-        "time": progress.time,
-        "end": progress.end,
-        "step": progress.step,
-        "steps": progress.steps,
-        "contacts": progress.contacts,
-        "stage": progress.stage,
-    }
+    names = ("time", "end", "step", "steps", "contacts", "stage")
+    return {name: getattr(progress, name) for name in names}

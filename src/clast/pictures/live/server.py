@@ -26,16 +26,25 @@ from clast.pictures.live.feed import Feed
 from clast.pictures.live.leader import ORDERS
 from clast.pictures.page.document import live_text
 
-PATIENCE = 10.0
+TIMEOUT = 10.0
 """How long a browser may take to read an answer, or for the whole of a request, s."""
-BEAT, BEAT_AFTER = 5.0, 1.0
+STATUS_INTERVAL, STATUS_INTERVAL_AFTER = 5.0, 1.0
 """A sign of life goes to every page at least so often, s; more often when the run is over."""
-MOST_PAGES = 8
+PAGES_MAX = 8
 """Pages that look on at the same time."""
-MOST_BYTES = 1000
+REQUEST_BYTES_MAX = 1000
 """Greatest length of a request."""
-CURVES_EVERY = 2.0
+CURVES_INTERVAL = 2.0
 """Time between two sendings of curves, s."""
+
+
+HEADERS = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
 
 
 class LiveServer(ThreadingHTTPServer):
@@ -71,7 +80,7 @@ class LiveServer(ThreadingHTTPServer):
     def looks_on(self, change: int) -> bool:
         """Count pages that look on; False for one more than there may be."""
         with self.feed.changed:
-            if self.pages + change > MOST_PAGES:
+            if self.pages + change > PAGES_MAX:
                 return False
             self.pages += change
             self.left = time.monotonic()
@@ -93,8 +102,8 @@ def _is_number(host: str) -> bool:
     return True
 
 
-class _Asked(io.RawIOBase):
-    """What a browser sends: a request has one limit of time, however many pieces it comes in."""
+class _Request(io.RawIOBase):
+    """A request of a browser: one limit of time, however many pieces it comes in."""
 
     def __init__(self, connection: socket) -> None:
         self._connection = connection
@@ -102,7 +111,7 @@ class _Asked(io.RawIOBase):
         """When the request has to be there."""
 
     def readable(self) -> bool:
-        """Return True: it is for reading."""
+        """Return True."""
         return True
 
     def readinto(self, buffer: Any) -> int:
@@ -114,7 +123,7 @@ class _Asked(io.RawIOBase):
         try:
             return self._connection.recv_into(buffer)
         finally:
-            self._connection.settimeout(PATIENCE)
+            self._connection.settimeout(TIMEOUT)
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -122,18 +131,18 @@ class Handler(BaseHTTPRequestHandler):
 
     server: LiveServer
     protocol_version = "HTTP/1.1"
-    timeout = PATIENCE
+    timeout = TIMEOUT
 
     def setup(self) -> None:
         """Read requests with a limit of time."""
         super().setup()
         self.rfile.close()
-        self._asked = _Asked(self.connection)
-        self.rfile = io.BufferedReader(self._asked)
+        self._request = _Request(self.connection)
+        self.rfile = io.BufferedReader(self._request)
 
     def handle_one_request(self) -> None:
         """Answer a request that is whole in time."""
-        self._asked.until = time.monotonic() + PATIENCE
+        self._request.until = time.monotonic() + TIMEOUT
         super().handle_one_request()
 
     def do_GET(self) -> None:
@@ -156,21 +165,21 @@ class Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         """Hand on a request of a page to the run."""
         length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > MOST_BYTES:
+        if not length.isdecimal() or int(length) > REQUEST_BYTES_MAX:
             self.close_connection = True
-            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {MOST_BYTES} bytes")
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {REQUEST_BYTES_MAX} bytes")
             return
         body = self.rfile.read(int(length))
         if not self._is_from_here() or not self._has_token():
             return
         try:
-            asked = json.loads(body)["do"]
+            order = json.loads(body)["do"]
         except (ValueError, KeyError, TypeError):
-            asked = None
-        if self.path != "/do" or asked not in ORDERS:
+            order = None
+        if self.path != "/do" or order not in ORDERS:
             self._refuse(HTTPStatus.BAD_REQUEST, f"ask for one of: {', '.join(ORDERS)}")
             return
-        self.server.order(asked)
+        self.server.order(order)
         self._send(HTTPStatus.OK, "application/json", "{}")
 
     # --- who may ask -------------------------------------------------------------------------
@@ -211,18 +220,37 @@ class Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")
             return
         if not server.looks_on(1):
-            self._refuse(
-                HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} viewers are connected already"
-            )
+            connected = f"{PAGES_MAX} viewers are connected already"
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, connected)
             return
         self.close_connection = True
         try:
             self._head(HTTPStatus.OK, "text/event-stream", None)
-            _Stream(server.feed, self._event).run(int(given))
+            self._send_news(int(given))
         except OSError:
             pass  # the browser has gone, or reads too slowly: it asks again from where it was
         finally:
             server.looks_on(-1)
+
+    def _send_news(self, first: int) -> None:
+        """Send frames from ``first`` on, curves and report where they grow, and a sign of life."""
+        feed, seen, told, curves_sent = self.server.feed, -1, -1, 0.0
+        while True:
+            with feed.changed:
+                beat = STATUS_INTERVAL_AFTER if feed.is_over else STATUS_INTERVAL
+                feed.changed.wait_for(lambda: feed.version != seen, beat)  # noqa: B023
+                seen, over, status = feed.version, feed.is_over, feed.status
+            if first < feed.frames:
+                part, first = feed.part(first)
+                self._event("frames", part)
+            if over or time.monotonic() - curves_sent > CURVES_INTERVAL:
+                count, text = feed.words()
+                curves_sent = time.monotonic()
+                if count != told:
+                    told = count
+                    self._event("words", text)
+            # a page that shows the end has all of it
+            self._event("status", json.dumps(status))
 
     def _event(self, kind: str, data: str) -> None:
         self.wfile.write(f"event: {kind}\ndata: {data}\n\n".encode())
@@ -240,13 +268,7 @@ class Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", kind)
         if length is not None:
             self.send_header("Content-Length", str(length))
-        for name, value in (
-            ("Cache-Control", "no-store"),
-            ("X-Content-Type-Options", "nosniff"),
-            ("X-Frame-Options", "DENY"),
-            ("Referrer-Policy", "no-referrer"),
-            ("Cross-Origin-Resource-Policy", "same-origin"),
-        ):
+        for name, value in HEADERS.items():
             self.send_header(name, value)
         self.end_headers()
 
@@ -256,37 +278,3 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Log no requests."""
-
-
-class _Stream:
-    """The news that one page has got."""
-
-    def __init__(self, feed: Feed, send: Callable[[str, str], None]) -> None:
-        self._feed, self._send = feed, send
-        self._words = -1
-        self._curves = 0.0
-        self._said: dict[str, Any] = {}
-
-    def run(self, first: int) -> None:
-        """Send frames from ``first`` on, until the run is over and all of it has been sent."""
-        feed, seen = self._feed, -1
-        while True:
-            with feed.changed:
-                beat = BEAT_AFTER if feed.is_over else BEAT
-                feed.changed.wait_for(lambda: feed.version != seen, beat)  # noqa: B023
-                seen, over, status = feed.version, feed.is_over, feed.status
-            if first < feed.frames:
-                part, first = feed.part(first)
-                self._send("frames", part)
-            if over or time.monotonic() - self._curves > CURVES_EVERY:
-                self._send_words()
-            # a page that shows the end has all of it
-            self._send("status", json.dumps(status))
-
-    def _send_words(self) -> None:
-        """Send curves and report where they have grown."""
-        count, text = self._feed.words()
-        self._curves = time.monotonic()
-        if count != self._words:
-            self._words = count
-            self._send("words", text)

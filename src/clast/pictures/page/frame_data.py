@@ -13,7 +13,7 @@ from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.joint_values import JOINT_FIELDS
-from clast.pictures.linings import DIAGRAMS, comes_back
+from clast.pictures.linings import DIAGRAMS, carries, comes_back
 from clast.pictures.page.packing import (
     ALWAYS,
     LEVELS,
@@ -253,7 +253,7 @@ def _contacts(about: _About, found: Rows) -> Rows:
 def _faces(about: _About, name: str, order: Floats, found: Rows) -> Rows:
     """Return ends and value of every face of the joints; ``order`` (nv,) is that of their edges."""
     for number in about.numbers:
-        faces = JOINT_FIELDS[name].faces(about.results, int(number))
+        faces = JOINT_FIELDS[name].values(about.results, int(number))
         ends = (faces.ends - about.origin).reshape(-1, 4)
         rows = np.column_stack([ends, faces.value, faces.edge])
         found.add(rows, _with_largest(order[faces.edge], np.abs(faces.value)))
@@ -323,10 +323,6 @@ def _points(about: _About) -> list[dict[str, Any]]:
     return found
 
 
-BEARS = (1, 4)
-"""First state of a joint of a lining in which it carries, and the first after these."""
-
-
 def supports_of(results: Recording) -> dict[str, Any]:
     """Return names, colours and vertices of links, reactions and linings, which stay the same."""
     links = results.supported.links
@@ -337,15 +333,12 @@ def supports_of(results: Recording) -> dict[str, Any]:
         "link_looks": looks,
         "link_holds": links.holds.tolist() if links.name else [],
         "reaction_colour": REACTION_COLOUR,
-        "linings": [_lining(results, name) for name in results.lining_name],
+        "linings": [
+            {"face": results.lining(name).face.tolist(), "closed": comes_back(results, name)}
+            for name in results.lining_name
+        ],
         "diagrams": {name: astuple(one) for name, one in DIAGRAMS.items()},
     }
-
-
-def _lining(results: Recording, name: str) -> dict[str, Any]:
-    """Return the vertices outside and inside at each joint of a lining, and whether it closes."""
-    lining = results.lining(name)
-    return {"face": lining.face.tolist(), "closed": comes_back(results, name, lining)}
 
 
 def links_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
@@ -386,7 +379,6 @@ def linings_in(results: Recording, numbers: Ints) -> dict[str, str] | None:
     for name in results.lining_name:
         lining = results.lining(name)
         rows = results.rows_at(lining.time, numbers)
-        carries = (lining.state[rows] >= BEARS[0]) & (lining.state[rows] < BEARS[1])
         for column, values in every.items():
-            values.append(np.where(carries, getattr(lining, column)[rows], np.nan))
+            values.append(np.where(carries(lining)[rows], getattr(lining, column)[rows], np.nan))
     return {name: raw(np.concatenate(values, axis=1), "<f4") for name, values in every.items()}

@@ -157,17 +157,7 @@ def _draw_rose(axes: PolarAxes, joints: Sequence[EdgeGroup]) -> None:
     axes.set_ylim(0.0, 1.05 * np.sqrt(top))
     axes.set_yticks(np.sqrt(rings), ["" for _ in rings])
     for ring in rings:
-        axes.text(
-            np.radians(_emptiest(whole)),
-            np.sqrt(ring),
-            f"{ring:g} %",
-            fontsize=SMALL_SIZE,
-            color=INK,
-            ha="center",
-            va="center",
-            bbox=canvas.NAME_BOX,
-            zorder=5,
-        )
+        canvas.write(axes, f"{ring:g} %", (np.radians(_emptiest(whole)), np.sqrt(ring)), 5)
     axes.set_thetagrids(range(0, 360, 30), [f"{angle % 180}°" for angle in range(0, 360, 30)])
     axes.tick_params(labelsize=SMALL_SIZE, labelcolor=INK, pad=1)
     axes.grid(color="#d9d9d9", lw=0.5)

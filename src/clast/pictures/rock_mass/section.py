@@ -14,7 +14,7 @@ from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
+from clast.pictures.canvas import FAINT, INK
 from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.strokes import (
     CONSTRUCTED,
@@ -271,13 +271,4 @@ def _draw_names(axes: Axes, cut: Cut, part: canvas.Part) -> None:
         own = cut.vertices[owner == opening]
         middle = 0.5 * (own.min(axis=0) + own.max(axis=0))
         if ((middle >= part[0]) & (middle <= part[1])).all():
-            axes.annotate(
-                label(cut.opening_names[opening]),
-                middle,
-                fontsize=SMALL_SIZE,
-                color=INK,
-                ha="center",
-                va="center",
-                bbox=NAME_BOX,
-                zorder=9,
-            )
+            canvas.write(axes, label(cut.opening_names[opening]), middle, 9)

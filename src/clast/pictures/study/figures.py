@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -17,21 +17,23 @@ from clast.thumbnails import CURVE_COLOURS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
 RED, BLUE, GREEN = CURVE_COLOURS[:3]
 STANDING = "#f4f4f2"
 """Colour of blocks that do not fail."""
-MOST_BINS = 60
-"""Most bins of a histogram."""
-DECADES = 100.0
+BINS_MAX = 60
+WIDE_RATIO = 100.0
 """Ratio of largest to least value from which an axis is logarithmic."""
 SIZE = (5.4, 3.5)
 """Width and height of a figure, inches."""
 DOTS = 150
 """Dots per inch."""
-LONGEST_LABEL = 34
-"""Most letters of the name of a parameter."""
+NAME_LETTERS_MAX = 34
+"""Letters of the name of a parameter."""
+SERIES_NAMED_MAX = 12
+"""Series that a legend names, and parameters whose correlations are written."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,21 +41,21 @@ class Bar:
     """A bar of a tornado."""
 
     label: str
-    """Parameter."""
+    """Name of the parameter."""
     low: float
-    """Value where the parameter is least."""
+    """Value of the measure where the parameter is least."""
     high: float
-    """Value where it is largest."""
+    """The same where it is largest."""
     ends: tuple[float, float]
     """Least and largest values of the parameter."""
     unit: str = ""
-    """Unit of the parameter; "" where it has none."""
+    """Unit of the parameter."""
 
     @property
     def caption(self) -> str:
         """Its name, and below it the values of the parameter."""
-        ends = " to ".join(map(_short, self.ends))
-        return f"{short_label(self.label)}\n{ends}{behind_number(self.unit)}"
+        ends = " to ".join(f"{float(f'{end:.4g}'):g}" for end in self.ends)
+        return f"{end_of(self.label)}\n{ends}{behind_number(self.unit)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,14 +82,14 @@ def draw_histogram(values: Floats, fails: Floats, label: str, path: Path) -> Pat
     kept = values[sound]
     place = np.log10 if is_wide(kept) else np.asarray
     bins = np.histogram_bin_edges(place(kept), bins="auto") if len(kept) else np.array([0.0, 1.0])
-    if len(bins) > MOST_BINS + 1:
-        bins = np.linspace(bins[0], bins[-1], MOST_BINS + 1)
+    if len(bins) > BINS_MAX + 1:
+        bins = np.linspace(bins[0], bins[-1], BINS_MAX + 1)
     if is_wide(kept):
         bins = 10.0**bins
         axes.set_xscale("log")
-    own = fails[sound] > 0.0 if len(fails) else np.zeros(len(kept), bool)
+    failed = fails[sound] > 0.0 if len(fails) else np.zeros(len(kept), bool)
     axes.hist(
-        [kept[~own], kept[own]],
+        [kept[~failed], kept[failed]],
         bins=bins.tolist(),
         stacked=True,
         color=[BLUE, RED],
@@ -95,14 +97,14 @@ def draw_histogram(values: Floats, fails: Floats, label: str, path: Path) -> Pat
         edgecolor="white",
         lw=0.5,
     )
-    if own.any():
+    if failed.any():
         axes.legend(**LEGEND)
     return save_axes(axes, path)
 
 
 def is_wide(values: Floats) -> bool:
     """Return whether values (k,) are better seen by their logarithms: over some decades."""
-    return bool(len(values)) and 0.0 < DECADES * float(values.min()) < float(values.max())
+    return bool(len(values)) and 0.0 < WIDE_RATIO * float(values.min()) < float(values.max())
 
 
 def draw_cumulative(
@@ -130,8 +132,8 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     """Draw how far a measure goes with each parameter; return the picture's path."""
     size = (SIZE[0], max(SIZE[1], 1.3 + 0.4 * len(bars)))
     axes = new_axes(name, "", left=0.42, height=0.9 - 0.63 / size[1], size=size)
-    for colour, said in ((BLUE, "least"), (RED, "largest")):
-        axes.barh(0, 0.0, left=middle, color=colour, label=f"parameter {said}")
+    for colour, end in ((BLUE, "least"), (RED, "largest")):
+        axes.barh(0, 0.0, left=middle, color=colour, label=f"parameter {end}")
     for row, bar in enumerate(reversed(bars)):
         # on one side each has half of the height, so that neither hides the other
         both = (bar.low - middle) * (bar.high - middle) > 0.0
@@ -143,12 +145,7 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
     axes.axvline(middle, color=INK, lw=0.8)
     axes.grid(axis="y", visible=False)
     axes.set_ylim(-0.6, len(bars) - 0.4)
-    axes.legend(
-        **LEGEND,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.99),
-        ncols=2,
-    )
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=2, **LEGEND)
     return save_axes(axes, path)
 
 
@@ -172,14 +169,11 @@ def draw_factors(
     shown = np.maximum(displacements, 0.5 * positive.min() if len(positive) else 0.5e-6)
     order = np.argsort(factors, kind="stable")
     axes.plot(factors[order], shown[order], color=FAINT, lw=0.8, zorder=1)
-    for verdict, colour, mark in (
-        ("stands", GREEN, "o"),
-        ("fails", RED, "X"),
-        ("undecided", INK, "D"),
-    ):
-        own = np.array([one == verdict for one in verdicts])
-        if own.any():
-            axes.plot(factors[own], shown[own], mark, color=colour, ms=5.5, label=verdict)
+    looks = {"stands": (GREEN, "o"), "fails": (RED, "X"), "undecided": (INK, "D")}
+    for verdict, (colour, mark) in looks.items():
+        alike = np.array([one == verdict for one in verdicts])
+        if alike.any():
+            axes.plot(factors[alike], shown[alike], mark, color=colour, ms=5.5, label=verdict)
     axes.set_yscale("log")
     axes.legend(**LEGEND)
     return save_axes(axes, path)
@@ -218,42 +212,42 @@ def draw_frequency(blocks: Sequence[Floats], share: Floats, label: str, path: Pa
 
     ``share`` (n,) is that of the runs in which each fails.
     """
-    from matplotlib.collections import PolyCollection
-
-    every = np.concatenate(blocks)
-    axes = _section(every.min(axis=0), every.max(axis=0))
-    drawn = PolyCollection(list(blocks), edgecolors=FAINT, linewidths=0.4)
+    axes, drawn = _section_of(blocks, 1.5)
     drawn.set_array(share)
-    axes.add_collection(drawn)
     return _coloured(axes, drawn, label, path)
 
 
 def draw_failing(blocks: Sequence[Floats], fails: Bools, path: Path) -> Path:
     """Draw n blocks, outlines (k, 2), m, those that fail (n,) in colour; return the path."""
-    from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    every = np.concatenate(blocks)
-    axes = _section(every.min(axis=0), every.max(axis=0), below=1.0)
-    colours = [RED if one else STANDING for one in fails]
-    axes.add_collection(
-        PolyCollection(list(blocks), facecolors=colours, edgecolors=FAINT, linewidths=0.4)
-    )
-    handles = [
-        Patch(facecolor=RED, edgecolor=FAINT, label="fails"),
-        Patch(facecolor=STANDING, edgecolor=FAINT, label="stands"),
-    ]
+    axes, drawn = _section_of(blocks, 1.0)
+    drawn.set_facecolor([RED if one else STANDING for one in fails])
+    looks = {"fails": RED, "stands": STANDING}
+    handles = [Patch(fc=colour, ec=FAINT, label=label) for label, colour in looks.items()]
     figure = cast("Figure", axes.get_figure(root=True))
     figure.legend(handles=handles, loc="upper right", ncols=2, **LEGEND)
     return canvas.save(figure, path)
 
 
+def _section_of(blocks: Sequence[Floats], below: float) -> tuple[Axes, PolyCollection]:
+    """Return axes of the section of blocks, with ``below`` inches beside them, and the blocks."""
+    from matplotlib.collections import PolyCollection
+
+    every = np.concatenate(blocks)
+    axes = _section(every.min(axis=0), every.max(axis=0), below)
+    drawn = PolyCollection(list(blocks), edgecolors=FAINT, linewidths=0.4)
+    axes.add_collection(drawn)
+    return axes, drawn
+
+
 def draw_places(places: FailurePlaces, label: str, path: Path) -> Path:
     """Draw the section, places darker the more often they fail; return the picture's path."""
-    half = 0.5 * np.array([_spaced(places.x), _spaced(places.y)])
-    low = np.array([places.x[0], places.y[0]]) - half
-    high = np.array([places.x[-1], places.y[-1]]) + half
-    axes = _section(low, high)
+    centres = places.x, places.y
+    half = [0.5 * float(one[1] - one[0]) if len(one) > 1 else 0.5 for one in centres]
+    low = np.array([one[0] for one in centres]) - half
+    high = np.array([one[-1] for one in centres]) + half
+    axes = _section(low, high, 1.5)
     for ring in places.outline:
         axes.plot(*ring.T, color=INK, lw=0.8)
     extent = (low[0], high[0], low[1], high[1])
@@ -261,16 +255,8 @@ def draw_places(places: FailurePlaces, label: str, path: Path) -> Path:
     return _coloured(axes, drawn, label, path)
 
 
-def _spaced(centres: Floats) -> float:
-    """Return the distance between centres of cells (k,), m."""
-    return float(centres[1] - centres[0]) if len(centres) > 1 else 1.0
-
-
-def _section(low: Floats, high: Floats, below: float = 1.5) -> Axes:
-    """Return axes of a section from ``low`` to ``high`` (2,), m.
-
-    It has ``below`` inches of room beside its own, most of it for a scale below.
-    """
+def _section(low: Floats, high: Floats, below: float) -> Axes:
+    """Return axes of a section from ``low`` to ``high`` (2,), m, with room for a scale below."""
     width, extent = 6.4, high - low
     box = (width - 1.0, max(1.2, min(6.0, (width - 1.0) * extent[1] / max(extent[0], 1e-9))))
     size = (width, box[1] + below)
@@ -291,13 +277,21 @@ def _coloured(axes: Axes, drawn: ScalarMappable, label: str, path: Path) -> Path
     drawn.set_cmap(LinearSegmentedColormap.from_list("fails", [STANDING, "#f0b08c", RED]))
     drawn.set_clim(0.0, max(1e-9, largest))
     figure = cast("Figure", axes.get_figure(root=True))
-    size, place = figure.get_size_inches(), axes.get_position()
-    bar = figure.add_axes((place.x0, 0.44 / size[1], place.width, 0.12 / size[1]))
+    place = axes.get_position()
+    draw_scale(figure, drawn, place.x0, place.width, 0.44, label)
+    return canvas.save(figure, path)
+
+
+def draw_scale(
+    figure: Figure, drawn: ScalarMappable, left: float, width: float, up: float, label: str
+) -> None:
+    """Draw the scale of colours, ``up`` inches from below; ``left``, ``width``: of the figure's."""
+    height = figure.get_size_inches()[1]
+    bar = figure.add_axes((left, up / height, width, 0.12 / height))
     scale = figure.colorbar(drawn, cax=bar, orientation="horizontal")
     scale.set_label(label, fontsize=SMALL_SIZE, color=INK)
-    bar.tick_params(labelsize=SMALL_SIZE, labelcolor=INK, color=FAINT)
-    scale.outline.set_edgecolor(FAINT)
-    return canvas.save(figure, path)
+    bar.tick_params(which="both", labelsize=SMALL_SIZE, labelcolor=INK, color=FAINT)
+    cast("Any", scale).outline.set_edgecolor(FAINT)
 
 
 def new_axes(
@@ -328,23 +322,14 @@ def save_axes(axes: Axes, path: Path) -> Path:
     return canvas.save(axes.get_figure(root=True), path)  # type: ignore[arg-type]
 
 
-def _short(value: float) -> str:
-    """Return a number with four digits, up to a million without an exponent."""
-    return f"{float(f'{value:.4g}'):g}"
-
-
 def behind_number(unit: str) -> str:
     """Return a unit as it stands behind a number: after a space, but for the sign of degrees."""
     return f" {unit}" if unit not in ("", "°") else unit
 
 
-def short_label(label: str) -> str:
-    """Return a name that fits beside a bar: its end, which tells it from others."""
-    return label if len(label) <= LONGEST_LABEL else "…" + label[1 - LONGEST_LABEL :]
-
-
-MOST_NAMED = 12
-"""Most series that a legend names."""
+def end_of(name: str, letters: int = NAME_LETTERS_MAX) -> str:
+    """Return a name or its end, which tells it from others, in so many letters."""
+    return name if len(name) <= letters else "…" + name[1 - letters :]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -352,7 +337,7 @@ class Match:
     """Measured and computed values; k of them."""
 
     label: Sequence[str]
-    """Point and part of each."""
+    """Point and component of each."""
     time: Floats
     """When each was measured, s, shape (k,); NaN: at the end of the run."""
     observed: Floats
@@ -362,12 +347,13 @@ class Match:
     deviation: Floats | None
     """Standard deviations, m, shape (k,); None where they are not known."""
 
+    @property
     def series(self) -> list[tuple[str, str, np.ndarray]]:
-        """Return label, colour and members (k,) of each series."""
+        """Label, colour and members (k,) of each series."""
         names = list(dict.fromkeys(self.label))
-        own = np.array(self.label)
+        labels = np.array(self.label)
         return [
-            (name, CURVE_COLOURS[k % len(CURVE_COLOURS)], own == name)
+            (name, CURVE_COLOURS[k % len(CURVE_COLOURS)], labels == name)
             for k, name in enumerate(names)
         ]
 
@@ -378,18 +364,11 @@ def draw_match(match: Match, path: Path) -> Path:
     both = 1e3 * np.concatenate([match.observed, match.predicted])
     ends = [float(both.min()), float(both.max())]
     axes.plot(ends, ends, color=FAINT, lw=0.8, zorder=1)
-    for name, colour, own in match.series():
+    for name, colour, own in match.series:
         bars = None if match.deviation is None else 2e3 * match.deviation[own]
-        axes.errorbar(
-            1e3 * match.observed[own],
-            1e3 * match.predicted[own],
-            xerr=bars,
-            fmt="o",
-            ms=4,
-            lw=0.8,
-            color=colour,
-            label=canvas.literal(short_label(name)),
-        )
+        x, y = 1e3 * match.observed[own], 1e3 * match.predicted[own]
+        label = canvas.literal(end_of(name))
+        axes.errorbar(x, y, xerr=bars, fmt="o", ms=4, lw=0.8, color=colour, label=label)
     _legend(axes, match)
     return save_axes(axes, path)
 
@@ -405,8 +384,8 @@ def draw_differences(match: Match, path: Path) -> Path:
     axes.axhline(0.0, color=INK, lw=0.8)
     if match.deviation is not None:
         axes.axhspan(-2.0, 2.0, color=FAINT, alpha=0.15, lw=0)
-    for name, colour, own in match.series():
-        label = canvas.literal(short_label(name))
+    for name, colour, own in match.series:
+        label = canvas.literal(end_of(name))
         axes.plot(x[own], scaled[own], "o-", color=colour, ms=4, lw=0.8, label=label)
     _legend(axes, match)
     return save_axes(axes, path)
@@ -417,27 +396,18 @@ def draw_correlation(names: Sequence[str], correlation: Floats, path: Path) -> P
     axes = new_axes("", "", left=0.42)
     axes.grid(visible=False)
     axes.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
-    labels = [canvas.literal(short_label(one)) for one in names]
-    axes.set_yticks(range(len(names)), labels)
+    labels = [canvas.literal(end_of(one)) for one in names]
     axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
     axes.set_yticks(range(len(names)), [f"{one}  {k}" for k, one in enumerate(labels, 1)])
-    if len(names) <= MOST_NAMED:
+    if len(names) <= SERIES_NAMED_MAX:
         for (row, column), value in np.ndenumerate(correlation):
             colour = "white" if abs(value) > 0.6 else INK
-            axes.text(
-                column,
-                row,
-                f"{value:.2f}",
-                ha="center",
-                va="center",
-                color=colour,
-                fontsize=SMALL_SIZE,
-            )
+            place = {"ha": "center", "va": "center", "fontsize": SMALL_SIZE}
+            axes.text(column, row, f"{value:.2f}", color=colour, **place)
     axes.tick_params(labelsize=TEXT_SIZE - 1)
     return save_axes(axes, path)
 
 
 def _legend(axes: Axes, match: Match) -> None:
-    """Name the series where there are a few."""
-    if 1 < len(match.series()) <= MOST_NAMED:
+    if 1 < len(match.series) <= SERIES_NAMED_MAX:
         axes.legend(**LEGEND)

@@ -7,19 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clast.model.model import Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL_SIZE, TEXT, TEXT_SIZE, literal
 from clast.pictures.study.figures import (
     BLUE,
     DOTS,
     RED,
     STANDING,
     behind_number,
+    draw_scale,
+    end_of,
     is_wide,
     new_axes,
     save_axes,
@@ -34,16 +36,14 @@ Flags = np.ndarray[Any, np.dtype[np.bool_]]
 LEAST_RATIO, MOST_UNEVEN = 5.0, 3.0
 """Values by logarithms: ratio of largest to least, and of the largest step of logarithms to the
 least; an outlier among even steps does not make an axis logarithmic."""
-MANY = 60
-"""Runs from which a curve has small marks."""
-LONGEST_TEXT = 18
-"""Most letters of a value beside an axis."""
+LARGE_MARKS_MAX = 60
+"""Runs up to which a curve has large marks."""
+VALUE_LETTERS_MAX = 18
+"""Letters of a value beside an axis."""
 WHOLE, SMALL = (4.6, 3.0), (2.3, 1.8)
 """Width and height of a matrix that stands alone, and of one among others, inches."""
-ROW = 3
-"""Matrices in a row."""
-MOST_PANELS = 12
-"""Most matrices of a figure."""
+PANELS_IN_ROW, MOST_PANELS = 3, 12
+"""Matrices in a row, and in a figure, at most."""
 ROOM = (0.42, 0.17)
 """Width and height of a cell in which its number can be read, inches."""
 
@@ -53,11 +53,9 @@ class SweepAxis:
     """A parameter of a sweep; k values."""
 
     label: str
-    """Parameter."""
     values: tuple[float | int | str | bool, ...]
     """Its values, in the order of the list."""
     unit: str = ""
-    """Unit; "" where it has none."""
 
     @property
     def is_numeric(self) -> bool:
@@ -81,7 +79,9 @@ class SweepAxis:
         if isinstance(value, bool):
             return str(value).lower()
         if isinstance(value, str):
-            return value if len(value) <= LONGEST_TEXT else value[: LONGEST_TEXT - 1] + "…"
+            return (
+                value if len(value) <= VALUE_LETTERS_MAX else value[: VALUE_LETTERS_MAX - 1] + "…"
+            )
         return f"{float(f'{value:.4g}'):g}"
 
 
@@ -112,9 +112,9 @@ def is_by_logarithms(values: Floats) -> bool:
         return False
     if len(ordered) == 2:
         return is_wide(ordered)
-    own, logarithms = np.diff(ordered), np.diff(np.log(ordered))
+    steps, logarithms = np.diff(ordered), np.diff(np.log(ordered))
     uneven = logarithms.max() / logarithms.min()
-    return bool(uneven < min(MOST_UNEVEN, own.max() / own.min()))
+    return bool(uneven < min(MOST_UNEVEN, steps.max() / steps.min()))
 
 
 def draw_sweep(grid: SweepGrid, path: Path) -> Path:
@@ -136,62 +136,26 @@ def draw_curve(grid: SweepGrid, path: Path) -> Path:
         if is_by_logarithms(x):
             axes.set_xscale("log")
     else:
-        axes.set_xticks(x.tolist(), [canvas.literal(axis.written(k)) for k in order])
+        axes.set_xticks(x.tolist(), [literal(axis.written(k)) for k in order])
     y, fails, lost = grid.values[order], grid.fails[order], grid.lost[order]
     axes.plot(x, y, color=FAINT, lw=0.9, zorder=1)
-    size = 5.5 if len(x) <= MANY else 2.5
-    for own, mark, colour, label in ((~fails, "o", BLUE, "stands"), (fails, "X", RED, "fails")):
-        axes.plot(x[own], y[own], mark, color=colour, ms=size, label=label)
+    size = 5.5 if len(x) <= LARGE_MARKS_MAX else 2.5
+    for alike, mark, colour, label in ((~fails, "o", BLUE, "stands"), (fails, "X", RED, "fails")):
+        axes.plot(x[alike], y[alike], mark, color=colour, ms=size, label=label)
     if is_wide(y[np.isfinite(y)]):
         axes.set_yscale("log")
     bottom = np.full(int(lost.sum()), 0.03)
     edge = axes.get_xaxis_transform()
     axes.plot(x[lost], bottom, "x", color=INK, ms=6, transform=edge, label="no result")
-    if fails.any() or lost.any():
-        _key(axes, bool(fails.any()), bool(lost.any()))
+    there = {"stands": fails.any(), "fails": fails.any(), "no result": lost.any()}
+    marks = [one for one in axes.get_lines() if there.get(str(one.get_label()))]
+    if marks:
+        place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.99), "ncols": 3}
+        axes.legend(handles=marks, **place, **LEGEND)
     return save_axes(axes, path)
 
 
-def _key(axes: Axes, fails: bool, lost: bool) -> None:
-    """Explain the marks of a curve, above it; those alone that there are."""
-    wanted = {"stands": fails, "fails": fails, "no result": lost}
-    found = [one for one in axes.get_lines() if wanted.get(str(one.get_label()))]
-    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.99), "ncols": 3}
-    axes.legend(handles=found, fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, **place)
-
-
 # Matrices ----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, kw_only=True)
-class Layout:
-    """Where matrices stand on their sheet; inches."""
-
-    rows: int
-    """Rows of matrices."""
-    columns: int
-    """Matrices in a row."""
-    box: tuple[float, float]
-    """Width and height of one."""
-    gap: tuple[float, float]
-    """Room at the left of each and below it, for values and names."""
-    head: float
-    """Room above each, for its title."""
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height of the sheet; there is a legend above and a scale below."""
-        width = self.columns * (self.box[0] + self.gap[0]) + 0.3
-        return width, self.rows * (self.box[1] + self.gap[1] + self.head) + 0.3 + 0.65
-
-    def place(self, number: int) -> tuple[float, float, float, float]:
-        """Return left, bottom, width and height of a matrix as shares of the sheet."""
-        row, column = divmod(number, self.columns)
-        left = column * (self.box[0] + self.gap[0]) + self.gap[0]
-        above = 0.3 + row * (self.box[1] + self.gap[1] + self.head) + self.head
-        width, height = self.size
-        bottom = height - above - self.box[1]
-        return left / width, bottom / height, self.box[0] / width, self.box[1] / height
 
 
 def panels_in(grid: SweepGrid) -> int:
@@ -202,8 +166,7 @@ def panels_in(grid: SweepGrid) -> int:
 def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[tuple[int, ...]]]:
     """Return the grid by panels, shape (..., rows, columns), their titles and their positions.
 
-    The two parameters with most values are rows and columns, the one with more along x; values are
-    in the order of the axes.
+    The two parameters with most values are rows and columns, the one with more along x.
     """
     lengths = [len(one.values) for one in grid.axes]
     inner = sorted(range(len(lengths)), key=lambda k: -lengths[k])[:2]
@@ -214,7 +177,7 @@ def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[t
         SweepAxis(label=one.label, unit=one.unit, values=tuple(one.values[k] for k in one.order))
         for one in axes
     )
-    found = SweepGrid(
+    by_panel = SweepGrid(
         axes=sorted_axes,
         label=grid.label,
         values=np.transpose(grid.values, order)[sort],
@@ -230,7 +193,7 @@ def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[t
         )
         for place in places
     ]
-    return found, titles, places
+    return by_panel, titles, places
 
 
 def draw_matrices(grid: SweepGrid, path: Path) -> Path:
@@ -238,23 +201,25 @@ def draw_matrices(grid: SweepGrid, path: Path) -> Path:
 
     At most MOST_PANELS of them, all with the same colours.
     """
+    from matplotlib.cm import ScalarMappable
+
     by_panel, titles, places = panels_of(grid)
     titles, places = titles[:MOST_PANELS], places[:MOST_PANELS]
     rows, columns = by_panel.axes[-2:]
     longest = max(len(rows.written(k)) for k in range(len(rows.values)))
-    columns_of_sheet = min(ROW, len(places))
-    layout = Layout(
-        rows=-(-len(places) // columns_of_sheet),
-        columns=columns_of_sheet,
-        box=WHOLE if len(places) == 1 else SMALL,
-        gap=(0.45 + 0.075 * longest, 0.55),
-        head=0.06 + 0.17 * len(titles[0]),
-    )
-    figure = canvas.new_figure(layout.size, DOTS)
+    # a legend above and a scale below; values at the left of each matrix, its title above it
+    across = min(PANELS_IN_ROW, len(places))
+    box, gap = WHOLE if len(places) == 1 else SMALL, 0.45 + 0.075 * longest
+    head = 0.06 + 0.17 * len(titles[0])
+    tall = box[1] + 0.55 + head
+    width, height = across * (box[0] + gap) + 0.3, -(-len(places) // across) * tall + 0.3 + 0.65
+    figure = canvas.new_figure((width, height), DOTS)
     shown = np.array([by_panel.values[place] for place in places])
     norm = _norm(shown[np.isfinite(shown)])
     for number, (place, title) in enumerate(zip(places, titles, strict=True)):
-        axes = figure.add_axes(layout.place(number))
+        row, column = divmod(number, across)
+        left, bottom = column * (box[0] + gap) + gap, height - (0.3 + row * tall + head) - box[1]
+        axes = figure.add_axes((left / width, bottom / height, box[0] / width, box[1] / height))
         panel = SweepGrid(
             axes=(rows, columns),
             label=grid.label,
@@ -262,12 +227,13 @@ def draw_matrices(grid: SweepGrid, path: Path) -> Path:
             fails=by_panel.fails[place],
             lost=by_panel.lost[place],
         )
-        _draw_panel(axes, panel, layout.box, norm)
-        fitting = canvas.letters_in(layout.box[0] + 0.5 * layout.gap[0], SMALL_SIZE)
-        named = [one if len(one) <= fitting else "…" + one[1 - fitting :] for one in title]
-        text = canvas.literal("\n".join(named))
+        _draw_panel(axes, panel, box, norm)
+        letters = canvas.letters_in(box[0] + 0.5 * gap, SMALL_SIZE)
+        text = literal("\n".join(end_of(one, letters) for one in title))
         axes.set_title(text, fontsize=SMALL_SIZE, color=INK, pad=3)
-    _scale(figure, norm, grid.label)
+    long = min(4.6, width - 1.0)
+    colours = ScalarMappable(norm, _colours())
+    draw_scale(figure, colours, (width - long) / 2 / width, long / width, 0.45, literal(grid.label))
     _explain(figure, by_panel)
     return canvas.save(figure, path)
 
@@ -325,29 +291,10 @@ def _ticks(axes: Axes, of: Sequence[SweepAxis], box: tuple[float, float]) -> Non
     ):
         every = -(-len(one.values) // max(1, fitting))
         places = range(0, len(one.values), every)
-        axis.set_ticks([*places], [canvas.literal(one.written(k)) for k in places])
+        axis.set_ticks([*places], [literal(one.written(k)) for k in places])
     letters = canvas.letters_in(box[1] + 0.3, TEXT_SIZE), canvas.letters_in(box[0], TEXT_SIZE)
-    names = [
-        one.title if len(one.title) <= most else "…" + one.title[1 - most :]
-        for one, most in zip(of, letters, strict=True)
-    ]
-    axes.set_ylabel(canvas.literal(names[0]), fontsize=TEXT_SIZE, color=INK)
-    axes.set_xlabel(canvas.literal(names[1]), fontsize=TEXT_SIZE, color=INK)
-
-
-def _scale(figure: Figure, norm: Normalize, label: str) -> None:
-    """Draw the scale of colours at the lower end of a figure."""
-    from matplotlib.cm import ScalarMappable
-
-    width, height = figure.get_size_inches()
-    long = min(4.6, width - 1.0)
-    box = ((width - long) / 2 / width, 0.45 / height, long / width, 0.12 / height)
-    bar = figure.add_axes(box)
-    colours = ScalarMappable(norm, _colours())
-    scale = figure.colorbar(colours, cax=bar, orientation="horizontal")
-    scale.set_label(canvas.literal(label), fontsize=SMALL_SIZE, color=INK)
-    bar.tick_params(which="both", labelsize=SMALL_SIZE, labelcolor=INK, color=FAINT)
-    cast("Any", scale).outline.set_edgecolor(FAINT)
+    axes.set_ylabel(literal(end_of(rows.title, letters[0])), **TEXT)
+    axes.set_xlabel(literal(end_of(columns.title, letters[1])), **TEXT)
 
 
 def _explain(figure: Figure, grid: SweepGrid) -> None:
@@ -361,5 +308,4 @@ def _explain(figure: Figure, grid: SweepGrid) -> None:
     if grid.lost.any():
         handles.append(Line2D([], [], color=INK, marker="x", ls="none", label="no result"))
     if handles:
-        place: dict[str, Any] = {"loc": "upper right", "ncols": 2, "frameon": False}
-        figure.legend(handles=handles, fontsize=SMALL_SIZE, labelcolor=INK, **place)
+        figure.legend(handles=handles, loc="upper right", ncols=2, **LEGEND)
