@@ -6,7 +6,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.pictures.film import FilmLook, FrameDrawer
-from clast.pictures.joint_values import JOINT_FIELDS, faces_opened, faces_slipped
+from clast.pictures.joint_values import JOINT_FIELDS, faces_opened
 from clast.pictures.plot import plot_results
 
 
@@ -29,7 +29,7 @@ def test_nothing_is_open_at_the_start(parted):
 
 def test_slip_is_drawn_along_the_faces(parted):
     moved = parted.history("A").displacement[-1, 0]
-    faces = faces_slipped(parted, -1)
+    faces = JOINT_FIELDS["slip"].values(parted, -1)
     assert len(faces.value) == 2
     still, slid = np.argsort(np.abs(faces.value))
     # to the right as seen from the table
@@ -40,7 +40,7 @@ def test_slip_is_drawn_along_the_faces(parted):
 
 def test_a_joint_that_slides_mobilises_its_friction(parted, tmp_path):
     slip, mobilised, sliding, utilised = (
-        JOINT_FIELDS[name].faces(parted, -1)
+        JOINT_FIELDS[name].values(parted, -1)
         for name in ("slip", "mobilised", "sliding", "utilisation")
     )
     still, slid = np.argsort(np.abs(slip.value))
@@ -56,7 +56,7 @@ def test_a_joint_that_slides_mobilises_its_friction(parted, tmp_path):
         unit = {"mobilised": "(°)", "sliding": "(%)", "utilisation": "(%)"}[field]
         assert unit in picture.read_text("utf-8")
     # at the start nothing touches
-    assert len(JOINT_FIELDS["mobilised"].faces(parted, 0).value) == 0
+    assert len(JOINT_FIELDS["mobilised"].values(parted, 0).value) == 0
 
 
 def test_neighbours_that_are_far_from_each_other_are_no_joint_any_more():

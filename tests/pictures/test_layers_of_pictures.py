@@ -16,15 +16,15 @@ from clast.pictures import canvas, draw_blocks
 from clast.pictures.figure_options import LAYERS, Look
 from clast.pictures.histories import _asked, plot_histories
 from clast.pictures.joint_values import resultants_of
-from clast.pictures.layers import _draw_chains, _draw_crosses, _triangles
+from clast.pictures.layers import _triangles, chains, crosses
 from clast.pictures.plot import plot_two_frames
 from scenes.drawings import text_of
 
 
-def drawn(draw, run):
+def drawn(layer, run):
     """Return the collections that a layer draws of the last frame."""
     axes = Figure().add_subplot()
-    draw(axes, run, len(run.times) - 1)
+    layer(run, len(run.times) - 1)[1](axes)
     return axes.collections
 
 
@@ -38,7 +38,7 @@ def test_chains_are_as_wide_as_the_forces_of_faces(parted):
     size = np.sort([np.hypot(*force) for force in faces.values()])
     kept = size[size > 0.005 * size.max()]
     assert len(kept) < len(contacts)
-    (lines,) = drawn(_draw_chains, parted)
+    (lines,) = drawn(chains, parted)
     widths = np.sort(lines.get_linewidths())
     assert len(widths) == len(kept)
     assert (widths - 0.4) / 4.6 == pytest.approx(kept / size.max())
@@ -55,7 +55,7 @@ def test_a_chain_passes_the_centre_of_its_face(parted):
 
 
 def test_crosses_have_length_and_direction_of_principal_stresses(parted):
-    pressed, pulled = drawn(_draw_crosses, parted)
+    pressed, pulled = drawn(crosses, parted)
     arms = np.array([*pressed.get_segments(), *pulled.get_segments()])
     length = np.hypot(*(arms[:, 1] - arms[:, 0]).T)
     sizes = np.abs(np.r_[parted.field("sigma_1", -1)[1:], parted.field("sigma_3", -1)[1:]])

@@ -174,10 +174,10 @@ def stack(tmp_path_factory):
 
 def test_stresses_of_joints_are_force_over_length(stack):
     weight = 2000.0 * 9.81
-    normal = np.sort(JOINT_FIELDS["normal_stress"].faces(stack, -1).value)
+    normal = np.sort(JOINT_FIELDS["normal_stress"].values(stack, -1).value)
     assert normal == pytest.approx([weight, 2.0 * weight], rel=1e-4)
-    assert JOINT_FIELDS["shear_stress"].faces(stack, -1).value == pytest.approx(3e3, rel=1e-4)
-    used = np.sort(JOINT_FIELDS["utilisation"].faces(stack, -1).value)
+    assert JOINT_FIELDS["shear_stress"].values(stack, -1).value == pytest.approx(3e3, rel=1e-4)
+    used = np.sort(JOINT_FIELDS["utilisation"].values(stack, -1).value)
     friction = np.tan(np.radians(30.0))
     assert used == pytest.approx(100.0 * 3e3 / (friction * weight * np.array([2.0, 1.0])), rel=1e-4)
 
@@ -192,7 +192,7 @@ def test_a_page_has_the_stresses_of_joints_and_of_the_one_that_is_clicked(opened
             f"(() => {{ const all = []; clastPage.run.eachFace('{field}', {last},"
             " (_, value) => all.push(value)); return all; })()"
         )
-        wanted = JOINT_FIELDS[field].faces(stack, -1).value
+        wanted = JOINT_FIELDS[field].values(stack, -1).value
         assert np.sort(drawn) == pytest.approx(np.sort(wanted), rel=2e-3)
     x, y = page.evaluate(
         "(() => { const { above, view, run } = clastPage, box = above.getBoundingClientRect();"

@@ -89,7 +89,7 @@ def test_a_page_whose_graphics_card_is_taken_away_goes_on(opened, wall, browser)
 @pytest.mark.parametrize("field", ["slip", "opening"])
 def test_joints_have_the_scale_and_the_colours_of_still_pictures(opened, parted, field):
     page = opened(parted, address=f"#field={field}&layers=")
-    faces = JOINT_FIELDS[field].faces(parted, -1)
+    faces = JOINT_FIELDS[field].values(parted, -1)
     scale = scale_of_faces(faces, np.ones(len(faces.value), bool), None)
     low, high = page.evaluate("['low', 'high'].map((end) => clastPage.$(end).value).map(Number)")
     assert [low, high] == pytest.approx([scale.low, scale.high], rel=1e-3)
@@ -189,7 +189,7 @@ def test_a_click_on_a_joint_tells_its_forces_its_slip_and_their_history(opened, 
 
 def test_a_click_on_a_joint_that_has_opened_tells_how_far(opened, parted):
     page = opened(parted, address="#layers=&field=opening")
-    faces = JOINT_FIELDS["opening"].faces(parted, -1)
+    faces = JOINT_FIELDS["opening"].values(parted, -1)
     most = int(faces.value.argmax())
     origin = np.array(page.evaluate("clastPage.run.scene.origin"))
     middle = faces.ends[most].mean(axis=0)

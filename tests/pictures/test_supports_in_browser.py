@@ -98,7 +98,7 @@ def test_what_joints_mobilise_is_that_of_still_pictures(opened, parted, field):
         " (ends, value) => found.push([...ends, value])); return found; }",
         field,
     )
-    faces = JOINT_FIELDS[field].faces(parted, -1)
+    faces = JOINT_FIELDS[field].values(parted, -1)
     origin = page.evaluate("[0, 1, 0, 1].map((k) => clastPage.run.scene.origin[k])")
     wanted = np.column_stack([faces.ends.reshape(-1, 4) - origin, faces.value])
     assert len(drawn) == len(wanted) > 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.joint_values import JOINT_FIELDS, faces_worn
+from clast.pictures.joint_values import JOINT_FIELDS
 from clast.results import read_results
 
 
@@ -66,7 +66,7 @@ def test_strength_is_lost_with_the_slide(tmp_path, keys, lost):
     share = slid / keys["slip_weakening"] if lost is None else lost
     assert contacts.worn == pytest.approx(share, rel=2e-3)
     assert np.array_equal(read_results(tmp_path / "a.vtkhdf").contacts(-1).worn, contacts.worn)
-    (value,) = np.unique(np.round(faces_worn(run, -1).value, 6))
+    (value,) = np.unique(np.round(JOINT_FIELDS["worn"].values(run, -1).value, 6))
     assert value == pytest.approx(100.0 * share, rel=2e-3)
 
 
@@ -103,5 +103,5 @@ def test_what_rests_uses_a_share_of_its_strength():
     contacts, weight = run.contacts(-1), 2500.0 * 9.8 * 0.2
     strength = weight * np.cos(alpha) * np.tan(phi) + cohesion
     assert contacts.strength.sum() == pytest.approx(strength, rel=1e-6)
-    (face,) = JOINT_FIELDS["utilisation"].faces(run, -1).value
+    (face,) = JOINT_FIELDS["utilisation"].values(run, -1).value
     assert face == pytest.approx(100.0 * weight * np.sin(alpha) / strength, rel=1e-4)
