@@ -65,8 +65,8 @@ MUTATIONS = (
     Mutation("contact/coulomb.py", "shear_force - k * slip", "shear_force + k * slip"),
     Mutation("contact/coulomb.py", "bound * (size - bound) / k", "bound * (size + bound) / k"),
     Mutation("contact/coulomb.py", "        0.5 * t * t / k,", "        t * t / k,"),
-    Mutation("contact/laws.py", "multiplier[c] - p * gap[c]", "multiplier[c] + p * gap[c]"),
-    Mutation("contact/laws.py", "rest_force[c] + multiplier[c]", "rest_force[c] - multiplier[c]"),
+    Mutation("contact/laws.py", "multiplier - p * gap[c]", "multiplier + p * gap[c]"),
+    Mutation("contact/laws.py", "rest_force + multiplier", "rest_force - multiplier"),
     Mutation(
         "contact/laws.py", "n = trial if carries else -tension", "n = trial if carries else tension"
     ),

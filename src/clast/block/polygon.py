@@ -58,31 +58,31 @@ def vertex_after(k, first, last):
     return k + 1 if k + 1 < last else first
 
 
-@kernel()
+@kernel(forceinline=True)
 def sine(a, b, direction):
     """Return the sine of the angle from edge a to edge b."""
     return direction[a, 0] * direction[b, 1] - direction[a, 1] * direction[b, 0]
 
 
-@kernel()
+@kernel(forceinline=True)
 def cosine(a, b, direction):
     """Return the cosine of the angle between edges a and b."""
     return direction[a, 0] * direction[b, 0] + direction[a, 1] * direction[b, 1]
 
 
-@kernel()
+@kernel(forceinline=True)
 def next_edge(e, at_end, outlines):
     """Return the edge next to edge e at its end, or at its start."""
     return outlines.after[e] if at_end else outlines.before[e]
 
 
-@kernel()
+@kernel(forceinline=True)
 def end_of(e, at_end, outlines):
     """Return the vertex at the end of edge e, or at its start."""
     return outlines.after[e] if at_end else e
 
 
-@kernel()
+@kernel(forceinline=True)
 def turn_at(e, at_end, outlines):
     """Return the sine of the turn at one end of edge e: positive at a convex corner."""
     if at_end:
@@ -90,7 +90,7 @@ def turn_at(e, at_end, outlines):
     return sine(outlines.before[e], e, outlines.direction)
 
 
-@kernel()
+@kernel(forceinline=True)
 def gap_to(p, e, outlines):
     """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
     vertices, direction = outlines.vertices, outlines.direction
@@ -98,7 +98,7 @@ def gap_to(p, e, outlines):
     return x * direction[e, 1] - y * direction[e, 0]
 
 
-@kernel()
+@kernel(forceinline=True)
 def runs_along(x, y, e, inwards, direction):
     """Return True if the unit vector (x, y) runs along edge e within 3 degrees, or back along it.
 

@@ -8,57 +8,67 @@ import numpy as np
 
 from clast.contact.jacobian import rows_of
 from clast.model.model import Bools, Floats, Ints
+from clast.model.state import ContactHistory
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Contacts:
+class Places:
+    """Where contacts are; m contacts in the order of their pairs of blocks."""
+
+    vertex: Ints
+    """Vertex P, or the first vertex of the edge that P lies inside, shape (m,)."""
+    edge: Ints
+    """Entrance edge: index of its first vertex, shape (m,)."""
+    vertex_block: Ints
+    """Block of P, shape (m,)."""
+    edge_block: Ints
+    """Block of the edge, shape (m,)."""
+    pair: Ints
+    """Index of the pair of blocks, shape (m,)."""
+    point: Ints
+    """0 for a vertex, 1 to 13 for the points inside a face, shape (m,)."""
+    along: Floats
+    """Place of P on the edge that begins at ``vertex``, as a fraction of its length, (m,)."""
+    gap: Floats
+    """Signed distance of P to the edge's line, m, shape (m,)."""
+    foot: Floats
+    """Foot Q of P on the edge's line, m, shape (m, 2)."""
+    arms: Floats
+    """Normal, and offsets of P and Q from the centroids (contact/jacobian.py), m, shape (m, 6)."""
+    joint: Ints
+    """Joint that the contact lies along: index into those of the model, shape (m,)."""
+    length: Floats
+    """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
+    spring_length: Floats
+    """Length that its springs stand for, m, above 0 where a tip touches, shape (m,)."""
+    row: Ints
+    """Row of the contact in the memory, or -1, shape (m,)."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Contacts(Places, ContactHistory):
     """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
 
     ``gap`` and ``arms`` belong to the start of the step: the gap at its end is gap + n_i.d_i +
     n_j.d_j to first order in the displacements of the vertex's block i and the edge's block j; the
-    slip of the vertex along the edge is t_i.d_i + t_j.d_j (see ``rows``).
+    slip of the vertex along the edge is t_i.d_i + t_j.d_j (see ``rows``).  ``gap`` is less
+    ``rest_gap``, negative where the spring is pressed.  The history is that remembered from the
+    last step.
     """
 
-    vertex: Ints
-    """Invading vertex P, or the first vertex of the edge that P lies inside, shape (m,)."""
-    edge: Ints
-    """Entrance edge: index of its first vertex, shape (m,)."""
-    vertex_block: Ints
-    """Block i of the vertex, shape (m,)."""
-    edge_block: Ints
-    """Block j of the edge, shape (m,)."""
-    pair: Ints
-    """Index into ``pairs``, shape (m,)."""
     pairs: Ints
     """Pairs of blocks (lower, higher) that share contacts, sorted, shape (q, 2)."""
-    gap: Floats
-    """Signed distance of P to the edge's line less ``rest_gap``, m, negative where the spring is
-    pressed, shape (m,)."""
     rest_gap: Floats
     """Opening at which the normal spring has no force, m: 0 but for joints that open as they slide
     and rough ones, shape (m,)."""
     normal: Floats
     """Outward unit normal of the edge, shape (m, 2)."""
-    foot: Floats
-    """Foot Q of P on the edge's line, m, shape (m, 2)."""
-    length: Floats
-    """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
-    spring_length: Floats
-    """Length that its springs stand for, m, above 0 where a tip touches, shape (m,)."""
-    point: Ints
-    """0 where P is a vertex, 1 to 13 inside a face (contact/joints/faces.py), shape (m,)."""
-    along: Floats
-    """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
-    arms: Floats
-    """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
-    joint: Ints
-    """Joint that the contact lies along: index into those of the model, shape (m,)."""
     normal_stiffness: Floats
     """Normal stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
     shear_stiffness: Floats
     """Shear stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
     spring_share: Floats
-    """Share of the springs of the law that the contact has where its joint gives none, (m,)."""
+    """Fraction of the springs of the law that the contact has where its joint gives none, (m,)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
@@ -67,34 +77,10 @@ class Contacts:
     """Cohesion that slip leaves, Pa; nan: slip leaves the bond whole, shape (m,)."""
     tensile_strength: Floats
     """Tensile strength of the joint while bonded, Pa (0 once broken), shape (m,)."""
-    bonded: Bools
-    """True while cohesion and tensile strength are intact, shape (m,)."""
-    cohesive: Bools
-    """True while bonded, or slipped but not opened since, shape (m,)."""
     known: Bools
     """True where the contact memory held this contact, shape (m,)."""
-    shear_force: Floats
-    """Remembered shear force on the vertex along t, N/m, shape (m,)."""
-    normal_force: Floats
-    """Remembered normal force, N/m, shape (m,)."""
-    multiplier: Floats
-    """Remembered Lagrange multiplier, N/m, shape (m,)."""
-    rest_force: Floats
-    """Normal force at zero gap that was there at the start of the run, N/m, shape (m,)."""
-    slip: Floats
-    """Remembered slip since the contact was made, m, along t, shape (m,)."""
-    slide_length: Floats
-    """Length of the path that the contact has slid, m; inf where it must have, shape (m,)."""
-    slide: Floats
-    """How far from its place it has slid, m, along t, shape (m,)."""
-    slide_speed: Floats
-    """Speed at which it slid in the last step, m/s, shape (m,)."""
-    dilation: Floats
-    """Opening that sliding has brought about, m, shape (m,)."""
     mobilises: Bools
     """True where the shear spring is the rising branch of a roughness, shape (m,)."""
-    mode: Ints
-    """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats
     """Normal force that bounds friction, N/m; nan: the force of the moment, shape (m,)."""
 
@@ -159,7 +145,7 @@ class ContactResponse:
         return f"ContactResponse({count} contacts, normal force at most {most:.4g} N/m)"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class SpringLimits:
     """Linear springs with bounds: offered by a law whose forces are clipped straight lines.
 

@@ -120,7 +120,7 @@ def _shortest_exits(first, last, found, outlines, critdis, known, keep):
     _drop_deeper_corners(low, high, candidates, polygons, known, keep)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _relation(a, b, found, outlines):
     """Say how the edges of two candidates, of one block, share a vertex in front of them.
 
@@ -140,7 +140,7 @@ def _relation(a, b, found, outlines):
     return 1 if gap_e - gap_f * cosine_of < 0.0 and gap_f - gap_e * cosine_of < 0.0 else 0
 
 
-@kernel()
+@kernel(forceinline=True)
 def _loses_flat_corner(a, b, found, outlines):
     """Return True if the foot has passed from the edge of a to that of b at their flat corner."""
     e, f, length = found.edge[a], found.edge[b], outlines.length
@@ -190,7 +190,7 @@ def _bisect(low, high, found, outlines, critdis, keep):
                 keep[a] = False
 
 
-@kernel()
+@kernel(forceinline=True)
 def _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
     """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
 
@@ -222,7 +222,7 @@ def _is_nearer(a, b, gap, edge, remembered, length):
     return edge[a] == remembered or edge[a] < edge[b]
 
 
-@kernel()
+@kernel(forceinline=True)
 def _is_entrance_passed(p, e, along, outlines):
     """Return False where vertex p, behind edge e, has not entered the corner at the end of e.
 
@@ -261,7 +261,7 @@ def _drop_not_entered(low, high, found, outlines, keep):
             keep[c] = _is_entrance_passed(vertex[c], edge[c], along[c], outlines)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _meets(p, e, q, a, outlines):
     """Say how contacts (P, edge e) and (Q, edge a) of two blocks meet.
 

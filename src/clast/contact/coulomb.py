@@ -39,9 +39,9 @@ class Strengths(NamedTuple):
 
 
 class ContactForces(NamedTuple):
-    """Forces that contacts remember from the last step, (m,) each."""
+    """Forces that contacts remember from the last step, (m,) each, or the numbers of one."""
 
-    bonded: Bools
+    bonded: Any
     """True where a bond is left."""
     shear_force: Floats
     """T_old, N/m."""
@@ -50,17 +50,6 @@ class ContactForces(NamedTuple):
     rest_force: Floats
     """Normal force at a gap of zero, N/m."""
     friction_base: Floats
-    """N that bounds friction, N/m; NaN: the normal force of the moment."""
-
-
-class ShearMemory(NamedTuple):
-    """Memory of the shear spring of one contact."""
-
-    bonded: Any
-    """Whether a bond is left."""
-    shear_force: float
-    """T_old, N/m."""
-    friction_base: float
     """N that bounds friction, N/m; NaN: the normal force of the moment."""
 
 
@@ -76,7 +65,7 @@ class Stiffnesses(NamedTuple):
     shear_of_joint: Floats
     """k of the joint of each contact, likewise, shape (m,)."""
     share: Floats
-    """Share of the law's stiffness that each contact has, shape (m,)."""
+    """Fraction of the law's stiffness that each contact has, shape (m,)."""
 
 
 class Answers(NamedTuple):
@@ -95,41 +84,54 @@ class Answers(NamedTuple):
     mode: Ints
     """OPEN, SLIDE or LOCK."""
     bonded: Bools
-    """True where a bond is left."""
+    """True while the bond is left."""
     energy: Floats
     """Energy in the springs, J/m."""
-    loss: Floats
+    dissipation: Floats
     """Energy lost in sliding, J/m."""
 
 
-Found = tuple[Floats, Floats, Floats, Floats, Floats, Any, Any, Floats, Floats]
-"""Output of kernels for each contact (m,):  N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy,
-loss; the fields of a ContactResponse."""
-
-
 def strengths_of(contacts: Contacts) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return tan(phi), c, sigma_t, Pa, L, m, and residual c, Pa, of contacts, for kernels.
-
-    (m,) each. c and sigma_t are the remaining ones; the last is nan where slip leaves bonds whole.
-    """
+    """Return the arrays of ``Strengths``."""
     strengths = contacts.friction, contacts.cohesion, contacts.tensile_strength
     return *strengths, contacts.length, contacts.residual_cohesion
 
 
 def memory_of(contacts: Contacts) -> tuple[Any, Floats, Floats, Floats, Floats]:
-    """Return bonds, T_old, multipliers, rest forces and the N that bounds friction, for kernels.
-
-    (m,) each.  The last, N/m, is nan where friction is bounded by the normal force of the moment.
-    """
+    """Return the arrays of ``ContactForces``."""
     forces = contacts.shear_force, contacts.multiplier, contacts.rest_force
     return contacts.bonded, *forces, contacts.friction_base
 
 
-def nothing_found(count: int) -> Found:
-    """Return arrays for the answers of ``count`` contacts."""
-    normal, shear, kn, ks, coupling, energy, loss = np.empty((7, count))
+def room_for_answers(count: int) -> tuple[Any, ...]:
+    """Return arrays for ``Answers`` of ``count`` contacts."""
     mode, bonded = np.empty(count, np.int64), np.empty(count, np.bool_)
-    return normal, shear, kn, ks, coupling, mode, bonded, energy, loss
+    *of_forces, energy, loss = np.empty((7, count))
+    return *of_forces, mode, bonded, energy, loss
+
+
+@kernel(forceinline=True)
+def strengths_at(c, strengths):
+    """Return the strengths of one contact."""
+    return Strengths(
+        strengths.friction[c],
+        strengths.cohesion[c],
+        strengths.tensile_strength[c],
+        strengths.length[c],
+        strengths.residual_cohesion[c],
+    )
+
+
+@kernel(forceinline=True)
+def forces_at(c, memory):
+    """Return the remembered forces of one contact."""
+    return ContactForces(
+        memory.bonded[c],
+        memory.shear_force[c],
+        memory.multiplier[c],
+        memory.rest_force[c],
+        memory.friction_base[c],
+    )
 
 
 @kernel(forceinline=True)
@@ -152,7 +154,7 @@ def tension_of(tensile_strength, length):
 def resist(slip, k, strengths, memory, normal, carries, counts):
     """Return T, its stiffness and coupling to N, mode, bond, energy and loss of one contact.
 
-    ``strengths`` and ``memory`` (ShearMemory) are the numbers of this contact, ``normal`` is its N,
+    ``strengths`` and ``memory`` are the numbers of this contact, ``normal`` is its N,
     N/m; ``carries``: whether it is pressed together; ``counts``: whether it may carry shear.  The
     part of a slip that the spring does not take up is lost.  Without any strength
     there is nothing to stick to, even at rest.
@@ -194,33 +196,24 @@ def of_joint_or_law(of_joint, of_law):
 
 
 @shared(CONTACTS, error_model="numpy")
-def answer_with_friction(first, last, slip, k, strengths, memory, found):
+def answer_with_friction(first, last, slip, k, strengths, memory, answers):
     """Write the answer of contacts ``first`` to ``last`` - 1 to slips under a given N.
 
-    N (m,) stands in ``found``, in N/m; energies become those of the shear spring alone.
-    ``k`` are the stiffness of the law and those that joints give (m,), N/m per m, and the shares of
+    N (m,) stands in ``answers``, in N/m; energies become those of the shear spring alone.  ``k``
+    are the stiffness of the law and those that joints give (m,), N/m per m, and the fractions of
     the first that contacts have (m,).
     """
     k_of_law, k_of_joint, share = k
-    of, known, answer = Strengths(*strengths), ContactForces(*memory), Answers(*found)
-    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
-    length, residual = of.length, of.residual_cohesion
-    bonded, shear_force, friction_base = known.bonded, known.shear_force, known.friction_base
-    normal, shear, ks = answer.normal_force, answer.shear_force, answer.shear_stiffness
-    coupling, mode, intact = answer.coupling, answer.mode, answer.bonded
-    energy, loss = answer.energy, answer.loss
+    of, known, answer = Strengths(*strengths), ContactForces(*memory), Answers(*answers)
+    shear, ks, coupling = answer.shear_force, answer.shear_stiffness, answer.coupling
+    mode, intact, energy, loss = answer.mode, answer.bonded, answer.energy, answer.dissipation
     for c in range(first, last):
-        carries = normal[c] != 0.0
-        given = not np.isnan(friction_base[c])
-        counts = carries | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
+        one, remembered, normal = strengths_at(c, of), forces_at(c, known), answer.normal_force[c]
+        stiffness = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
+        carries, given = normal != 0.0, not np.isnan(remembered.friction_base)
+        counts = carries | given | (tension_of(one.tensile_strength, one.length) != 0.0)
         shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
-            slip[c],
-            of_joint_or_law(k_of_joint[c], share[c] * k_of_law),
-            Strengths(friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
-            ShearMemory(bonded[c], shear_force[c], friction_base[c]),
-            normal[c],
-            carries,
-            counts,
+            slip[c], stiffness, one, remembered, normal, carries, counts
         )
 
 
@@ -231,25 +224,22 @@ def limits_of_contacts(stiffnesses, strengths, base):
     ``base`` (m,) are the normal forces that bound friction, N/m.
     """
     count = len(base)
-    found = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
-    _limits(count, stiffnesses, strengths, base, found)
-    return found
+    limits = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    _limits(count, stiffnesses, strengths, base, limits)
+    return limits
 
 
 @shared(CONTACTS)
-def _limits(first, last, stiffnesses, strengths, base, found):
+def _limits(first, last, stiffnesses, strengths, base, limits):
     """Write the springs of contacts ``first`` to ``last`` - 1, and their strength."""
-    of, springs = Strengths(*strengths), Stiffnesses(*stiffnesses)
-    p_of_law, p_of_joint = springs.normal_of_law, springs.normal_of_joint
-    k_of_law, k_of_joint = springs.shear_of_law, springs.shear_of_joint
-    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
-    length, share = of.length, springs.share
-    p, k, tension, strength = found
+    strengths_of_all, springs = Strengths(*strengths), Stiffnesses(*stiffnesses)
+    p, k, tension, strength = limits
     for c in range(first, last):
-        p[c] = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
-        k[c] = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
-        tension[c] = tension_of(tensile_strength[c], length[c])
-        strength[c] = shear_strength(base[c], friction[c], cohesion[c], length[c], tension[c])
+        of = strengths_at(c, strengths_of_all)
+        p[c] = of_joint_or_law(springs.normal_of_joint[c], springs.share[c] * springs.normal_of_law)
+        k[c] = of_joint_or_law(springs.shear_of_joint[c], springs.share[c] * springs.shear_of_law)
+        tension[c] = tension_of(of.tensile_strength, of.length)
+        strength[c] = shear_strength(base[c], of.friction, of.cohesion, of.length, tension[c])
 
 
 def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
@@ -258,5 +248,7 @@ def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
     ``normal`` (m,) are the normal forces that bound friction, N/m.
     """
     of_joints = contacts.normal_stiffness, contacts.shear_stiffness, contacts.spring_share
-    found = limits_of_contacts((1.0, 1.0, *of_joints), strengths_of(contacts), normal)
-    return found[2], found[3]
+    _, _, tension, shear = limits_of_contacts(
+        (1.0, 1.0, *of_joints), strengths_of(contacts), normal
+    )
+    return tension, shear

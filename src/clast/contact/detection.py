@@ -20,13 +20,13 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.broad_phase import VerletList, near_pairs
 from clast.contact.candidates import SearchDistance, find_candidates
-from clast.contact.contacts import Contacts
+from clast.contact.contacts import Contacts, Places
 from clast.contact.corner_rules import CornerRule
 from clast.contact.edge_intersections import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.barton_bandis import with_roughness
 from clast.contact.joints.bonds import Bonds, bonded_at_start, bonds_of, without_points_in_bonds
-from clast.contact.joints.faces import Places, with_faces
+from clast.contact.joints.faces import with_faces
 from clast.contact.memory import (
     carried_by,
     first_rows,
@@ -248,7 +248,7 @@ def _contacts(
     touching = pairs.take(which, axis=0)
     ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
     foot, arms = _geometry(ends[:4], gap, polygons[:2], centroid)
-    length, of_springs = contact_lengths(ends, polygons, critdis)
+    length, spring_length = contact_lengths(ends, polygons, critdis)
     corners = Places(
         vertex=vertex,
         edge=edge,
@@ -262,7 +262,7 @@ def _contacts(
         arms=arms,
         joint=joints_of(model, ends, touching, direction),
         length=length,
-        of_springs=of_springs,
+        spring_length=spring_length,
         row=row,
     )
     joints = model.joint_table
@@ -273,24 +273,10 @@ def _contacts(
         corners = without_points_in_bonds(corners, bonded, state.vertices, critdis)
     places = with_faces(corners, model, state, centroid, polygons)
     carried = _memory_and_strength(model, state, places, direction)
-    return Contacts(
-        joint=places.joint,
-        vertex=places.vertex,
-        edge=places.edge,
-        vertex_block=places.vertex_block,
-        edge_block=places.edge_block,
-        pair=places.pair,
-        pairs=touching,
-        gap=places.gap - carried["rest_gap"] if joints.opens else places.gap,
-        normal=places.arms[:, :2],
-        foot=places.foot,
-        length=places.length,
-        spring_length=places.of_springs,
-        point=places.point,
-        along=places.along,
-        arms=places.arms,
-        **carried,
-    )
+    fields = {**vars(places), **carried}
+    if joints.opens:
+        fields["gap"] = places.gap - carried["rest_gap"]
+    return Contacts(**fields, pairs=touching, normal=places.arms[:, :2])
 
 
 def _memory_and_strength(
@@ -311,7 +297,7 @@ def _memory_and_strength(
     if joints.opens or joints.has_kinetic_friction:
         carried, speed = taken_along(carried, speed, places, memory, direction, model)
     strengths = bonds_of(bonds, slid, speed, places, memory, direction, model)
-    normal, shear, share = springs_of_joints(model, places.joint, places.of_springs)
+    normal, shear, share = springs_of_joints(model, places.joint, places.spring_length)
     fields = {
         "rest_gap": carried["dilation"],
         "normal_stiffness": normal,

@@ -92,21 +92,21 @@ def with_crossings(
     it.
     """
     vertex, edge, _, gap = chosen
-    vertex_block = polygons[3]
-    keys, width = pair_keys(*pairs.T, len(vertex_block)), len(vertex_block)
+    vertex_block, width = polygons[3], len(polygons[3])
     carried = np.zeros(len(pairs), np.bool_)
     lost = lost_contacts(memory, rows, vertex, vertex_block.take(edge))
     if is_any(lost):
-        own, other = vertex_block[memory.vertex[lost]], memory.block[lost]
-        carried = np.isin(keys, pair_keys(own, other, width))
+        key = pair_keys(vertex_block[memory.vertex[lost]], memory.block[lost], width)
+        carried = np.isin(pair_keys(*pairs.T, width), key)
     floor = SHALLOW_CROSSING * critdis
     crossings = unseen(polygons, box, pairs, chosen, (PENETRATION_UNDONE, floor), carried)
     if not len(crossings[0]):
         return chosen
     which, of_pair = np.unique(crossings[3], return_inverse=True)
     key = pair_keys(vertex_block[memory.vertex], memory.block, width)
-    at = np.minimum(np.searchsorted(keys[which], key), len(which) - 1)
-    closed = (keys[which][at] == key) & (memory.gap < 0.0)
+    keys = pair_keys(*pairs[which].T, width)
+    at = np.minimum(np.searchsorted(keys, key), len(which) - 1)
+    closed = (keys[at] == key) & (memory.gap < 0.0)
     depth = np.zeros(len(which))
     np.maximum.at(depth, at[closed], -memory.gap[closed])
     closed &= ~np.isin(memory.vertex * width + memory.edge, vertex * width + edge)
@@ -131,13 +131,13 @@ def with_crossings(
     return vertex[order], edge[order], pair[order], np.concatenate((gap, of_gap))[order]
 
 
-@kernel()
+@kernel(forceinline=True)
 def _side(ax, ay, bx, by, px, py):
     """Return twice the area of triangle A, B, P: positive where P is left of A to B."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _cross(a, e, outlines, dx, dy):
     """Return whether edge a, moved by (dx, dy), and edge e cross properly."""
     vertices, b, f = outlines.vertices, outlines.after[a], outlines.after[e]
@@ -149,7 +149,7 @@ def _cross(a, e, outlines, dx, dy):
     return (_side(ex, ey, fx, fy, ax, ay) > 0.0) != (_side(ex, ey, fx, fy, bx, by) > 0.0)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _crossing_point(a, e, outlines):
     """Return where edges a and e cross, m, x and y."""
     vertices, b, f = outlines.vertices, outlines.after[a], outlines.after[e]
@@ -162,7 +162,7 @@ def _crossing_point(a, e, outlines):
     return ax + share * (bx - ax), ay + share * (by - ay)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _exit(a, e, outlines):
     """Return the shorter exit from a crossing: its vertex, the edge to pass, and how far, m."""
     p = a if gap_to(a, e, outlines) < 0.0 else outlines.after[a]

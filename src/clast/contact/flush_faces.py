@@ -264,7 +264,7 @@ def is_covered(v, e, at_end, own, outlines, bearing):
 # corners of two blocks together -----------------------------------------------------------------
 
 
-@kernel()
+@kernel(forceinline=True)
 def _join(p, q, critdis, outlines, beyond):
     """Note where the outlines of two blocks go on over a joint that begins at their p and q.
 

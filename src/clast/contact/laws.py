@@ -13,16 +13,16 @@ from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
 from clast.contact.coulomb import (
     Answers,
     ContactForces,
-    Found,
-    ShearMemory,
     Stiffnesses,
     Strengths,
     answer_with_friction,
+    forces_at,
     limits_of_contacts,
     memory_of,
-    nothing_found,
     of_joint_or_law,
     resist,
+    room_for_answers,
+    strengths_at,
     strengths_of,
     tension_of,
 )
@@ -34,47 +34,37 @@ if TYPE_CHECKING:
 
 
 @shared(CONTACTS, error_model="numpy")
-def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, found):
+def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, answers):
     """Write the answer of contacts ``first`` to ``last`` - 1 to gaps and slips: see ``springs``.
 
     In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
     at the kink either is a derivative, and it is about to close.
     """
     of, springs = Strengths(*strengths), Stiffnesses(*stiffnesses)
-    known, answer = ContactForces(*memory), Answers(*found)
-    p_of_law, p_of_joint = springs.normal_of_law, springs.normal_of_joint
-    k_of_law, k_of_joint, share = springs.shear_of_law, springs.shear_of_joint, springs.share
-    friction, cohesion, tensile_strength = of.friction, of.cohesion, of.tensile_strength
-    length, residual = of.length, of.residual_cohesion
-    bonded, shear_force, friction_base = known.bonded, known.shear_force, known.friction_base
-    multiplier, rest_force = known.multiplier, known.rest_force
-    normal, shear, mode = answer.normal_force, answer.shear_force, answer.mode
-    kn, ks, coupling = answer.normal_stiffness, answer.shear_stiffness, answer.coupling
-    intact, energy, loss = answer.bonded, answer.energy, answer.loss
+    known, answer = ContactForces(*memory), Answers(*answers)
+    shear, ks, coupling = answer.shear_force, answer.shear_stiffness, answer.coupling
+    mode, intact, loss = answer.mode, answer.bonded, answer.dissipation
+    share = springs.share
     for c in range(first, last):
-        given = not np.isnan(friction_base[c])
-        p = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
-        k = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
-        trial = rest_force[c] + multiplier[c] - p * gap[c]
-        tension = tension_of(tensile_strength[c], length[c])
+        one, remembered = strengths_at(c, of), forces_at(c, known)
+        multiplier = remembered.multiplier
+        given = not np.isnan(remembered.friction_base)
+        p = of_joint_or_law(springs.normal_of_joint[c], share[c] * springs.normal_of_law)
+        k = of_joint_or_law(springs.shear_of_joint[c], share[c] * springs.shear_of_law)
+        trial = remembered.rest_force + multiplier - p * gap[c]
+        tension = tension_of(one.tensile_strength, one.length)
         carries = (trial > -tension) | (given & (trial == -tension))
         counts = carries | given | (tension != 0.0)
         # -tension is the cut-off; the bond is lost when the step is over
         n = trial if carries else -tension
         n = n if counts else 0.0
-        normal[c] = n
-        kn[c] = p if carries else 0.0
-        pressed = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counts else 0.0
+        answer.normal_force[c] = n
+        answer.normal_stiffness[c] = p if carries else 0.0
+        pressed = 0.5 * (n - max(0.0, multiplier)) ** 2 / p if counts else 0.0
         shear[c], ks[c], coupling[c], mode[c], intact[c], sheared, loss[c] = resist(
-            slip[c],
-            k,
-            Strengths(friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
-            ShearMemory(bonded[c], shear_force[c], friction_base[c]),
-            n,
-            carries,
-            counts,
+            slip[c], k, one, remembered, n, carries, counts
         )
-        energy[c] = pressed + sheared
+        answer.energy[c] = pressed + sheared
 
 
 def springs(
@@ -90,12 +80,12 @@ def springs(
     rest force; friction is that of contact/coulomb.py.  Gaps and slips (m,) at the end of the step,
     m; stiffnesses p and k in N/m per m, of contacts whose joint gives none.
     """
-    found = nothing_found(len(gap))
+    answers = room_for_answers(len(gap))
     stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
     answer_of_springs(
-        len(gap), gap, slip, stiffnesses, strengths_of(contacts), memory_of(contacts), found
+        len(gap), gap, slip, stiffnesses, strengths_of(contacts), memory_of(contacts), answers
     )
-    return _response(found)
+    return ContactResponse(**Answers(*answers)._asdict())
 
 
 def with_friction(
@@ -115,11 +105,11 @@ def with_friction(
     is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m, where the joint of a contact
     gives none.
     """
-    found = nothing_found(len(slip))
-    found[0][:] = normal_force
+    answers = room_for_answers(len(slip))
+    answers[0][:] = normal_force
     k = float(shear_stiffness), contacts.shear_stiffness, contacts.spring_share
-    answer_with_friction(len(slip), slip, k, strengths_of(contacts), memory_of(contacts), found)
-    response = _response(found)
+    answer_with_friction(len(slip), slip, k, strengths_of(contacts), memory_of(contacts), answers)
+    response = ContactResponse(**Answers(*answers)._asdict())
     return replace(response, normal_stiffness=normal_stiffness, energy=energy + response.energy)
 
 
@@ -132,29 +122,10 @@ def normal_stiffness_of(contacts: Contacts, law: ContactLaw) -> Floats:
 def _stiffnesses(
     contacts: Contacts, normal: float, shear: float | None
 ) -> tuple[float, float, Floats, Floats, Floats]:
-    """Return p and k of a law, those (m,) that joints give, N/m per m, and shares of the first two.
-
-    As kernels take them.
-    """
+    """Return the arrays of ``Stiffnesses``."""
     k = normal if shear is None else shear
     of_joints = contacts.normal_stiffness, contacts.shear_stiffness
     return float(normal), float(k), *of_joints, contacts.spring_share
-
-
-def _response(found: Found) -> ContactResponse:
-    """Return the output of kernels, by its names."""
-    normal, shear, kn, ks, coupling, mode, bonded, energy, loss = found
-    return ContactResponse(
-        normal_force=normal,
-        shear_force=shear,
-        normal_stiffness=kn,
-        shear_stiffness=ks,
-        coupling=coupling,
-        mode=mode,
-        bonded=bonded,
-        energy=energy,
-        dissipation=loss,
-    )
 
 
 def limits_of_springs(
@@ -162,9 +133,9 @@ def limits_of_springs(
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
     stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
-    found = limits_of_contacts(stiffnesses, strengths_of(contacts), contacts.friction_base)
-    p, k, tension, strength = found
-    return SpringLimits(normal_stiffness=p, shear_stiffness=k, tension=tension, strength=strength)
+    return SpringLimits(
+        *limits_of_contacts(stiffnesses, strengths_of(contacts), contacts.friction_base)
+    )
 
 
 def check_stiffnesses(law: object, normal: float, shear: float | None) -> None:
@@ -364,9 +335,6 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     )
     return normal, shear
 
-
-if TYPE_CHECKING:
-    from typing_extensions import TypeIs
 
 CONTACTS_OF_A_BLOCK = 4.0
 """Contacts that are taken to share the mass of a block."""

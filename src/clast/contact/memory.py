@@ -6,6 +6,7 @@ has slid round to the next edge takes the memory of the old one along.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,11 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.compute.reductions import is_any
-from clast.contact.contacts import OPEN, ContactResponse, Contacts
+from clast.contact.contacts import OPEN, ContactResponse, Contacts, Places
 from clast.contact.joints.bonds import had_by_faces, torn
-from clast.contact.joints.faces import Places
 from clast.contact.joints.wear import Wear
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.state import ContactMemory
+from clast.model.state import ContactHistory, ContactMemory
 from clast.read_only import read_only
 
 
@@ -246,7 +246,7 @@ def renew(
     # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
     # that carries tension as long as its bond
     ends = np.where((rest < 0.0) & ~bonded, gap >= 0.0, is_open)
-    fields = {
+    rows = {
         "vertex": contacts.vertex,
         "block": contacts.edge_block,
         "edge": contacts.edge,
@@ -266,7 +266,7 @@ def renew(
         "dilation": wear.dilation,
     }
     order = _order_of(contacts)
-    return ContactMemory(**{name: read_only(one.take(order)) for name, one in fields.items()})
+    return ContactMemory(**{name: read_only(one.take(order)) for name, one in rows.items()})
 
 
 def _order_of(contacts: Contacts) -> Ints:
@@ -305,20 +305,7 @@ def _order(vertex, block, edge):
     return order
 
 
-CARRIED = (
-    "bonded",
-    "cohesive",
-    "mode",
-    "shear_force",
-    "normal_force",
-    "multiplier",
-    "rest_force",
-    "slip",
-    "slide_length",
-    "slide",
-    "slide_speed",
-    "dilation",
-)
+CARRIED = tuple(one.name for one in fields(ContactHistory))
 """Fields of the memory that a contact takes over as they are."""
 
 
@@ -333,15 +320,18 @@ def carried_by(
     no bond.  ``turns`` are the edge of each contact (m,) and the directions of all edges (nv, 2).
     """
     known = row >= 0
-    at = row[known]
-    fields: dict[str, Any] = {}
+    new = np.flatnonzero(~known)
+    history: dict[str, Any] = {}
     for name in CARRIED:
         values = getattr(memory, name)
-        fields[name] = np.zeros(len(row), values.dtype)
-        fields[name][known] = values[at]
-    forces = fields["shear_force"], fields["normal_force"], fields["rest_force"]
+        if len(values):
+            history[name] = values.take(row, mode="clip")
+            history[name][new] = 0
+        else:
+            history[name] = np.zeros(len(row), values.dtype)
+    forces = history["shear_force"], history["normal_force"], history["rest_force"]
     _turn_rest_forces(len(row), row, memory.edge, turns, forces)
-    return {**fields, "known": known, "friction_base": np.full(len(row), np.nan)}
+    return {**history, "known": known, "friction_base": np.full(len(row), np.nan)}
 
 
 def taken_along(

@@ -20,25 +20,9 @@ POINTS = 14
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class ContactMemory:
-    """Memory of a contact from step to step, keyed by (vertex, block of the edge).
+class ContactHistory:
+    """What a contact carries from step to step."""
 
-    Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
-    may hold two rows, told apart by their edge.  Points inside faces (contact/joints/faces.py) come
-    after all vertices; their key is the first vertex of their own edge, the other edge and their
-    number.
-    """
-
-    vertex: Ints = no_ints()
-    """Invading vertex, shape (k,)."""
-    block: Ints = no_ints()
-    """Block that owns the entrance edge, shape (k,)."""
-    edge: Ints = no_ints()
-    """Entrance edge (index of its first vertex), shape (k,)."""
-    point: Ints = no_ints()
-    """0 for a vertex, 1 to 13 for the points inside a face, shape (k,)."""
-    gap: Floats = no_floats()
-    """Gap at the end of the step, m, negative in penetration, shape (k,)."""
     normal_force: Floats = no_floats()
     """Normal contact force at the end of the step, N/m, compression positive, shape (k,)."""
     shear_force: Floats = no_floats()
@@ -65,6 +49,28 @@ class ContactMemory:
     """True while cohesion and tensile strength are intact, shape (k,)."""
     cohesive: Bools = no_bools()
     """True while the contact is bonded, or has slipped but not opened since, shape (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class ContactMemory(ContactHistory):
+    """Memory of a contact from step to step, keyed by (vertex, block of the edge).
+
+    Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
+    may hold two rows, told apart by their edge.  Points inside faces (contact/joints/faces.py) come
+    after all vertices; their key is the first vertex of their own edge, the other edge and their
+    number.
+    """
+
+    vertex: Ints = no_ints()
+    """Invading vertex, shape (k,)."""
+    block: Ints = no_ints()
+    """Block that owns the entrance edge, shape (k,)."""
+    edge: Ints = no_ints()
+    """Entrance edge (index of its first vertex), shape (k,)."""
+    point: Ints = no_ints()
+    """0 for a vertex, 1 to 13 for the points inside a face, shape (k,)."""
+    gap: Floats = no_floats()
+    """Gap at the end of the step, m, negative in penetration, shape (k,)."""
 
     def __len__(self) -> int:
         return len(self.vertex)

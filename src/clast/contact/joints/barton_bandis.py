@@ -23,8 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.contact.contacts import SLIDE
-from clast.contact.joints.faces import Places
+from clast.contact.contacts import SLIDE, Places
 from clast.model.joints import MOBILISED, JointTable
 from clast.model.model import Bools, Floats, Ints
 
@@ -154,7 +153,7 @@ def with_roughness(
         name: found[name].copy()
         for name in ("rest_gap", "normal_stiffness", "shear_stiffness", "shear_force", "friction")
     }
-    length = places.of_springs[rows]
+    length = places.spring_length[rows]
     changed["rest_gap"][rows] += begins_at(rough, normal, found["rest_force"][rows], length)
     stiffness = length * rough.tangent(stress_on(normal, length))
     changed["normal_stiffness"][rows] = stiffness

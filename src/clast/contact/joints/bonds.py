@@ -50,9 +50,8 @@ import numpy as np
 
 from clast.block.polygon import SMALL_ANGLE
 from clast.compute.jit import kernel
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.contacts import ContactResponse, Contacts, Places
 from clast.contact.joints.barton_bandis import mobilised, rough_contacts
-from clast.contact.joints.faces import Places
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
@@ -283,7 +282,7 @@ def bonded_at_start(places: Places, model: Model, direction: Floats) -> Bools:
     return are_closed(places, model, direction) & (places.row < 0)
 
 
-def are_closed(places: Places | Contacts, model: Model, direction: Floats) -> Bools:
+def are_closed(places: Places, model: Model, direction: Floats) -> Bools:
     """Return along which contacts a joint is closed, over the length that each stands for, (m,).
 
     ``direction`` (nv, 2) are the unit vectors of edges.
@@ -297,7 +296,7 @@ def are_closed(places: Places | Contacts, model: Model, direction: Floats) -> Bo
     return np.asarray(places.gap + wedge * places.length <= _rounded(places, model))
 
 
-def _rounded(places: Places | Contacts, model: Model) -> Floats:
+def _rounded(places: Places, model: Model) -> Floats:
     """Return the gaps that rounding of coordinates leaves at contacts, m, (m,)."""
     blocks = places.vertex_block, places.edge_block
     return np.asarray(ROUNDED * np.sqrt(np.minimum(*(model.area.take(one) for one in blocks))))

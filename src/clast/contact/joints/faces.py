@@ -20,13 +20,14 @@ stiffness and bond keep their corners alone, about which blocks then tip exactly
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, Polygons, cosine, sine
 from clast.compute.jit import kernel
+from clast.contact.contacts import Places
 from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State, contact_keys
@@ -64,40 +65,6 @@ OF_TWO_CORNERS = 2.0 * END
 """The same in units of the half that a corner stands for by itself."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Places:
-    """Where contacts are; m contacts in the order of their pairs of blocks."""
-
-    vertex: Ints
-    """Vertex P, or the first vertex of the edge that P lies inside, shape (m,)."""
-    edge: Ints
-    """Entrance edge: index of its first vertex, shape (m,)."""
-    vertex_block: Ints
-    """Block of P, shape (m,)."""
-    edge_block: Ints
-    """Block of the edge, shape (m,)."""
-    pair: Ints
-    """Index of the pair of blocks, shape (m,)."""
-    point: Ints
-    """0 for a vertex, 1 to 13 for the points inside a face, shape (m,)."""
-    along: Floats
-    """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
-    gap: Floats
-    """Signed distance of P to the edge's line, m, shape (m,)."""
-    foot: Floats
-    """Foot Q of P on the edge's line, m, shape (m, 2)."""
-    arms: Floats
-    """Normal, and offsets of P and Q from the centroids (contact/jacobian.py), m, shape (m, 6)."""
-    joint: Ints
-    """Joint, shape (m,)."""
-    length: Floats
-    """Length of joint that the contact stands for, m, shape (m,)."""
-    of_springs: Floats
-    """Length that its springs stand for, m, shape (m,)."""
-    row: Ints
-    """Row of the contact in the memory, or -1, shape (m,)."""
-
-
 def with_faces(
     corners: Places, model: Model, state: State, centroid: Floats, polygons: tuple[Any, ...]
 ) -> Places:
@@ -109,10 +76,10 @@ def with_faces(
     if not model.joint_table.integrates or not integrated[corners.joint].any():
         return corners
     share = np.where(integrated[corners.joint], OF_TWO_CORNERS, 1.0)
-    length, of_springs = share * corners.length, share * corners.of_springs
+    length, spring_length = share * corners.length, share * corners.spring_length
     shared = _shared_edges(corners, integrated, model, polygons)
     inner = _inside(*shared, model, state, centroid, polygons[1:3])
-    corners = replace(corners, length=length, of_springs=of_springs)
+    corners = replace(corners, length=length, spring_length=spring_length)
     if not len(inner.pair):
         return corners
     order = np.argsort(np.concatenate([corners.pair, inner.pair]), kind="stable")
@@ -220,7 +187,7 @@ def _inside(
         arms=np.concatenate([normal, offset, foot_offset], axis=1),
         joint=joint,
         length=stands_for,
-        of_springs=stands_for,
+        spring_length=stands_for,
         row=_rows(state.memory, own, edge, point, len(vertices)),
     )
 
