@@ -296,7 +296,18 @@ class InputBuilder(Inputs):
         gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
         density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
-        bed = Bed(outlines, table, own_joints, block_rock, gravity, ground.factors)
+        openings = openings_of(self.all(OpeningTable), block_number, edge_joint)
+        bed = Bed(
+            outlines=outlines,
+            table=table,
+            edge_joint=own_joints,
+            block_rock=block_rock,
+            gravity=gravity,
+            factors=ground.factors,
+            openings={k: ring - outlines.origin for k, ring in self.opening_outlines.items()},
+            blocks_of_openings={one.name: one.block for one in openings},
+            waits=waits,
+        )
         water, wet = waters_in(self.all(Water), bed)
         in_situ = self._stress_in_situ(outlines, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
@@ -336,7 +347,7 @@ class InputBuilder(Inputs):
             ground_motion=self.ground_motion,
             actions=actions,
             reactions=reactions_in(self.all(MeasuredReaction), supports),
-            openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
+            openings=openings,
             absent=waits,
             overlaps=overlaps,
             repairs=repaired.repairs,

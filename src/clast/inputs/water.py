@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
+import shapely
 from pydantic import Field, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Coordinate, Inputs, Loop, Point, Table
+from clast.inputs.declaring.table import (
+    OR_LINE,
+    OR_TABLE,
+    OR_TEXT,
+    Coordinate,
+    Inputs,
+    Loop,
+    Point,
+    Table,
+)
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
-from clast.model.drainage import distances, lowering, parts_between
+from clast.model.drainage import distances, drained, parts_between, places_on
 from clast.model.edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.model.ranges import check_names
 from clast.model.water import Water as WetWater
 from clast.model.water import (
@@ -38,6 +48,9 @@ LIGHTEST = 100.0
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
 """Ranges of density in other units, and the factors that convert them."""
 SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
+
+
+Drain = Annotated[Annotated[Point | Loop, OR_LINE] | StrictStr, OR_TEXT]
 
 
 class LineFile(Table):
@@ -67,9 +80,9 @@ class Water(Table):
     """Joints that it enters, by name; all if absent."""
     amplitude: Annotated[Number | StrictStr, OR_TEXT] = 1.0
     """Share of the full head, 0 to 1; or the [amplitude.NAME] of such shares: water that rises."""
-    drained_at: list[Point] = Field([])
-    """Points [x, y] of joints where there is no pressure, m; along the joints it falls towards
-    them."""
+    drained_at: Annotated[list[Drain] | StrictStr, OR_TEXT] = Field([])
+    """Where there is no pressure: points [x, y] of joints, m, lines [[x, y], [x, y]], openings by
+    name, those that stages excavate from then on; along the joints it falls towards them."""
     wetted: Literal["open-and-closed", "closed"] = "open-and-closed"
     """Whether a joint that opens keeps its pressure, or loses it ("closed")."""
 
@@ -151,6 +164,12 @@ class Bed:
     """Gravity, m/s2, shape (2,)."""
     factors: tuple[Factor, ...]
     """Amplitudes."""
+    openings: Mapping[str, Floats]
+    """Outlines of openings about the origin, m, (c, 2) each."""
+    blocks_of_openings: Mapping[str, Ints]
+    """Blocks of openings that stages excavate."""
+    waits: Bools
+    """Segments of linings that wait for their stage, shape (n,)."""
 
 
 def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
@@ -182,12 +201,11 @@ def _water(
     _refuse_dry(label, surface, bed.outlines)
     on_faces, on_joints = ACTS_ON[given.acts_on]
     faces, joints = WetFaces(), WetJoints()
-    notes: list[str] = []
+    drains = np.zeros((0, 2))
     if on_faces:
-        edge, part = outer_parts(edges, facing)
-        faces = WetFaces(edge=edge, share=part)
+        faces = _pressed(given, bed, edges, facing)
     if on_joints:
-        joints, notes = _joints(label, given, surface, bed, edges, facing)
+        joints, drains = _joints(label, given, bed, edges, facing)
     water = WetWater(
         name=given.name or "",
         surface=surface,
@@ -196,8 +214,13 @@ def _water(
         factor=factor,
         faces=faces,
         joints=joints,
+        drain_at=drains,
     )
-    return water, [*notes, _said(label, water, edges)]
+    if len(drains):
+        water = drained(water, np.zeros(len(bed.outlines.names), np.bool_))
+    points = [] if isinstance(given.drained_at, str) else given.drained_at
+    above = _above(label, surface, points, bed.outlines.origin)
+    return water, [*above, _said(label, water, edges)]
 
 
 def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
@@ -266,9 +289,9 @@ def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
 
 
 def _joints(
-    label: str, given: Water, surface: Floats, bed: Bed, edges: Edges, facing: Facing
-) -> tuple[WetJoints, list[str]]:
-    """Return the joints that water enters, and the remarks on their drains."""
+    label: str, given: Water, bed: Bed, edges: Edges, facing: Facing
+) -> tuple[WetJoints, Floats]:
+    """Return the joints that water enters, and the places of drains about the origin, m, (d, 2)."""
     if given.joints is not None:
         chosen = _chosen(label, given.joints, bed, facing)
         facing = Facing(facing.edge[chosen], facing.share[chosen])
@@ -279,30 +302,28 @@ def _joints(
     near = edges.near[facing.edge].min(axis=1)
     apart = np.zeros((len(facing.edge), 2))
     joints = WetJoints(edge=facing.edge, share=facing.share, lowered=apart)
-    drains = np.array(given.drained_at).reshape(-1, 2)
-    notes: list[str] = []
+    drains, dug = _drains(label, given, bed, _middle(joints, edges), near)
     if len(drains):
-        drains = drains - bed.outlines.origin
-        ends = _middle(joints, edges)
-        _refuse_far(label, ends, near, drains, bed.outlines.origin)
-        part, share = parts_between(ends, near, drains)
+        part, share = parts_between(_middle(joints, edges), near, drains)
         width = joints.share[part, :, 1:] - joints.share[part, :, :1]
         divided = joints.share[part, :, :1] + width * share[:, None]
         joints = WetJoints(edge=joints.edge[part], share=divided, lowered=apart[part])
-        near, ends = near[part], _middle(joints, edges)
-        lowered = lowering(ends, near, surface, drains)
-        joints = WetJoints(edge=joints.edge, share=joints.share, lowered=lowered)
-        notes = list(_above(label, surface, drains, bed.outlines.origin))
+        near = near[part]
     one, other = faces_of_joints(joints, edges.vertices, edges.after)
     length = np.hypot(*(one[:, 1] - one[:, 0]).T)
     gap = np.hypot(*np.moveaxis(other - one, -1, 0)).max(axis=1)
-    opened = OPENED[given.wetted]
-    return WetJoints(
+    opened, ends = OPENED[given.wetted], _middle(joints, edges)
+    joints = WetJoints(
         edge=joints.edge,
         share=joints.share,
         lowered=joints.lowered,
         widest=gap + np.maximum(opened * length, CLOSED * near),
-    ), notes
+        ends=ends,
+        near=near,
+        conducts=np.asarray(~bed.waits[bed.outlines.owner[joints.edge]].any(axis=1)),
+        drain=_covering(bed, dug, joints, ends, near),
+    )
+    return joints, drains
 
 
 def _middle(joints: WetJoints, edges: Edges) -> Floats:
@@ -334,22 +355,88 @@ def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
     return chosen
 
 
-def _refuse_far(label: str, ends: Floats, near: Floats, drains: Floats, origin: Floats) -> None:
-    """Refuse drains on no joint, with how far away the nearest one is."""
-    away = distances(ends, drains)
-    for k in np.flatnonzero(away > near.max())[:1]:
+def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> tuple[Floats, Ints]:
+    """Return the places of drains about the origin, m, (d, 2), and blocks that drain (b,).
+
+    ``ends`` (k, 2, 2) are those of the joints, which count when nearer than ``near`` (k,), m.
+    """
+    places, dug = [np.zeros((0, 2))], [np.zeros(0, np.int64)]
+    named = [given.drained_at] if isinstance(given.drained_at, str) else given.drained_at
+    blocks = {name: np.array([k]) for k, name in enumerate(bed.outlines.names)}
+    blocks |= bed.blocks_of_openings
+    known = dict.fromkeys([*bed.openings, *blocks], 0)
+    for number, one in enumerate(named, 1):
+        where = f"{label}, drained_at, {number}"
+        if isinstance(one, str):
+            number_of(one, known, "opening or block", where)
+            if one in blocks:
+                dug.append(blocks[one])
+                continue
+            line = np.concatenate([bed.openings[one], bed.openings[one][:1]])
+        else:
+            line = np.array(one).reshape(-1, 2) - bed.outlines.origin
+        if len(line) == 1:
+            _refuse_far(where, ends, near, line[0], bed.outlines.origin)
+            places.append(line)
+            continue
+        places.append(places_on(line, ends, near))
+        if not len(places[-1]):
+            raise ModelError(
+                "no joint that this water enters meets it",
+                where=where,
+                remedy="let it cross joints below the water level, or remove it",
+            )
+    return np.concatenate(places), np.unique(np.concatenate(dug))
+
+
+def _covering(bed: Bed, dug: Ints, joints: WetJoints, ends: Floats, near: Floats) -> Ints:
+    """Return the blocks of ``dug`` (b,) that joints are edges of or lie in; -1: none, (k, 2).
+
+    Those of the joint's two faces, or those in which its two ``ends`` (k, 2, 2) lie, of a lining.
+    """
+    owner = bed.outlines.owner[joints.edge]
+    drain = np.where(np.isin(owner, dug), owner, -1)
+    tree = shapely.STRtree(bed.outlines.polygons()[dug])
+    within = np.full((len(ends), 2), -1)
+    for end in (0, 1):
+        joint, number = tree.query(shapely.points(ends[:, end]), "dwithin", distance=near)
+        within[joint, end] = dug[number]
+    lies = (within >= 0).all(axis=1) & (drain < 0).all(axis=1)
+    drain[lies] = within[lies]
+    return drain
+
+
+def _pressed(given: Water, bed: Bed, edges: Edges, facing: Facing) -> WetFaces:
+    """Return the outer faces that water wets: none inside drained voids, and no waiting lining."""
+    edge, part = outer_parts(edges, facing)
+    faces = WetFaces(edge=edge, share=part)
+    ends = ends_of_faces(faces, edges.vertices, edges.after)
+    dry = bed.waits[edges.owner[edge]]
+    names = [given.drained_at] if isinstance(given.drained_at, str) else given.drained_at
+    for name in (one for one in names if isinstance(one, str) and one in bed.openings):
+        void = shapely.Polygon(bed.openings[name])
+        away = shapely.distance(shapely.points(ends), void)
+        dry = dry | (away <= edges.near[edge, None]).all(axis=1)
+    return WetFaces(edge=edge[~dry], share=part[~dry])
+
+
+def _refuse_far(where: str, ends: Floats, near: Floats, drain: Floats, origin: Floats) -> None:
+    """Refuse a drain on no joint, with how far away the nearest one is."""
+    away = float(distances(ends, drain[None])[0])
+    if away > near.max():
         raise ModelError(
-            f"{point_text(drains[k] + origin)} is not on a joint that this water enters; the "
-            f"nearest is {away[k]:.3g} m away",
-            where=f"{label}, drained_at, point {k + 1}",
+            f"{point_text(drain + origin)} is not on a joint that this water enters; the "
+            f"nearest is {away:.3g} m away",
+            where=where,
             remedy="give a point on the joint itself, e.g. where it comes out of the slope",
         )
 
 
-def _above(label: str, surface: Floats, drains: Floats, origin: Floats) -> Iterator[str]:
-    """Say which drains lie above the water."""
-    for k in np.flatnonzero(surface_at(surface, drains[:, 0]) <= drains[:, 1]):
-        yield f"{label}: the drain at {point_text(drains[k] + origin)} lies above the water"
+def _above(label: str, surface: Floats, given: Sequence[Any], origin: Floats) -> Iterator[str]:
+    """Say which points of drains lie above the water."""
+    for point in (np.array(one) for one in given if np.shape(one) == (2,)):
+        if surface_at(surface, point[:1] - origin[0])[0] <= point[1] - origin[1]:
+            yield f"{label}: the drain at {point_text(point)} lies above the water"
 
 
 def _said(label: str, water: WetWater, edges: Edges) -> str:

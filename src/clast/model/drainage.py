@@ -18,9 +18,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from clast.model.arrays import Bools, Floats, Ints, connected
-from clast.model.water import surface_at
+from clast.model.water import Water, surface_at
 
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
@@ -55,6 +56,36 @@ class Network:
         found = np.zeros(len(self.drained))
         found[self.node] = self.depth
         return found
+
+
+def drained(water: Water, absent: Bools) -> Water:
+    """Return a water with the head that its drains leave while blocks are ``absent`` (n,).
+
+    Joints of an excavated opening that drains are part of the void: there is no pressure in them,
+    nor where others meet them.
+    """
+    joints = water.joints
+    void = np.asarray(((joints.drain >= 0) & absent[joints.drain]).any(axis=1))
+    lowered = np.zeros(joints.ends.shape[:2])
+    lowered[void] = (surface_at(water.surface, joints.ends[..., 0]) - joints.ends[..., 1])[void]
+    drains = np.concatenate([water.drain_at, joints.ends[void].reshape(-1, 2)])
+    pipes = joints.conducts & ~void
+    if len(drains) and pipes.any():
+        lowered[pipes] = lowering(joints.ends[pipes], joints.near[pipes], water.surface, drains)
+    return replace(water, joints=replace(joints, lowered=lowered))
+
+
+def places_on(line: Floats, ends: Floats, near: Floats) -> Floats:
+    """Return where joints meet a line (c, 2): their ends on it and where they cross, m, (d, 2).
+
+    ``ends`` (k, 2, 2) are those of the joints, m, which count when nearer than ``near`` (k,), m.
+    """
+    drain = shapely.linestrings(line)
+    joints = shapely.linestrings(ends)
+    on_line = shapely.distance(shapely.points(ends), drain) <= near[:, None]
+    crossing = ~on_line.any(axis=1) & shapely.intersects(joints, drain)
+    crossings = shapely.get_coordinates(shapely.intersection(joints[crossing], drain))
+    return np.concatenate([ends[on_line], crossings])
 
 
 def parts_between(ends: Floats, near: Floats, drains: Floats) -> tuple[Ints, Floats]:

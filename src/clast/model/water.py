@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from clast.model.arrays import Floats, Ints, no_floats, no_ints
+from clast.model.arrays import Bools, Floats, Ints, no_bools, no_floats, no_ints
 from clast.model.factors import Factor
 
 SHORTEST = 1e-300
@@ -45,6 +45,14 @@ class WetJoints:
     """By how much drains lower the head where it begins and ends, m, shape (k, 2)."""
     widest: Floats = no_floats()
     """Distance of its faces beyond which the water has run out, m, shape (k,)."""
+    ends: Floats = no_floats(2, 2)
+    """Its ends at the start, halfway between the faces, m, shape (k, 2, 2)."""
+    near: Floats = no_floats()
+    """How near to each other ends of joints are one, m, shape (k,)."""
+    conducts: Bools = no_bools()
+    """Whether water flows along it: not behind a lining that waits for its stage, shape (k,)."""
+    drain: Ints = no_ints(2)
+    """Blocks whose excavation makes it part of a drained void; -1: none, shape (k, 2)."""
 
     def __repr__(self) -> str:
         return f"WetJoints({len(self.edge)} parts of joints)"
@@ -71,6 +79,8 @@ class Water:
     """Outer edges on which it presses."""
     joints: WetJoints = field(default_factory=WetJoints)
     """Joints in which it presses on both faces."""
+    drain_at: Floats = no_floats(2)
+    """Points of joints where there is no pressure, m, shape (d, 2)."""
 
     def pressure_of_head(self, time: float) -> float:
         """Return the pressure of one metre of water, Pa/m, at a time, s."""

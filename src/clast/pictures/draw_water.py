@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from clast.actions.water import pressed_by
+from clast.model.drainage import drained
 from clast.model.model import Bools, Floats, Ints
 from clast.model.stages import standing
 from clast.model.water import Water, surface_at
@@ -93,7 +94,7 @@ def pressures_of(
         absent=absent_in_frame(results, frame),
     )
     time, vertices = float(results.times[frame]), here - results.origin
-    every = [pressed_by(water, blocks, vertices, time) for water in waters]
+    every = [pressed_by(drained(water, blocks.absent), blocks, vertices, time) for water in waters]
 
     def whole(name: str, *shape: int) -> Floats:
         return np.concatenate([np.zeros((0, *shape)), *(getattr(one, name) for one in every)])

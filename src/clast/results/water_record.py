@@ -22,6 +22,11 @@ SHAPES: dict[str, tuple[str, tuple[int, ...]]] = {
     "joint_share": ("f8", (2, 2)),
     "joint_lowered": ("f8", (2,)),
     "joint_widest": ("f8", ()),
+    "joint_ends": ("f8", (2, 2)),
+    "joint_near": ("f8", ()),
+    "joint_conducts": ("?", ()),
+    "joint_drain": ("i8", (2,)),
+    "drain_at": ("f8", (2,)),
     "factor_time": ("f8", ()),
     "factor_value": ("f8", ()),
 }
@@ -40,6 +45,7 @@ def write_water(group: Any, waters: tuple[Water, ...]) -> None:
             "surface": water.surface,
             **{f"face_{key}": value for key, value in vars(water.faces).items()},
             **{f"joint_{key}": value for key, value in vars(water.joints).items()},
+            "drain_at": water.drain_at,
         }
         if water.factor:
             arrays |= {"factor_time": water.factor.time, "factor_value": water.factor.value}
@@ -98,4 +104,5 @@ def _water(attributes: Any, arrays: dict[str, Any]) -> Water:
         factor=factor,
         faces=WetFaces(**of("face_")),
         joints=WetJoints(**of("joint_")),
+        drain_at=arrays["drain_at"],
     )

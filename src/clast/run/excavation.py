@@ -29,6 +29,7 @@ from clast.contact import laws as multipliers
 from clast.contact.contacts import Contacts
 from clast.contact.detection import remembered
 from clast.errors import ModelError, shortened
+from clast.model.drainage import drained
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, Ledger, State
 from clast.step.method import Method
@@ -104,7 +105,15 @@ def without(model: Model, absent: Bools) -> Model:
         edge_joint[one.welded[ends]] = -1
     # segments of linings may come back
     fixed = np.where(model.absent & ~absent, False, model.fixed)
-    return replace(model, absent=absent, fixed=fixed | absent, edge_joint=edge_joint)
+    return with_drains(replace(model, absent=absent, fixed=fixed | absent, edge_joint=edge_joint))
+
+
+def with_drains(model: Model) -> Model:
+    """Return the model with water that excavated openings drain."""
+    if not any((one.joints.drain >= 0).any() for one in model.water):
+        return model
+    water = tuple(drained(one, model.absent) for one in model.water)
+    return replace(model, water=water)
 
 
 def as_in(model: Model, state: State) -> Model:

@@ -43,8 +43,8 @@ Loop = list[Point]
 class Either:
     """Annotation of a key that takes one of two types: faults are those of the type given."""
 
-    second: tuple[type, ...]
-    """Python types of values that are meant as the second of the two."""
+    is_second: Callable[[Any], bool]
+    """Whether a value is meant as the second of the two."""
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -52,11 +52,16 @@ class Either:
         first, second = map(handler.generate_schema, get_args(source))
         return core_schema.tagged_union_schema(
             {PLAIN: first, TABLE: second},
-            discriminator=lambda value: TABLE if isinstance(value, self.second) else PLAIN,
+            discriminator=lambda value: TABLE if self.is_second(value) else PLAIN,
         )
 
 
-OR_TABLE, OR_TEXT, OR_PAIR = Either((dict, BaseModel)), Either((str,)), Either((list, tuple))
+OR_TABLE = Either(lambda value: isinstance(value, dict | BaseModel))
+OR_TEXT = Either(lambda value: isinstance(value, str))
+OR_PAIR = Either(lambda value: isinstance(value, list | tuple))
+OR_LINE = Either(
+    lambda value: isinstance(value, list | tuple) and OR_PAIR.is_second([*value, 0][0])
+)
 
 
 class Table(BaseModel):

@@ -35,7 +35,7 @@ from clast.model.stage_records import Event
 from clast.model.stages import EQUILIBRIUM, LOCK, Stage, with_loads, with_strengths
 from clast.model.state import ContactMemory, State
 from clast.model.surroundings import blocks_called
-from clast.run.excavation import as_in, excavated, release, without
+from clast.run.excavation import as_in, excavated, release, with_drains, without
 from clast.run.schedule import Schedule
 from clast.step.method import Method
 from clast.step.search_distance import search_within_step, travel_expected
@@ -122,6 +122,7 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
         viscous_edges=model.viscous_edges.at_stage(stage.name, starts[-1]),
         begun=tuple((one.name, at) for one, at in zip(stages, starts, strict=False)),
     )
+    model = with_drains(model)
     locks = len(starts) > 1 and stage.jacks == LOCK
     bolts = model.bolts.locked_by_now() if locks else model.bolts
     return Setting(
