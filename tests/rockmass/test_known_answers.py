@@ -26,7 +26,7 @@ from clast.rockmass import (
     cut,
 )
 from clast.rockmass.joints.plan import MeanDirection
-from clast.verification.cut_blocks import areas, lines_of, rectangle
+from clast.verification.fixtures import areas, lines_of, rectangle
 from clast.verification.problems.cutting import (
     apparent_dip,
     chords,

@@ -13,18 +13,18 @@ from clast.errors import CaseError, RunStopped
 from clast.inputs.method import PROCESSES
 from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.catalogue import GROUPS, MODULES
-from clast.verification.problem import Bracket, KnownFailure, absolute, relative
+from clast.verification.problem import Bracket, KnownFailure
 from clast.verification.problems.blocks.spin import spin
 from clast.verification.variants import LAGGED
-from clast.verification.verification_report import anchor
+from clast.verification.report import anchor
 
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def problem(*comparisons, **changes):
-    """Return a problem that finds the comparisons given."""
+def problem(measure, *comparison, **changes):
+    """Return a problem with a comparison, "relative" or "absolute"."""
     return dataclasses.replace(
-        spin, examine=lambda trial: trial.rows.extend(comparisons), **changes
+        spin, examine=lambda trial: getattr(trial, measure)(*comparison), **changes
     )
 
 
@@ -89,13 +89,13 @@ def test_variants_are_narrowed_by_process_and_law():
 
 
 def test_a_failure_that_is_known_and_gone_is_named():
-    known = KnownFailure(variant=LAGGED, quantity="way", reason="because")
-    each = problem(absolute("way at 2 s", "m", 0.0, 0.0, 0.1, "why"), known_failures=(known,))
+    known = KnownFailure(LAGGED, "way", "because")
+    each = problem("absolute", "way at 2 s", "m", 0.0, 0.0, 0.1, "why", known_failures=(known,))
     assert verification.fixed_failures([each.findings(LAGGED)]) == [known]
 
 
 def test_relative_error_passes_within_its_tolerance():
-    row = problem(relative("way", "m", 1.001, 1.0, 0.002, "why")).run(LAGGED)[0]
+    row = problem("relative", "way", "m", 1.001, 1.0, 0.002, "why").run(LAGGED)[0]
     assert (row.error, row.verdict) == (pytest.approx(0.001), Verdict.PASS)
     assert cells(row)[2:6] == ("1.001 m", "1 m", "0.1 %", "0.2 %")
 
@@ -110,7 +110,7 @@ def test_relative_error_passes_within_its_tolerance():
     ],
 )
 def test_a_bracket_has_no_error_within_itself(ends, error, verdict):
-    row = problem(relative("limit", "m", Bracket(*ends), 1.0, 0.03, "why")).run(LAGGED)[0]
+    row = problem("relative", "limit", "m", Bracket(*ends), 1.0, 0.03, "why").run(LAGGED)[0]
     assert (row.error, row.verdict) == (pytest.approx(error), verdict)
     assert row.computed == pytest.approx(0.5 * sum(ends))
     assert cells(row)[2] == f"{min(ends):g} to {max(ends):g} m"
@@ -120,14 +120,14 @@ def test_a_bracket_has_no_error_within_itself(ends, error, verdict):
 
 @pytest.mark.parametrize("computed", [1.003, 0.997, math.nan, math.inf])
 def test_a_miss(computed):
-    row = problem(relative("way", "m", computed, 1.0, 0.002, "why")).run(LAGGED)[0]
+    row = problem("relative", "way", "m", computed, 1.0, 0.002, "why").run(LAGGED)[0]
     assert row.verdict is Verdict.MISS
     assert verification.misses([row]) == [row]
 
 
 def test_a_known_failure_is_no_miss():
-    known = KnownFailure(variant=LAGGED, quantity="way", reason="because")
-    each = problem(absolute("way at 2 s", "m", 1.0, 0.0, 0.1, "why"), known_failures=(known,))
+    known = KnownFailure(LAGGED, "way", "because")
+    each = problem("absolute", "way at 2 s", "m", 1.0, 0.0, 0.1, "why", known_failures=(known,))
     row = each.run(LAGGED)[0]
     assert (row.verdict, row.known_failure) == (Verdict.KNOWN, "because")
     assert verification.misses([row]) == []

@@ -12,12 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from clast.verification.catalogue import PROBLEMS
+from clast.verification.catalogue import PROBLEMS, Choose, every, narrowed, problems, quick
 from clast.verification.problem import Findings, Problem, Row, Verdict, fixed_failures, misses
-from clast.verification.selection import Choose, every, narrowed, problems, quick
+from clast.verification.report import HEADINGS, cells, write_report
 from clast.verification.variants import Variant
-from clast.verification.verification_report import write_report
-from clast.verification.verification_tables import HEADINGS, cells
 
 Watch = Callable[[Problem, Variant], None]
 """Called before a problem is run with a variant."""
@@ -27,13 +25,13 @@ def examine(
     names: Iterable[str] = (), *, choose: Choose = every, watch: Watch | None = None
 ) -> list[Findings]:
     """Run the chosen problems; return rows and charts of each variant."""
-    found = []
+    findings = []
     for problem in map(choose, problems(names)):
         for variant in problem.variants:
             if watch:
                 watch(problem, variant)
-            found.append(problem.findings(variant))
-    return found
+            findings.append(problem.findings(variant))
+    return findings
 
 
 def run(

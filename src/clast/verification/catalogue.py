@@ -1,9 +1,14 @@
-"""All problems by groups, in the order of the table."""
+"""All problems by groups, in the order of the table, and the selection of those that are run."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from importlib import import_module
 
+from clast import spelling
+from clast.errors import CaseError
+from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.verification.problem import Problem
 
 MODULES = {
@@ -39,19 +44,74 @@ MODULES = {
 """Folder -> its modules, from single blocks to the whole method."""
 
 
-def _problems_of(group: str, names: str) -> tuple[Problem, ...]:
-    """Return the problems of modules, in the order in which they stand there."""
-    modules = [import_module(f"clast.verification.problems.{group}.{n}") for n in names.split()]
-    return tuple(
+GROUPS = {
+    group: tuple(
         value
-        for module in modules
+        for module in (
+            import_module(f"clast.verification.problems.{group}.{name}") for name in names.split()
+        )
         for value in vars(module).values()
         if isinstance(value, Problem) and value.examine.__module__ == module.__name__
     )
-
-
-GROUPS = {group: _problems_of(group, names) for group, names in MODULES.items()}
+    for group, names in MODULES.items()
+}
 """Folder -> its problems: the subject of their tests."""
 
 PROBLEMS = tuple(problem for group in GROUPS.values() for problem in group)
 """All problems."""
+
+
+Choose = Callable[[Problem], Problem]
+"""Returns a problem with the variants to run."""
+
+
+def every(problem: Problem) -> Problem:
+    """Choose all of a problem."""
+    return problem
+
+
+def quick(problem: Problem) -> Problem:
+    """Choose the part of all problems that together takes less than a minute."""
+    return problem.brief()
+
+
+def problems(names: Iterable[str] = ()) -> list[Problem]:
+    """Return the named problems, and those of named groups; all if none is named.
+
+    Raises CaseError for a name unknown.
+    """
+    known = {**GROUPS, **{problem.name: (problem,) for problem in PROBLEMS}}
+    wanted = list(names)
+    _check("problem", wanted, known, "verification problem")
+    return list(dict.fromkeys(each for name in wanted for each in known[name])) or list(PROBLEMS)
+
+
+def narrowed(choose: Choose, processes: Sequence[str] = (), laws: Sequence[str] = ()) -> Choose:
+    """Restrict a selector to the variants with these processes and laws.
+
+    Nothing named means any.  Raises CaseError for an unknown name.
+    """
+    _check("process", processes, PROCESSES)
+    _check("contact law", laws, CONTACT_LAWS)
+
+    def chosen(problem: Problem) -> Problem:
+        whole = choose(problem)
+        kept = tuple(
+            variant
+            for variant in whole.variants
+            if (not processes or variant.process["name"] in processes)
+            and (not laws or variant.contact_law["name"] in laws)
+        )
+        return replace(whole, variants=kept)
+
+    return chosen
+
+
+def _check(kind: str, names: Iterable[str], known: Iterable[str], called: str = "") -> None:
+    listed = list(known)
+    for name in names:
+        if name not in listed:
+            raise CaseError(
+                f"there is no {called or kind} '{name}'",
+                remedy=spelling.advice(name, listed, kind=kind),
+            )

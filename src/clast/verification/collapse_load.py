@@ -30,8 +30,8 @@ LAST = 20
 class StaticRun:
     """Numbers of the static runs that show whether the blocks of a model stand."""
 
-    normal_stiffness: float
-    """Normal stiffness p, N/m per m."""
+    p: float
+    """Normal stiffness, N/m per m."""
     step: float
     """Step, s."""
     steps: int
@@ -47,12 +47,8 @@ class StaticRun:
         It is inf for a run that has failed, and for one whose points have moved by more than
         ``max_displacement``: blocks that move far may come to rest somewhere else.
         """
-        method = variant.method(
-            model,
-            normal_stiffness=self.normal_stiffness,
-            max_displacement=self.max_displacement,
-            dynamic_ratio=0.0,
-        )
+        numbers = {"p": self.p, "max_displacement": self.max_displacement}
+        method = variant.method(model, **numbers, dynamic_ratio=0.0)
         end = self.steps * self.step
         run = simulate(model, method, Schedule(step=self.step, end=end, every=end))
         if any(event.kind == "fails" for event in run.report.events):

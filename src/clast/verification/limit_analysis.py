@@ -62,7 +62,7 @@ class RigidBlocks:
 
         Shape (3 n, 3 k); moments are about the centroids, counter-clockwise.
         """
-        found = np.zeros((3 * len(self.corners), 3 * len(self.joints)))
+        matrix = np.zeros((3 * len(self.corners), 3 * len(self.joints)))
         for k, joint in enumerate(self.joints):
             for block, sign in zip(joint.blocks, (1.0, -1.0), strict=True):
                 if block == GROUND:
@@ -73,32 +73,32 @@ class RigidBlocks:
                     (2, joint.ends[0], sign * joint.along),
                 ):
                     load = self.force_at(block, at, force)
-                    found[:, 3 * k + column] += load
-        return found
+                    matrix[:, 3 * k + column] += load
+        return matrix
 
     def friction(self) -> Floats:
         """Return the rows of +-V - (N1 + N2) tan phi, which are <= 0, (2 k, 3 k)."""
-        found = np.zeros((2 * len(self.joints), 3 * len(self.joints)))
+        rows = np.zeros((2 * len(self.joints), 3 * len(self.joints)))
         for k, joint in enumerate(self.joints):
             for row, sign in ((2 * k, 1.0), (2 * k + 1, -1.0)):
-                found[row, 3 * k : 3 * k + 2] = -np.tan(np.radians(joint.friction_angle))
-                found[row, 3 * k + 2] = sign
-        return found
+                rows[row, 3 * k : 3 * k + 2] = -np.tan(np.radians(joint.friction_angle))
+                rows[row, 3 * k + 2] = sign
+        return rows
 
     def body_force(self, force: Sequence[float]) -> Floats:
         """Return the loads (3 n,) of a force per area (2,), N/m3."""
-        found = np.zeros(3 * len(self.corners))
+        loads = np.zeros(3 * len(self.corners))
         for block, corners in enumerate(self.corners):
             area, _ = centroid(corners)
-            found[3 * block : 3 * block + 2] = area * np.asarray(force)
-        return found
+            loads[3 * block : 3 * block + 2] = area * np.asarray(force)
+        return loads
 
     def force_at(self, block: int, at: Floats, force: Floats) -> Floats:
         """Return the loads (3 n,) of a force (2,), N/m, at a point (2,), m, of a block."""
-        found = np.zeros(3 * len(self.corners))
+        loads = np.zeros(3 * len(self.corners))
         x, y = at - centroid(self.corners[block])[1]
-        found[3 * block : 3 * block + 3] = *force, x * force[1] - y * force[0]
-        return found
+        loads[3 * block : 3 * block + 3] = *force, x * force[1] - y * force[0]
+        return loads
 
 
 def largest_factor(blocks: RigidBlocks, dead: Floats, live: Floats) -> float:
@@ -150,10 +150,10 @@ def _least(
     if live is not None:
         equilibrium = np.hstack([equilibrium, live[:, None]])
     none = np.zeros(len(above))
-    found = linprog(cost, A_ub=above, b_ub=none, A_eq=equilibrium, b_eq=-dead, bounds=bounds)
-    if found.x is None:
-        raise NoEquilibriumError(found.message)
-    return float(found.fun)
+    optimum = linprog(cost, A_ub=above, b_ub=none, A_eq=equilibrium, b_eq=-dead, bounds=bounds)
+    if optimum.x is None:
+        raise NoEquilibriumError(optimum.message)
+    return float(optimum.fun)
 
 
 def _signs(blocks: RigidBlocks) -> list[Bounds]:

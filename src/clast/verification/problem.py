@@ -11,8 +11,8 @@ from typing import Any
 
 from clast.errors import RunStopped
 from clast.model.model import Model
-from clast.pictures.verification import Chart, Curve
-from clast.verification.variants import Variant
+from clast.pictures.verification import Chart, Curve, curve, exact_curve
+from clast.verification.variants import CONVEX, Variant
 
 
 class Verdict(Enum):
@@ -87,47 +87,6 @@ class Comparison:
         return abs(self.error) <= self.tolerance  # false for nan
 
 
-def relative(
-    quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
-) -> Comparison:
-    """Compare by (computed - exact) / |exact|."""
-    return _comparison(quantity, unit, computed, exact, tolerance, reason, Measure.RELATIVE)
-
-
-def absolute(
-    quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
-) -> Comparison:
-    """Compare by computed - exact, in ``unit``."""
-    return _comparison(quantity, unit, computed, exact, tolerance, reason, Measure.ABSOLUTE)
-
-
-def _comparison(
-    quantity: str,
-    unit: str,
-    computed: float,
-    exact: float,
-    tolerance: float,
-    reason: str,
-    measure: Measure,
-) -> Comparison:
-    if isinstance(computed, Bracket):
-        # it is said beside the error, and no part of it
-        half = 0.5 * (computed.high - computed.low)
-        share = abs(exact) if measure is Measure.RELATIVE else 1.0
-        tolerance = max(0.0, tolerance - half / share)
-    else:
-        computed = float(computed)
-    return Comparison(
-        quantity=quantity,
-        unit=unit,
-        computed=computed,
-        exact=float(exact),
-        measure=measure,
-        tolerance=float(tolerance),
-        reason=reason,
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class Row(Comparison):
     """A line of the table: a comparison, its problem and variant, and its verdict."""
@@ -167,6 +126,23 @@ class Row(Comparison):
         }
 
 
+class Plot:
+    """Curves of a chart, drawn one after the other."""
+
+    def __init__(self, variant: str, curves: list[Curve]) -> None:
+        """Draw the curves of a variant into a list."""
+        self._variant, self._curves = variant, curves
+
+    def exact(self, label: str, x: Any, y: Any) -> None:
+        """Draw values of a formula."""
+        self._curves.append(exact_curve(label, x, y))
+
+    def computed(self, x: Any, y: Any, of: str = "", *, label: str = "") -> None:
+        """Draw computed values, labelled by the variant after ``of``, or by a label alone."""
+        label = label or (f"{of}, {self._variant}" if of else self._variant)
+        self._curves.append(curve(label, x, y))
+
+
 class Trial:
     """A run of a problem with one variant: collects computed values beside exact ones."""
 
@@ -180,21 +156,56 @@ class Trial:
         self, quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
     ) -> None:
         """Add a value, compared by (computed - exact) / |exact|."""
-        self.rows.append(relative(quantity, unit, computed, exact, tolerance, reason))
+        self._add(quantity, unit, computed, exact, tolerance, reason, Measure.RELATIVE, abs(exact))
 
     def absolute(
         self, quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
     ) -> None:
         """Add a value, compared by computed - exact, in ``unit``."""
-        self.rows.append(absolute(quantity, unit, computed, exact, tolerance, reason))
+        self._add(quantity, unit, computed, exact, tolerance, reason, Measure.ABSOLUTE, 1.0)
 
-    def chart(self, title: str, x_label: str, y_label: str, *curves: Curve, **axes: Any) -> None:
-        """Add the same as curves; ``axes`` as of Chart."""
-        chart = Chart(title=title, x_label=x_label, y_label=y_label, curves=curves, **axes)
+    def _add(
+        self,
+        quantity: str,
+        unit: str,
+        computed: float,
+        exact: float,
+        tolerance: float,
+        reason: str,
+        measure: Measure,
+        size: float,
+    ) -> None:
+        if isinstance(computed, Bracket):
+            # its width is given beside the error, and is no part of it
+            tolerance = max(0.0, tolerance - 0.5 * (computed.high - computed.low) / size)
+        else:
+            computed = float(computed)
+        self.rows.append(
+            Comparison(
+                quantity=quantity,
+                unit=unit,
+                computed=computed,
+                exact=float(exact),
+                measure=measure,
+                tolerance=float(tolerance),
+                reason=reason,
+            )
+        )
+
+    @property
+    def computed(self) -> list[float]:
+        """Computed values, row by row."""
+        return [row.computed for row in self.rows]
+
+    def chart(self, title: str, x_label: str, y_label: str, **scales: Any) -> Plot:
+        """Add a chart, whose curves its Plot draws; ``scales`` as of Chart."""
+        curves: list[Curve] = []
+        chart = Chart(title=title, x_label=x_label, y_label=y_label, curves=curves, **scales)
         self.charts.append(chart)
+        return Plot(self.variant.name, curves)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class KnownFailure:
     """A quantity that is known to miss its tolerance with one variant, and why."""
 
@@ -238,7 +249,7 @@ class Problem:
     """Run the problem with a trial and the cases."""
     variants: tuple[Variant, ...]
     """The variants of a full run."""
-    quick: tuple[Variant, ...]
+    quick: tuple[Variant, ...] = (CONVEX,)
     """The variants where time is short."""
     cases: tuple[Any, ...] = ()
     """The cases run; all that are the defaults of ``examine`` if empty."""
@@ -270,17 +281,13 @@ class Problem:
         return list(self.findings(variant).rows)
 
     def _row(self, comparison: Comparison, variant: Variant) -> Row:
-        reasons = [
+        reason = " ".join(
             known.reason
             for known in self.known_failures
             if known.variant == variant and comparison.quantity.startswith(known.quantity)
-        ]
-        return Row(
-            **vars(comparison),
-            problem=self.name,
-            variant=variant.name,
-            known_failure=" ".join(reasons),
         )
+        names = {"problem": self.name, "variant": variant.name}
+        return Row(**vars(comparison), **names, known_failure=reason)
 
 
 FIELDS = {"Exact": "formula", "Source": "source", "Not run with": "left_out"}
@@ -300,14 +307,9 @@ def problem(**settings: Any) -> Callable[[Callable[..., None]], Problem]:
         texts = dict(zip(map(FIELDS.__getitem__, sections[::2]), sections[1::2], strict=True))
         texts = {field: " ".join(words.split()).removesuffix(".") for field, words in texts.items()}
         fields: dict[str, Any] = {**texts, "text": " ".join(text.split())}
-        name = examine.__name__.replace("_", "-")
-        return Problem(
-            name=name,
-            title=" ".join(title.split()).removesuffix("."),
-            examine=examine,
-            **fields,
-            **settings,
-        )
+        fields["name"] = examine.__name__.replace("_", "-")
+        fields["title"] = " ".join(title.split()).removesuffix(".")
+        return Problem(examine=examine, **fields, **settings)
 
     return of
 
@@ -316,10 +318,10 @@ def fixed_failures(findings: Iterable[Findings]) -> list[KnownFailure]:
     """Return the known failures of which not one quantity fails any more."""
     return [
         known
-        for found in findings
-        for known in found.problem.known_failures
-        if known.variant == found.variant
-        and not any(row.quantity.startswith(known.quantity) and not row.holds for row in found.rows)
+        for each in findings
+        for known in each.problem.known_failures
+        if known.variant == each.variant
+        and not any(row.quantity.startswith(known.quantity) and not row.holds for row in each.rows)
     ]
 
 

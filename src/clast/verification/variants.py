@@ -9,13 +9,11 @@ from typing import Any
 
 from clast.inputs.method import FIXED_POINT_FACTOR, MethodTable
 from clast.model.model import Model
+from clast.model.stages import Stage
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
-
-CRITDIS = 0.5
-"""critdis in units of max_displacement: the paper's own ratio."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,44 +37,52 @@ class Variant:
         self,
         model: Model,
         *,
-        normal_stiffness: float,
+        p: float,
         max_displacement: float,
         dynamic_ratio: float = 1.0,
+        **others: Any,
     ) -> Method:
-        """Return the method with the numbers of a problem: p in N/m per m, lengths in m.
+        """Return the method with the numbers of a problem: ``p`` in N/m per m, lengths in m.
 
         critdis is half of ``max_displacement``, as in the paper; fixed points are, as in case
-        files, 100 times stiffer than the contacts and the stiffest rock.
+        files, 100 times stiffer than the contacts and the stiffest rock; ``others`` as of Method.
         """
-        law = {**self.contact_law, "normal_stiffness": normal_stiffness}
         table = MethodTable.model_validate(
             {
                 "process": dict(self.process),
-                "contact_law": law,
+                "contact_law": {**self.contact_law, "normal_stiffness": p},
                 "integrator": self.integrator,
                 "rotation": self.rotation,
             }
         )
-        stiffest = max([normal_stiffness, *(rock.young for rock in model.rocks)])
+        parts = ("process", "contact_law", "corner_rule", "rotation", "integrator", "solver")
+        stiffest = max([p, *(rock.young for rock in model.rocks)])
         return Method(
-            process=table.build("process"),
-            contact_law=table.build("contact_law"),
-            corner_rule=table.build("corner_rule"),
-            rotation=table.build("rotation"),
-            integrator=table.build("integrator"),
-            solver=table.build("solver"),
+            **{**{part: table.build(part) for part in parts}, **others},
             fixed_point_stiffness=FIXED_POINT_FACTOR * stiffest,
-            critdis=CRITDIS * max_displacement,
+            critdis=0.5 * max_displacement,
             max_displacement=max_displacement,
             dynamic_ratio=dynamic_ratio,
         )
 
     def run(
-        self, model: Model, *, step: float, end: float, every: float | None = None, **numbers: float
+        self,
+        model: Model,
+        *,
+        step: float,
+        end: float,
+        every: float | None = None,
+        stages: tuple[Stage, ...] = (),
+        **numbers: Any,
     ) -> Run:
         """Run a model to ``end``, s, with ``numbers`` of method(); one frame by default."""
-        schedule = Schedule(step=step, end=end, every=end if every is None else every)
+        every = end if every is None else every
+        schedule = Schedule(step=step, end=end, every=every, stages=stages)
         return simulate(model, self.method(model, **numbers), schedule)
+
+    def static(self, model: Model, **numbers: Any) -> Run:
+        """Run a model as ``run`` does, every step beginning at rest."""
+        return self.run(model, **numbers, dynamic_ratio=0.0)
 
 
 LAGGED = Variant(name="modified, lagged friction", process={"name": "modified"})
@@ -116,6 +122,13 @@ MIDPOINT_OPEN_CLOSE = Variant(
 )
 """Shi's process, likewise."""
 
+EACH_PROCESS = (LAGGED, OPEN_CLOSE, CONVEX)
+"""The three processes."""
+WITH_EULER = (LAGGED, EULER, OPEN_CLOSE, CONVEX)
+"""The same, and the dissipative time scheme."""
+HALF_WAY = (MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE)
+"""The three processes with forces half way through the step."""
+
 FOUR_SOLVES = {"name": "augmented-lagrangian", "solves": 4}
 """Multipliers that start anew in every step, renewed in four solves (the paper's law)."""
 
@@ -128,6 +141,9 @@ CONVEX_MULTIPLIERS = Variant(
     name="convex, augmented Lagrangian", process={"name": "convex"}, contact_law=FOUR_SOLVES
 )
 """The convex process with the same law."""
+
+BOTH_LAWS = (*WITH_EULER, MULTIPLIERS, CONVEX_MULTIPLIERS)
+"""Processes and time schemes with the penalty law, and processes with the paper's."""
 
 CHATTERS = (
     "four solves a step make the contact four times as stiff while friction stays one step old: "

@@ -7,20 +7,12 @@ from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress, Ro
 from clast.model.state import State, initial_state
 from clast.results import PointHistory, Run
 from clast.verification.collapse_load import AT_REST, StaticRun, limit
-from clast.verification.problem import (
-    Bracket,
-    Comparison,
-    KnownFailure,
-    Trial,
-    absolute,
-    problem,
-    relative,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problem import Bracket, KnownFailure, Trial, problem
 
 __all__ = [
     "AT_REST",
     "Bracket",
-    "Comparison",
     "Floats",
     "InputBuilder",
     "KnownFailure",
@@ -34,9 +26,9 @@ __all__ = [
     "State",
     "StaticRun",
     "Trial",
-    "absolute",
+    "box",
     "initial_state",
     "limit",
+    "new_model",
     "problem",
-    "relative",
 ]

@@ -1,12 +1,17 @@
 """A column under its own weight."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.problem import Trial, problem
-from clast.verification.problems import InputBuilder, Model, Plane, PlaneStrain, PlaneStress
+from clast.verification.problems import (
+    Model,
+    Plane,
+    PlaneStrain,
+    PlaneStress,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25
@@ -22,11 +27,11 @@ STRAINED = "the weight acts on the shortened column: of the size of its strain, 
 
 def model_of_column(plane: Plane = PLANES[0]) -> Model:
     """Return a column of 2 m x 10 m on a fixed, smooth floor."""
-    builder = InputBuilder(title="Column", plane=plane, gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=DENSITY)
-    builder.block(name="floor", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
-    corners = [(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)]
-    builder.block(name="column", vertices=corners)
+    builder = new_model(
+        "Column", plane=plane, gravity=GRAVITY, young=YOUNG, density=DENSITY, poisson=POISSON
+    )
+    builder.block(name="floor", vertices=box(-1, -1, 3, 0), fixed=True)
+    builder.block(name="column", vertices=box(0, 0, WIDTH, HEIGHT))
     for name, height in (("foot", 0.0), ("top", HEIGHT)):
         builder.measured_point(name, (0.5 * WIDTH, height), block="column")
     return builder.build()
@@ -40,34 +45,11 @@ def exact_shortening(plane: Plane) -> float:
 
 def settled(plane: Plane, variant: Variant) -> tuple[float, float, float]:
     """Return the vertical stress, Pa, the shortening and the settlement of the foot, m."""
-    model = model_of_column(plane)
-    run = variant.run(
-        model,
-        step=STEP,
-        end=DURATION,
-        normal_stiffness=STIFFNESS,
-        max_displacement=0.05,
-        dynamic_ratio=0.0,
+    run = variant.static(
+        model_of_column(plane), step=STEP, end=DURATION, p=STIFFNESS, max_displacement=0.05
     )
     foot, top = (float(run.history(name).displacement[-1, 1]) for name in ("foot", "top"))
     return float(run.state.stress[1, 1]), foot - top, -foot
-
-
-def _chart(variant: Variant, shortenings: list[float]) -> Chart:
-    """Return the shortening between foot and height, which one strain makes linear."""
-    exact = (
-        exact_curve(f"plane {plane.name}", (0.0, 1e3 * exact_shortening(plane)), (0.0, HEIGHT))
-        for plane in PLANES
-    )
-    return Chart(
-        title="shortening below a height",
-        x_label="shortening, mm",
-        y_label="height, m",
-        curves=(
-            *exact,
-            curve(variant.name, 1e3 * np.array(shortenings), np.full(len(PLANES), HEIGHT)),
-        ),
-    )
 
 
 @problem(
@@ -83,6 +65,10 @@ def column(trial: Trial) -> None:
     nu^2) in plane strain; the foot settles by W/(2p).
     Source: elasticity, averaged over the column (a block has one strain).
     """
+    chart = trial.chart("shortening below a height", "shortening, mm", "height, m")
+    for plane in PLANES:
+        shortening = 1e3 * exact_shortening(plane)
+        chart.exact(f"plane {plane.name}", (0.0, shortening), (0.0, HEIGHT))
     shortenings = []
     for plane in PLANES:
         stress, shortening, settlement = settled(plane, trial.variant)
@@ -93,4 +79,4 @@ def column(trial: Trial) -> None:
         trial.relative(f"vertical stress, {case}", "Pa", stress, STRESS, 1e-4, STRAINED)
         trial.relative(f"shortening, {case}", "m", shortening, exact, 1e-4, STRAINED)
         trial.relative(f"settlement of the foot, {case}", "m", settlement, sunk, 1e-6, "at rest")
-    trial.charts.append(_chart(trial.variant, shortenings))
+    chart.computed(1e3 * np.array(shortenings), np.full(len(PLANES), HEIGHT))

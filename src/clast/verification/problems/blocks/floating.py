@@ -1,11 +1,16 @@
 """A raft that floats: it heaves and rolls for ever, with the periods of ship theory."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
+from clast.verification.problems import (
+    Floats,
+    Model,
+    PointHistory,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 GRAVITY, WATER, DENSITY = 9.81, 1000.0, 500.0
@@ -24,12 +29,10 @@ OF_STEP = "70 to 80 steps a period: (w h)^2/24 is 3e-4"
 
 def raft(down: float, tilt: float) -> Model:
     """Return a raft over a fixed bed, ``down`` m too low and turned by ``tilt``, rad."""
-    builder = InputBuilder(title="Raft", gravity=(0.0, -GRAVITY))
-    builder.add_rock("wood", young=1e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=30.0)
-    builder.block(name="bed", vertices=[(-6, -5), (6, -5), (6, -4), (-6, -4)], fixed=True)
+    builder = new_model("Raft", gravity=GRAVITY, young=1e9, density=DENSITY, friction_angle=30.0)
+    builder.block(name="bed", vertices=box(-6, -5, 6, -4), fixed=True)
     right, top = 0.5 * BREADTH, 0.5 * HEIGHT
-    corners = np.array([(-right, -top), (right, -top), (right, top), (-right, top)])
+    corners = np.array(box(-right, -top, right, top))
     cosine, sine = np.cos(tilt), np.sin(tilt)
     at = corners @ np.array([[cosine, sine], [-sine, cosine]]) + (0.0, top - DRAUGHT - down)
     builder.block(name="raft", vertices=at)
@@ -49,17 +52,13 @@ def swings(time: Floats, value: Floats) -> tuple[float, float]:
 
 def moved(down: float, tilt: float, end: float, variant: Variant) -> PointHistory:
     """Return how a raft moves."""
-    model = raft(down, tilt)
-    return variant.run(
-        model, step=STEP, end=end, normal_stiffness=1e9, max_displacement=0.05
-    ).history("middle")
+    return variant.run(raft(down, tilt), step=STEP, end=end, p=1e9, max_displacement=0.05).history(
+        "middle"
+    )
 
 
 @problem(
-    set_up=lambda: raft(DOWN, 0.0),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, MIDPOINT),
-    quick=(CONVEX,),
-    few=(FEW,),
+    set_up=lambda: raft(DOWN, 0.0), variants=(LAGGED, OPEN_CLOSE, CONVEX, MIDPOINT), few=(FEW,)
 )
 def floating_raft(trial: Trial, periods: int = PERIODS) -> None:
     """Raft that heaves and rolls.
@@ -81,14 +80,10 @@ def floating_raft(trial: Trial, periods: int = PERIODS) -> None:
         trial.relative(f"period of {name}", "s", period, exact, 2e-3, OF_STEP)
         quantity = f"{name}, amplitude after {periods} periods by that of the first"
         trial.relative(quantity, "", left, 1.0, 0.01, "pressures half way of a step")
-        trial.chart(
-            name,
-            "time, s",
-            label,
-            exact_curve(
-                "cosine",
-                history.time[:300],
-                value[0] * np.cos(2.0 * np.pi * history.time[:300] / exact),
-            ),
-            curve(trial.variant.name, history.time[:300:6], value[:300:6]),
+        chart = trial.chart(name, "time, s", label)
+        chart.exact(
+            "cosine",
+            history.time[:300],
+            value[0] * np.cos(2.0 * np.pi * history.time[:300] / exact),
         )
+        chart.computed(history.time[:300:6], value[:300:6])

@@ -1,12 +1,17 @@
 """Patch test: a uniform stress from all sides gives the exact affine displacement."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problem import Trial, problem
-from clast.verification.problems import Floats, InputBuilder, Model, Plane, PlaneStrain, PlaneStress
+from clast.verification.problems import (
+    Floats,
+    Model,
+    Plane,
+    PlaneStrain,
+    PlaneStress,
+    Trial,
+    new_model,
+    problem,
+)
 from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 YOUNG, POISSON = 5e9, 0.25
@@ -21,8 +26,7 @@ STRAINED = "the traction acts on the strained outline: of the size of the strain
 
 def loaded_block(plane: Plane = PLANES[0]) -> Model:
     """Return a free pentagon with the traction of a uniform stress on every edge."""
-    builder = InputBuilder(title="Patch test", plane=plane, gravity=(0.0, 0.0))
-    builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=2700.0)
+    builder = new_model("Patch test", plane=plane, young=YOUNG, density=2700.0, poisson=POISSON)
     builder.block(name="block", vertices=CORNERS)
     tensor = np.array([[STRESS[0], STRESS[2]], [STRESS[2], STRESS[1]]])
     for k, (start, end) in enumerate(zip(CORNERS, np.roll(CORNERS, -1, axis=0), strict=True)):
@@ -53,15 +57,7 @@ def exact_displacement(plane: Plane) -> Floats:
 
 def loaded(plane: Plane, variant: Variant) -> tuple[Floats, Floats]:
     """Return stress (3,), Pa, and displacement of the corners, m (k, 2)."""
-    model = loaded_block(plane)
-    run = variant.run(
-        model,
-        step=STEP,
-        end=DURATION,
-        normal_stiffness=1e9,
-        max_displacement=0.05,
-        dynamic_ratio=0.0,
-    )
+    run = variant.static(loaded_block(plane), step=STEP, end=DURATION, p=1e9, max_displacement=0.05)
     moved = np.array([run.history(f"corner {k}").displacement[-1] for k in range(len(CORNERS))])
     return run.state.stress[0], without_rigid_motion(moved)
 
@@ -100,10 +96,6 @@ def patch(trial: Trial) -> None:
         pairs.append(1e6 * np.stack([exact.ravel(), moved.ravel()]))
     found = np.concatenate(pairs, axis=1)
     limit = 1.1 * np.abs(found[0]).max()
-    trial.chart(
-        "displacement of the corners",
-        "affine field, µm",
-        "computed, µm",
-        exact_curve("equal", (-limit, limit), (-limit, limit)),
-        curve(trial.variant.name, *found),
-    )
+    chart = trial.chart("displacement of the corners", "affine field, µm", "computed, µm")
+    chart.exact("equal", (-limit, limit), (-limit, limit))
+    chart.computed(*found)

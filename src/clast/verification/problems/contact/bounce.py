@@ -13,12 +13,9 @@ with backward Euler.  A single bounce scatters about it with the share of a step
 arrives.  The convex process has a restitution of its own (see restitution).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Trial, problem
+from clast.verification.problems import Model, Trial, box, new_model, problem
 from clast.verification.variants import EULER, LAGGED, OPEN_CLOSE, PASSES, Variant
 
 SPEED = 0.1
@@ -40,20 +37,22 @@ ARRIVALS = np.arange(8) / 8.0
 
 def block_above_floor(gap: float = 0.1) -> Model:
     """Return a block of 1 m x 1 m moving down towards a fixed floor ``gap``, m, below it."""
-    builder = InputBuilder(title="Bounce", gravity=(0.0, 0.0))
-    builder.add_rock("granite", young=5000.0 * STIFFNESS, poisson=0.2, density=DENSITY)
-    builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
-    corners = [(0, gap), (1, gap), (1, 1 + gap), (0, 1 + gap)]
-    builder.block(name="block", vertices=corners, velocity=(0.0, -SPEED, 0.0))
+    builder = new_model("Bounce", young=5000.0 * STIFFNESS, density=DENSITY)
+    builder.block(name="floor", vertices=box(-1, -0.5, 2, 0), fixed=True)
+    builder.block(name="block", vertices=box(0, gap, 1, 1 + gap), velocity=(0.0, -SPEED, 0.0))
     builder.measured_point("centroid", (0.5, 0.5 + gap), block="block")
     return builder.build()
 
 
 def restitution_of(step: float, arrival: float, variant: Variant) -> float:
     """Return the restitution of a block that lands ``arrival`` of a ``step``, s, into a step."""
-    model = block_above_floor(SPEED * step * (1.0 + arrival))
-    end = 1.5 * np.pi / FREQUENCY + 8.0 * step
-    run = variant.run(model, step=step, end=end, normal_stiffness=STIFFNESS, max_displacement=0.1)
+    run = variant.run(
+        block_above_floor(SPEED * step * (1.0 + arrival)),
+        step=step,
+        end=1.5 * np.pi / FREQUENCY + 8.0 * step,
+        p=STIFFNESS,
+        max_displacement=0.1,
+    )
     return float(run.history("centroid").velocity[-1, 1]) / SPEED
 
 
@@ -89,14 +88,10 @@ def bounce(trial: Trial, steps: tuple[float, ...] = STEPS) -> None:
         reason = "the formula neglects (w h)^2"
         trial.absolute(quantity, "", float(np.mean(found)), exact, 0.3 * step**2, reason)
     fine = np.linspace(0.0, max(STEPS), 51)
-    trial.chart(
-        "restitution",
-        "ω h",
-        "speed after / speed before",
-        exact_curve(
-            f"exp(-{0.25 * THETAS[trial.variant.name]:g} π ω h)",
-            fine,
-            [exact_restitution(step, trial.variant) for step in fine],
-        ),
-        curve(trial.variant.name, np.repeat(steps, len(ARRIVALS)), np.ravel(computed)),
+    chart = trial.chart("restitution", "ω h", "speed after / speed before")
+    chart.exact(
+        f"exp(-{0.25 * THETAS[trial.variant.name]:g} π ω h)",
+        fine,
+        [exact_restitution(step, trial.variant) for step in fine],
     )
+    chart.computed(np.repeat(steps, len(ARRIVALS)), np.ravel(computed))

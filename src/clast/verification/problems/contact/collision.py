@@ -1,13 +1,18 @@
 """Two free blocks collide: the momentum that one gains the other loses, to the last digit."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from clast.block import polygon
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.problem import Trial, problem
-from clast.verification.problems import Floats, InputBuilder, Model, Run, State, initial_state
+from clast.verification.problems import (
+    Floats,
+    Model,
+    State,
+    Trial,
+    box,
+    initial_state,
+    new_model,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -15,7 +20,6 @@ from clast.verification.variants import (
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
-    Variant,
 )
 
 VELOCITY = (1.0, 0.2, 0.0)
@@ -30,12 +34,10 @@ MOMENT = (
 
 def two_blocks(friction_angle: float = 30.0) -> Model:
     """Return a block that flies towards a larger one at rest and hits it off its centre."""
-    builder = InputBuilder(title="Collision", gravity=(0.0, 0.0))
-    builder.add_rock("granite", young=5e9, poisson=0.2, density=2700.0)
-    builder.add_joint("default", friction_angle=friction_angle)
+    builder = new_model("Collision", young=5e9, density=2700.0, friction_angle=friction_angle)
     arriving = [(-0.1, 0.3), (-0.1, 1.3), (-1.1, 1.2), (-1.0, 0.2)]
     builder.block(name="arriving", vertices=arriving, velocity=VELOCITY)
-    builder.block(name="at rest", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    builder.block(name="at rest", vertices=box(0, 0, 2, 1))
     builder.measured_point("arriving", (-0.54, 0.75), block="arriving")
     builder.measured_point("at rest", (1.0, 0.5), block="at rest")
     return builder.build()
@@ -49,24 +51,6 @@ def momentum(model: Model, state: State) -> Floats:
     inertia = model.mass / area * (second[:, 0] + second[:, 1])
     angular = x * linear[:, 1] - y * linear[:, 0] + inertia * state.velocity[:, 2]
     return np.array([*linear.sum(axis=0), angular.sum()])
-
-
-def _chart(variant: Variant, run: Run, momentum_x: float) -> Chart:
-    """Return the horizontal velocity of both blocks and of their centre of mass over time."""
-    mass = run.model.mass
-    velocity = np.array([run.history(name).velocity[::15, 0] for name in run.model.block_name])
-    centre = mass @ velocity / mass.sum()
-    time = run.history("arriving").time[::15]
-    exact = np.full(len(time), momentum_x / mass.sum())
-    return Chart(
-        title="horizontal velocity of the blocks",
-        x_label="time, s",
-        y_label="velocity, m/s",
-        curves=(
-            exact_curve("centre of mass", time, exact),
-            curve(variant.name, np.tile(time, 3), np.ravel([*velocity, centre])),
-        ),
-    )
 
 
 @problem(
@@ -84,13 +68,17 @@ def collision(trial: Trial) -> None:
     Source: Newton's third law.
     """
     model = two_blocks()
-    run = trial.variant.run(
-        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.02
-    )
+    run = trial.variant.run(model, step=STEP, end=DURATION, p=1e8, max_displacement=0.02)
     before, after = momentum(model, initial_state(model)), momentum(model, run.state)
     scale = float(np.hypot(*before[:2]))
     lost = (after - before) / scale
     trial.absolute("change of momentum x / momentum", "", lost[0], 0.0, 1e-13, ROUND_OFF)
     trial.absolute("change of momentum y / momentum", "", lost[1], 0.0, 1e-13, ROUND_OFF)
     trial.absolute("change of moment of momentum / momentum", "m", lost[2], 0.0, 1e-3, MOMENT)
-    trial.charts.append(_chart(trial.variant, run, before[0]))
+    mass = model.mass
+    velocity = np.array([run.history(name).velocity[::15, 0] for name in model.block_name])
+    centre = mass @ velocity / mass.sum()
+    time = run.history("arriving").time[::15]
+    chart = trial.chart("horizontal velocity of the blocks", "time, s", "velocity, m/s")
+    chart.exact("centre of mass", time, np.full(len(time), before[0] / mass.sum()))
+    chart.computed(np.tile(time, 3), np.ravel([*velocity, centre]))

@@ -11,19 +11,20 @@ Static steps of the convex process carry multipliers over, and nothing remains. 
 is the weight with either law.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Trial, absolute, problem, relative
+from clast.verification.problems import (
+    Model,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
 from clast.verification.variants import (
+    BOTH_LAWS,
     CONVEX,
     CONVEX_MULTIPLIERS,
-    EULER,
-    LAGGED,
     MULTIPLIERS,
-    OPEN_CLOSE,
     Variant,
 )
 
@@ -41,23 +42,16 @@ REASON = "at rest after 0.3 s, velocities being dropped after every step"
 
 def block_on_floor() -> Model:
     """Return a block of 1 m x 1 m on a fixed floor."""
-    builder = InputBuilder(title="Block at rest", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=5e15, poisson=0.2, density=MASS)
-    builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
-    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder = new_model("Block at rest", gravity=GRAVITY, young=5e15, density=MASS)
+    builder.block(name="floor", vertices=box(-1, -0.5, 2, 0), fixed=True)
+    builder.block(name="block", vertices=box(0, 0, 1, 1))
     return builder.build()
 
 
 def rest(stiffness: float, variant: Variant) -> tuple[float, float, float]:
     """Return penetration, m, contact force, N/m, of the block at rest, and the last step, s."""
-    model = block_on_floor()
-    run = variant.run(
-        model,
-        step=STEP,
-        end=DURATION,
-        normal_stiffness=stiffness,
-        max_displacement=0.01,
-        dynamic_ratio=0.0,
+    run = variant.static(
+        block_on_floor(), step=STEP, end=DURATION, p=stiffness, max_displacement=0.01
     )
     memory, step = run.state.memory, float(run.steps["step"][-1])
     return float(-memory.gap.mean()), float(memory.normal_force.sum()), step
@@ -73,11 +67,7 @@ def exact_penetration(stiffness: float, variant: Variant, step: float) -> float:
     return float(penalty * stiff / ((1.0 + stiff) ** solves - 1.0))
 
 
-@problem(
-    set_up=block_on_floor,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
-    quick=(MULTIPLIERS,),
-)
+@problem(set_up=block_on_floor, variants=BOTH_LAWS, quick=(MULTIPLIERS,))
 def penetration(trial: Trial) -> None:
     """Penetration of a block at rest.
 
@@ -96,26 +86,17 @@ def penetration(trial: Trial) -> None:
         exact = exact_penetration(stiffness, trial.variant, step)
         at = f"at p = {stiffness:.0e}"
         if exact:
-            row = relative(f"penetration {at}", "m", penetration, exact, TOLERANCE, REASON)
+            trial.relative(f"penetration {at}", "m", penetration, exact, TOLERANCE, REASON)
         else:
-            share = TOLERANCE * exact_penetration(stiffness, CONVEX, step)
-            row = absolute(f"penetration {at}", "m", penetration, exact, share, REASON)
-        trial.rows.append(row)
+            tolerance = TOLERANCE * exact_penetration(stiffness, CONVEX, step)
+            trial.absolute(f"penetration {at}", "m", penetration, exact, tolerance, REASON)
         trial.relative(f"contact force {at}", "N/m", force, WEIGHT, TOLERANCE, REASON)
+    if trial.variant is CONVEX_MULTIPLIERS:
+        return
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 50)
-    chart = Chart(
-        title="penetration at rest",
-        x_label="normal stiffness p, N/m per m",
-        y_label="penetration, m",
-        curves=(
-            exact_curve(
-                "W/(n p), four solves" if "solves" in trial.variant.contact_law else "W/(n p)",
-                fine,
-                [exact_penetration(stiffness, trial.variant, step) for stiffness in fine],
-            ),
-            curve(trial.variant.name, STIFFNESSES, found),
-        ),
-        x_scale="log",
-        y_scale="log",
-    )
-    trial.charts += () if trial.variant is CONVEX_MULTIPLIERS else (chart,)
+    scales = {"x_scale": "log", "y_scale": "log"}
+    labels = ("normal stiffness p, N/m per m", "penetration, m")
+    chart = trial.chart("penetration at rest", *labels, **scales)
+    label = "W/(n p), four solves" if "solves" in trial.variant.contact_law else "W/(n p)"
+    chart.exact(label, fine, [exact_penetration(p, trial.variant, step) for p in fine])
+    chart.computed(STIFFNESSES, found)

@@ -7,13 +7,18 @@ exceeds about 6 it comes back faster than it went.  Processes that look for the 
 end of the step will have know no such limit.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, KnownFailure, Model, Run, Trial, problem
+from clast.verification.problems import (
+    KnownFailure,
+    Model,
+    Run,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
 from clast.verification.problems.friction.incline import GRAVITY, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, PASSES, Variant
 
@@ -36,20 +41,16 @@ SOFT = "the paper's 0.66 %, and what the springs give, W cos 45/(2p)"
 
 def dropped_block() -> Model:
     """Return a stiff block of 1 m x 1 m, 0.1 mm above a fixed floor."""
-    builder = InputBuilder(title="Dropped block", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=5e13, poisson=0.2, density=MASS)
-    builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
-    corners = [(0, DROP), (1, DROP), (1, 1 + DROP), (0, 1 + DROP)]
-    builder.block(name="block", vertices=corners)
+    builder = new_model("Dropped block", gravity=GRAVITY, young=5e13, density=MASS)
+    builder.block(name="floor", vertices=box(-1, -0.5, 2, 0), fixed=True)
+    builder.block(name="block", vertices=box(0, DROP, 1, 1 + DROP))
     return builder.build()
 
 
 def run_to(model: Model, stiffness: float, end: float, variant: Variant) -> Run | None:
     """Return the run to ``end``, s, or None where it could not go on."""
     try:
-        return variant.run(
-            model, step=STEP, end=end, normal_stiffness=stiffness, max_displacement=0.01
-        )
+        return variant.run(model, step=STEP, end=end, p=stiffness, max_displacement=0.01)
     except RunStopped:
         return None
 
@@ -78,9 +79,9 @@ def energy_left(number: float, variant: Variant) -> float:
     known_failures=(
         *(
             KnownFailure(
-                variant=LAGGED,
-                quantity=quantity,
-                reason="one pass, springs only after invasion: unstable above p h2/m = 6",
+                LAGGED,
+                quantity,
+                "one pass, springs only after invasion: unstable above p h2/m = 6",
             )
             for quantity in (
                 "displacement on the incline at p = 1e+11",
@@ -92,9 +93,9 @@ def energy_left(number: float, variant: Variant) -> float:
         ),
         *(
             KnownFailure(
-                variant=PASSES,
-                quantity=quantity,
-                reason="friction is that of the pass before: the run does not reach its end",
+                PASSES,
+                quantity,
+                "friction is that of the pass before: the run does not reach its end",
             )
             for quantity in (
                 "displacement on the incline at p = 1e+12",
@@ -103,9 +104,9 @@ def energy_left(number: float, variant: Variant) -> float:
         ),
         *(
             KnownFailure(
-                variant=OPEN_CLOSE,
-                quantity=quantity,
-                reason="constant acceleration throws stiff impacts back (p h2/m = 165), and the "
+                OPEN_CLOSE,
+                quantity,
+                "constant acceleration throws stiff impacts back (p h2/m = 165), and the "
                 "process has no remedy: the block hops where its two corners do not land alike",
             )
             for quantity in (
@@ -142,12 +143,12 @@ def stiffness(trial: Trial) -> None:
         quantity = f"energy left of a drop at p h2/m = {number:g}"
         trial.absolute(quantity, "", energy_left(number, trial.variant), 0.0, 1e-6, "at rest")
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
-    trial.chart(
+    chart = trial.chart(
         "error of the displacement on the incline",
         "normal stiffness p, N/m per m",
         "error, %",
-        exact_curve("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact)),
-        curve(trial.variant.name, STIFFNESSES, errors),
         x_scale="log",
         y_scale="log",
     )
+    chart.exact("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact))
+    chart.computed(STIFFNESSES, errors)

@@ -1,11 +1,8 @@
 """A block on two planes: how its weight is shared."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Trial, problem
+from clast.verification.problems import Model, Trial, new_model, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -28,8 +25,7 @@ SETTLED = "at rest; the block turns by about 1e-5 on its springs"
 def trough(dip_b: float = 45.0) -> Model:
     """Return two fixed planes and a triangular block that fills the trough between them."""
     a, b = DEPTH / np.tan(np.radians(DIP_A)), DEPTH / np.tan(np.radians(dip_b))
-    builder = InputBuilder(title="Block on two planes", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=50e9, poisson=0.2, density=DENSITY)
+    builder = new_model("Block on two planes", gravity=GRAVITY, young=50e9, density=DENSITY)
     below = -0.3
     left = [(-a - 0.3, below), (0.0, below), (0.0, 0.0), (-a, DEPTH), (-a - 0.3, DEPTH)]
     right = [(0.0, below), (b + 0.3, below), (b + 0.3, DEPTH), (b, DEPTH), (0.0, 0.0)]
@@ -45,13 +41,8 @@ def trough(dip_b: float = 45.0) -> Model:
 def computed_shares(dip_b: float, variant: Variant) -> tuple[float, float]:
     """Return the normal forces of both planes over the weight."""
     model = trough(dip_b)
-    memory = variant.run(
-        model,
-        step=STEP,
-        end=DURATION,
-        normal_stiffness=5e8,
-        max_displacement=0.01,
-        dynamic_ratio=0.0,
+    memory = variant.static(
+        model, step=STEP, end=DURATION, p=5e8, max_displacement=0.01
     ).state.memory
     owner, edge = model.vertex_block[memory.vertex], memory.block
     weight = float(model.mass[2] * GRAVITY)
@@ -90,11 +81,9 @@ def two_planes(trial: Trial) -> None:
             trial.relative(quantity, "W", one, other, 1e-4, SETTLED)
     fine = np.linspace(10.0, 70.0, 61)
     exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(found)
-    trial.chart(
-        "forces on the planes",
-        "dip of the right plane, degrees",
-        "normal force / weight",
-        exact_curve("left plane", fine, exact[:, 0]),
-        exact_curve("right plane", fine, exact[:, 1]),
-        curve(trial.variant.name, np.repeat(DIPS_B, 2), values.ravel()),
+    chart = trial.chart(
+        "forces on the planes", "dip of the right plane, degrees", "normal force / weight"
     )
+    chart.exact("left plane", fine, exact[:, 0])
+    chart.exact("right plane", fine, exact[:, 1])
+    chart.computed(np.repeat(DIPS_B, 2), values.ravel())

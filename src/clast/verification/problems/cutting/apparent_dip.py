@@ -1,16 +1,12 @@
 """Joint planes as a section shows them: apparent dip and spacing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Domain, JointSet, apparent, cut
-from clast.verification.cut_blocks import CUT, drawing_of, lines_of
-from clast.verification.problems import Floats, Model, Trial, problem
-from clast.verification.variants import Variant
+from clast.verification.fixtures import CUT, drawing_of, lines_of
+from clast.verification.problems import Model, Trial, box, problem
 
 SIDE, SPACING = 40.0, 0.8
 """Side of the section and spacing in space, m."""
@@ -57,8 +53,7 @@ PLANES = (
 
 def section(azimuth: float) -> Domain:
     """Return a square section along an azimuth, degrees."""
-    corners = [(0, 0), (SIDE, 0), (SIDE, SIDE), (0, SIDE)]
-    return Domain(boundary=corners, section_azimuth=azimuth)
+    return Domain(boundary=box(0, 0, SIDE, SIDE), section_azimuth=azimuth)
 
 
 def joints(plane: JointPlane) -> JointSet:
@@ -82,29 +77,8 @@ def measured(plane: JointPlane) -> tuple[float, float]:
     return float(angle), float(np.median(np.diff(np.sort(ends[:, 0] @ normal))))
 
 
-def _chart(variant: Variant) -> Chart:
-    fine, marks = np.linspace(0.0, 180.0, 181), np.arange(0.0, 181.0, 20.0)
-
-    def seen(dip: float, off: Floats) -> list[float]:
-        return [apparent(dip, float(one), 0.0)[0] for one in off]
-
-    exact = [
-        exact_curve(
-            f"dip {dip:g} degrees", fine, [JointPlane(dip, one, 0.0).angle() for one in fine]
-        )
-        for dip in DIPS
-    ]
-    found = np.concatenate([seen(dip, marks) for dip in DIPS])
-    return Chart(
-        title="apparent dip",
-        x_label="dip direction less azimuth of the section, degrees",
-        y_label="angle in the section, degrees",
-        curves=(*exact, curve(variant.name, np.tile(marks, len(DIPS)), found)),
-    )
-
-
 def _drawing() -> Model:
-    corners = [(0, 0), (12, 0), (12, 8), (0, 8)]
+    corners = box(0, 0, 12, 8)
     sets = [joints(plane) for plane in PLANES[2:5]]
     return drawing_of(
         cut(Domain(boundary=corners, section_azimuth=90.0), sets), "Three planes in a section"
@@ -126,4 +100,11 @@ def apparent_dip(trial: Trial) -> None:
         trial.absolute(f"angle of {plane}", "degrees", angle, plane.angle(), 1e-9, ROUND_OFF)
         exact = SPACING * plane.factor()
         trial.relative(f"spacing of {plane}", "m", spacing, exact, 1e-9, ROUND_OFF)
-    trial.charts.append(_chart(trial.variant))
+    fine, marks = np.linspace(0.0, 180.0, 181), np.arange(0.0, 181.0, 20.0)
+    labels = "dip direction less azimuth of the section, degrees", "angle in the section, degrees"
+    chart = trial.chart("apparent dip", *labels)
+    for dip in DIPS:
+        exact_angles = [JointPlane(dip, one, 0.0).angle() for one in fine]
+        chart.exact(f"dip {dip:g} degrees", fine, exact_angles)
+    seen = [apparent(dip, float(one), 0.0)[0] for dip in DIPS for one in marks]
+    chart.computed(np.tile(marks, len(DIPS)), seen)

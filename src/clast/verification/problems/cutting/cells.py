@@ -1,12 +1,9 @@
 """Cells about random points: Voronoi's tessellation of a Poisson process."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import JointSet, Voronoi, cut
-from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
+from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
 from clast.verification.problems import Floats, Model, Trial, problem
 
 SIDE = 10.0
@@ -71,13 +68,10 @@ def voronoi_cells(trial: Trial, counts: tuple[int, ...] = COUNTS) -> None:
         f"coefficient of variation of the areas {of}", "", variation, VARIATION, tolerance, reason
     )
     fine = np.geomspace(0.8 * counts[0], 1.25 * counts[-1], 40)
-    trial.chart(
-        "variation of the areas",
-        "number of cells",
-        "deviation over mean",
-        exact_curve("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION)),
-        exact_curve("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine))),
-        exact_curve("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine))),
-        curve(trial.variant.name, counts, [one[2] for one in found]),
-        x_scale="log",
+    chart = trial.chart(
+        "variation of the areas", "number of cells", "deviation over mean", x_scale="log"
     )
+    chart.exact("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION))
+    chart.exact("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine)))
+    chart.exact("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine)))
+    chart.computed(counts, [one[2] for one in found])

@@ -1,12 +1,9 @@
 """Circular openings of straight chords: equal area."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
 from clast.rockmass import Circle, Cut, JointSet, Opening, cut
-from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
+from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
 from clast.verification.problems import Model, Trial, problem
 
 SIDE, CENTER, RADIUS = 8.0, (3.0, 4.0), 2.0
@@ -63,11 +60,7 @@ def chords(trial: Trial) -> None:
         found = SIDE**2 - float(areas(around(chords)).sum())
         trial.relative(f"area of the opening {at}", "m2", found, void, 1e-9, ROUND_OFF)
     fine = list(range(6, 80))
-    trial.chart(
-        "corners of equal area",
-        "chords n",
-        "radius of the corners over r",
-        exact_curve("equal area", fine, [exact_factor(n) for n in fine]),
-        exact_curve("inscribed", fine, np.ones(len(fine))),
-        curve(trial.variant.name, fine[::6], [factor(n) for n in fine[::6]]),
-    )
+    chart = trial.chart("corners of equal area", "chords n", "radius of the corners over r")
+    chart.exact("equal area", fine, [exact_factor(n) for n in fine])
+    chart.exact("inscribed", fine, np.ones(len(fine)))
+    chart.computed(fine[::6], [factor(n) for n in fine[::6]])

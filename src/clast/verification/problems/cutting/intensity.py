@@ -1,13 +1,10 @@
 """Intensities of joint sets: length per area, and joints met by a scanline."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.rockmass import Baecher, JointSet, PoissonLines, cut
 from clast.rockmass.cut_report import frequency
-from clast.verification.cut_blocks import CUT, drawing_of, lines_of, rectangle
+from clast.verification.fixtures import CUT, drawing_of, lines_of, rectangle
 from clast.verification.problems import Floats, Model, Trial, problem
 
 SIDE = 100.0
@@ -75,20 +72,6 @@ def drawn_often(name: str) -> tuple[Floats, float]:
     return np.concatenate(found), times * SIDE**2
 
 
-def _chart(curves: list[Curve]) -> Chart:
-    fine = np.linspace(0.0, 180.0, 181)
-    return Chart(
-        title="joints on a scanline",
-        x_label="direction of the scanline, degrees",
-        y_label="P₁₀, 1/m",
-        curves=(
-            exact_curve("|cos d|/s", fine, exact_on_scanline(fine)),
-            exact_curve("2 P₂₁/π", fine, np.full(len(fine), exact_anywhere())),
-            *curves,
-        ),
-    )
-
-
 def _drawing() -> Model:
     sets = [TRACES, JointSet(name="across", angle=ANGLE + 80.0, spacing=2.5 * SPACING)]
     return drawing_of(cut(rectangle(40.0, 30.0), sets), "Traces with rock bridges")
@@ -119,7 +102,12 @@ def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> No
         0.02,
         RIM,
     )
-    curves = [curve("persistent", SCANLINES, [met(persistent, one, area) for one in SCANLINES])]
+    fine = np.linspace(0.0, 180.0, 181)
+    chart = trial.chart("joints on a scanline", "direction of the scanline, degrees", "P₁₀, 1/m")
+    chart.exact("|cos d|/s", fine, exact_on_scanline(fine))
+    chart.exact("2 P₂₁/π", fine, np.full(len(fine), exact_anywhere()))
+    crossed = [met(persistent, one, area) for one in SCANLINES]
+    chart.computed(SCANLINES, crossed, label="persistent")
     for name in isotropic:
         ends, all_area = drawn_often(name)
         length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
@@ -128,5 +116,4 @@ def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> No
         worst = found[np.abs(found - exact_anywhere()).argmax()]
         quantity = f"P10 of {name} along the worst of {len(SCANLINES)} scanlines"
         trial.relative(quantity, "1/m", worst, exact_anywhere(), 0.03, CHANCE)
-        curves.append(curve(name, SCANLINES, found))
-    trial.charts.append(_chart(curves))
+        chart.computed(SCANLINES, found, label=name)

@@ -1,16 +1,10 @@
 """Blocks between persistent joints: Euler's formula, areas and intensity."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Baecher, Circle, Cut, Exponential, JointSet, Opening, cut
-from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Floats, Trial, problem
-from clast.verification.variants import Variant
+from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
+from clast.verification.problems import Floats, Trial, box, problem
 
 WIDTH, HEIGHT = 10.0, 8.0
 """Sides of the domain, m."""
@@ -35,7 +29,7 @@ def exact_lines(one: JointSet, scale: float = 1.0) -> Floats:
     angle = np.radians(float(one.angle or 0.0))
     along = np.array([np.cos(angle), np.sin(angle)])
     normal = np.array([-along[1], along[0]])
-    corners = scale * np.array([(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)])
+    corners = scale * np.array(box(0, 0, WIDTH, HEIGHT))
     offsets = (corners - np.array(one.origin)) @ normal / float(str(one.spacing))
     low, high = np.zeros(2), scale * np.array([WIDTH, HEIGHT])
     found = []
@@ -105,22 +99,6 @@ def traces_about_a_tunnel() -> Cut:
     return cut(rectangle(WIDTH, HEIGHT), traces, openings=[tunnel], seed=1)
 
 
-def _chart(scales: Sequence[float], variant: Variant) -> Chart:
-    fine = np.geomspace(scales[0], scales[-1], 60)
-    exact = [exact_blocks(float(scale)) for scale in fine]
-    found = [network(scale).block_count for scale in scales]
-    return Chart(
-        title="blocks between two sets",
-        x_label="width of the domain, m",
-        y_label="blocks",
-        curves=(
-            exact_curve("1 + L + X", WIDTH * fine, exact),
-            curve(variant.name, WIDTH * np.array(scales), found),
-        ),
-        y_scale="log",
-    )
-
-
 @problem(set_up=lambda: drawing_of(network(), "Two persistent sets"), variants=(CUT,), quick=(CUT,))
 def persistent_lines(trial: Trial) -> None:
     """Blocks between persistent joints.
@@ -154,4 +132,9 @@ def persistent_lines(trial: Trial) -> None:
     trial.absolute(
         "blocks and the void of traces about a tunnel, E - V + 1", "", faces, by_hand, 0.0, EXACT
     )
-    trial.charts.append(_chart(SCALES, trial.variant))
+    fine = np.geomspace(SCALES[0], SCALES[-1], 60)
+    chart = trial.chart(
+        "blocks between two sets", "width of the domain, m", "blocks", y_scale="log"
+    )
+    chart.exact("1 + L + X", WIDTH * fine, [exact_blocks(float(scale)) for scale in fine])
+    chart.computed(WIDTH * np.array(SCALES), [network(scale).block_count for scale in SCALES])

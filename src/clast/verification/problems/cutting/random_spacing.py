@@ -10,16 +10,12 @@ share of its own blocks, for larger networks have smaller blocks: weighting by t
 be biased.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import special
 
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.rockmass import Exponential, JointSet, cut
-from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
+from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
 from clast.verification.problems import Floats, Model, Trial, problem
-from clast.verification.variants import Variant
 
 WIDTH, HEIGHT = 40.0, 30.0
 """Sides of the domain, m."""
@@ -70,18 +66,6 @@ def distance(sample: Floats) -> float:
     below = 1.0 - exact_share(np.sort(sample))
     step = np.arange(len(sample) + 1) / len(sample)
     return float(max((step[1:] - below).max(), (below - step[:-1]).max()))
-
-
-def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
-    fine, marks = np.geomspace(0.02, 15.0, 100), np.geomspace(0.02, 15.0, 25)
-    found = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
-    return Chart(
-        title="areas of blocks",
-        x_label="area a, m²",
-        y_label="share of blocks that are larger",
-        curves=(exact_curve("z K₁(z)", fine, exact_share(fine)), curve(variant.name, marks, found)),
-        x_scale="log",
-    )
 
 
 def _drawing() -> Model:
@@ -137,4 +121,9 @@ def random_spacing(trial: Trial, seeds: int = SEEDS) -> None:
         KOLMOGOROV / root,
         "Kolmogorov's for one block of each network, exceeded by one sample in a hundred",
     )
-    trial.charts.append(_chart(networks, trial.variant))
+    fine, marks = np.geomspace(0.02, 15.0, 100), np.geomspace(0.02, 15.0, 25)
+    larger = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
+    labels = ("area a, m²", "share of blocks that are larger")
+    chart = trial.chart("areas of blocks", *labels, x_scale="log")
+    chart.exact("z K₁(z)", fine, exact_share(fine))
+    chart.computed(marks, larger)

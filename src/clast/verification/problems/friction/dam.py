@@ -8,15 +8,20 @@ the base.  The base, with corners at heel and toe a width B apart, carries
 at them and F along it.  The dam slides where tan phi = F/W, and tips where M = W B/2.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import (
+    Floats,
+    Model,
+    StaticRun,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
+from clast.verification.variants import EACH_PROCESS, Variant
 
 GRAVITY, DENSITY, WATER = 9.81, 2400.0, 1000.0
 WIDTH, HEIGHT = 3.0, 10.0
@@ -61,13 +66,11 @@ def exact_height() -> float:
 
 def model_of_dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
     """Return a fixed foundation and the dam on it, with water to its left."""
-    builder = InputBuilder(title="Dam", gravity=(0.0, -GRAVITY))
-    builder.add_rock("concrete", young=20e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=friction_angle)
-    ground = [(-2.0, -2.0), (WIDTH + 2.0, -2.0), (WIDTH + 2.0, 0.0), (-2.0, 0.0)]
-    builder.block(name="foundation", vertices=ground, fixed=True)
-    corners = [(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT)]
-    builder.block(name="dam", vertices=corners)
+    builder = new_model(
+        "Dam", gravity=GRAVITY, young=20e9, density=DENSITY, friction_angle=friction_angle
+    )
+    builder.block(name="foundation", vertices=box(-2.0, -2.0, WIDTH + 2.0, 0.0), fixed=True)
+    builder.block(name="dam", vertices=box(0.0, 0.0, WIDTH, HEIGHT))
     builder.pressure((0.0, 0.0), (0.0, level), (WATER * GRAVITY * level, 0.0), block="dam")
     builder.measured_point("heel", (0.0, 0.0), block="dam")
     builder.measured_point("crest", (0.0, HEIGHT), block="dam")
@@ -77,14 +80,8 @@ def model_of_dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
 def reactions(level: float, variant: Variant) -> Floats:
     """Return the normal forces at heel and toe and the force along the base, N/m, shape (3,)."""
     model = model_of_dam(level)
-    end = STEPS * STEP
-    memory = variant.run(
-        model,
-        step=STEP,
-        end=end,
-        normal_stiffness=STIFFNESS,
-        max_displacement=0.02,
-        dynamic_ratio=0.0,
+    memory = variant.static(
+        model, step=STEP, end=STEPS * STEP, p=STIFFNESS, max_displacement=0.02
     ).state.memory
     heel = int(model.block_start[1])
     at = [memory.vertex == heel, memory.vertex == heel + 1]
@@ -105,19 +102,15 @@ def compare_reactions(trial: Trial) -> None:
         trial.relative(f"force along the base, {water}", "N/m", along, thrust(level), 1e-4, LEANS)
     fine = np.linspace(0.0, exact_height(), 41)
     exact_lines = np.array([exact_reactions(level) for level in fine])
-    trial.chart(
-        "normal force at heel and toe",
-        "height of the water, m",
-        "force, kN/m",
-        exact_curve("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0]),
-        exact_curve("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1]),
-        curve(f"heel, {trial.variant.name}", LEVELS, 1e-3 * found[:, 0]),
-        curve(f"toe, {trial.variant.name}", LEVELS, 1e-3 * found[:, 1]),
-    )
+    chart = trial.chart("normal force at heel and toe", "height of the water, m", "force, kN/m")
+    chart.exact("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0])
+    chart.exact("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1])
+    chart.computed(LEVELS, 1e-3 * found[:, 0], "heel")
+    chart.computed(LEVELS, 1e-3 * found[:, 1], "toe")
 
 
-SLIDES = StaticRun(normal_stiffness=STIFFNESS, step=FINE, steps=STEPS)
-TIPS_OVER = StaticRun(normal_stiffness=STIFFNESS, step=STEP, steps=STEPS)
+SLIDES = StaticRun(p=STIFFNESS, step=FINE, steps=STEPS)
+TIPS_OVER = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS)
 
 
 def compare_limits(trial: Trial) -> None:
@@ -134,21 +127,16 @@ def compare_limits(trial: Trial) -> None:
     highest = TIPS_OVER.limit(model_of_dam, trial.variant, *ends, BISECTIONS)
     trial.relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS)
     fine = np.linspace(0.0, exact_height(), 41)
-    trial.chart(
+    chart = trial.chart(
         "friction angle at the limit of sliding",
         "height of the water, m",
         "friction angle, degrees",
-        exact_curve("tan φ = F/W", fine, [exact_angle(level) for level in fine]),
-        curve(trial.variant.name, SLIDES_AT, found),
     )
+    chart.exact("tan φ = F/W", fine, [exact_angle(level) for level in fine])
+    chart.computed(SLIDES_AT, found)
 
 
-@problem(
-    set_up=model_of_dam,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
-    briefly=compare_reactions,
-)
+@problem(set_up=model_of_dam, variants=EACH_PROCESS, briefly=compare_reactions)
 def dam(trial: Trial) -> None:
     """Dam under the pressure of water.
 

@@ -9,13 +9,14 @@ faster by h g cos 45 tan(phi) ever after: the way is longer by the share
 of first order in the step h.  It is measured against the same process with friction in the solve.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.problem import Comparison, Trial, absolute, problem, relative
-from clast.verification.problems import InputBuilder, Model
+from clast.verification.problems import (
+    Model,
+    Trial,
+    new_model,
+    problem,
+)
 from clast.verification.variants import (
     CONVEX,
     CONVEX_LAGGED,
@@ -39,9 +40,8 @@ PAPER = "the paper's own errors are 0.06 to 0.66 %"
 
 def model_of_incline(friction_angle: float = 20.0) -> Model:
     """Return the paper's Fig. 1, legs of 10 m and 3 m; ``friction_angle`` in degrees."""
-    builder = InputBuilder(title="Block on an incline", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
-    builder.add_joint("default", friction_angle=friction_angle)
+    builder = new_model("Block on an incline", gravity=GRAVITY, young=50e9, density=2700.0)
+    builder.add_joint(friction_angle=friction_angle)
     builder.block(name="incline", vertices=[(0, 0), (10, 0), (0, 10)])
     builder.block(name="slider", vertices=[(1, 9), (4, 6), (4, 9)])
     builder.fixed_point((0, 0))
@@ -61,30 +61,14 @@ def computed_way(
     friction_angle: float, step: float, variant: Variant, duration: float = DURATION
 ) -> tuple[float, float]:
     """Return the displacement of the slider to the right and down, m, after ``duration``, s."""
-    model = model_of_incline(friction_angle)
     moved = (
-        variant.run(model, step=step, end=duration, normal_stiffness=1e9, max_displacement=0.01)
+        variant.run(
+            model_of_incline(friction_angle), step=step, end=duration, p=1e9, max_displacement=0.01
+        )
         .history("A")
         .displacement[-1]
     )
     return float(moved[0]), float(-moved[1])
-
-
-def worse_of(right: float, down: float, exact: float) -> float:
-    """Return that of the two ways, m, which is farther from the exact one."""
-    return max(right, down, key=lambda way: abs(way - exact))
-
-
-def compare(friction_angle: float, variant: Variant) -> Comparison:
-    """Return the row of Table 1 for a friction angle, degrees."""
-    exact = exact_way(friction_angle)
-    computed = worse_of(*computed_way(friction_angle, STEP, variant), exact)
-    quantity = f"displacement (the worse of u, v) at {friction_angle:g} degrees"
-    if exact < 1e-9:
-        reason = "stays where it is: below 1 cm"
-        return absolute(quantity, "m", computed, 0.0, 0.01, reason)
-    tolerance, reason = TOLERANCES[variant.name](friction_angle)
-    return relative(quantity, "m", computed, exact, tolerance, reason)
 
 
 def lagged_tolerance(friction_angle: float) -> tuple[float, str]:
@@ -128,15 +112,22 @@ def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
     errors are 0.06 to 0.66 %.
     """
     angles = angles or (ANGLES if trial.variant in (LAGGED, CONVEX) else SOME)
-    trial.rows += (compare(angle, trial.variant) for angle in angles)
+    for angle in angles:
+        exact = exact_way(angle)
+        right, down = computed_way(angle, STEP, trial.variant)
+        worse = max(right, down, key=lambda way, exact=exact: abs(way - exact))
+        quantity = f"displacement (the worse of u, v) at {angle:g} degrees"
+        if exact < 1e-9:
+            trial.absolute(quantity, "m", worse, 0.0, 0.01, "stays where it is: below 1 cm")
+        else:
+            tolerance, reason = TOLERANCES[trial.variant.name](angle)
+            trial.relative(quantity, "m", worse, exact, tolerance, reason)
     fine = np.linspace(0.0, 45.0, 91)
-    trial.chart(
-        "displacement after 1 s",
-        "friction angle, degrees",
-        "displacement u = −v, m",
-        exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
-        curve(trial.variant.name, angles, [row.computed for row in trial.rows]),
+    chart = trial.chart(
+        "displacement after 1 s", "friction angle, degrees", "displacement u = −v, m"
     )
+    chart.exact("closed form", fine, [exact_way(angle) for angle in fine])
+    chart.computed(angles, trial.computed)
 
 
 ANGLES_OF_LAG = (20.0, 35.0)
@@ -160,29 +151,6 @@ def computed_excess(friction_angle: float, step: float, variant: Variant) -> flo
         for one in (variant, WITHOUT_LAG[variant])
     )
     return (lagged - implicit) / exact_way(friction_angle, DURATION_OF_LAG)
-
-
-def _chart(variant: Variant, excess: np.ndarray) -> Chart:
-    """Return the excess (angles, steps), %, over the friction angle."""
-    fine = np.linspace(0.0, 40.0, 81)
-    exact = (
-        exact_curve(
-            f"(2h/t) tan/(1-tan), h = {1e3 * step:g} ms",
-            fine,
-            [100.0 * exact_excess(angle, step) for angle in fine],
-        )
-        for step in STEPS
-    )
-    computed = (
-        curve(f"{variant.name}, h = {1e3 * step:g} ms", ANGLES_OF_LAG, values)
-        for step, values in zip(STEPS, excess.T, strict=True)
-    )
-    return Chart(
-        title="excess of the displacement after 0.3 s",
-        x_label="friction angle, degrees",
-        y_label="excess of the displacement, %",
-        curves=(*exact, *computed),
-    )
 
 
 @problem(set_up=model_of_incline, variants=(CONVEX_LAGGED,), quick=())
@@ -209,4 +177,12 @@ def friction_lag(trial: Trial) -> None:
         order = np.log2(excess[0] / excess[1])
         quantity = f"order of the excess in h at {angle:g} degrees"
         trial.absolute(quantity, "", order, 1.0, 0.1, REASON)
-    trial.charts.append(_chart(trial.variant, 100.0 * np.array(found)))
+    fine, percent = np.linspace(0.0, 40.0, 81), 100.0 * np.array(found)
+    labels = ("friction angle, degrees", "excess of the displacement, %")
+    chart = trial.chart("excess of the displacement after 0.3 s", *labels)
+    for step in STEPS:
+        exact_percent = [100.0 * exact_excess(angle, step) for angle in fine]
+        chart.exact(f"(2h/t) tan/(1-tan), h = {1e3 * step:g} ms", fine, exact_percent)
+    for step, values in zip(STEPS, percent.T, strict=True):
+        label = f"{trial.variant.name}, h = {1e3 * step:g} ms"
+        chart.computed(ANGLES_OF_LAG, values, label=label)

@@ -8,15 +8,12 @@ With friction mu at floor and wall alike, both mobilised, equilibrium of a ladde
 A thin ladder, s = x/2, slips where its angle with the floor is 90 degrees - 2 phi.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 LENGTH, WIDTH = 4.0, 0.2
 """Length and width of the ladder, m."""
@@ -48,21 +45,21 @@ def exact_limit(angle: float, width: float = WIDTH) -> float:
 
 def model_of_ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
     """Return floor, wall and ladder; angles in degrees."""
-    builder = InputBuilder(title="Ladder", gravity=(0.0, -9.8))
-    builder.add_rock("wood", young=10e9, poisson=0.3, density=600.0)
-    builder.add_joint("default", friction_angle=friction_angle)
-    builder.block(name="floor", vertices=[(0, -0.5), (5, -0.5), (5, 0), (0, 0)], fixed=True)
-    builder.block(name="wall", vertices=[(-0.5, -0.5), (0, -0.5), (0, 5), (-0.5, 5)], fixed=True)
+    builder = new_model(
+        "Ladder", gravity=9.8, young=10e9, density=600.0, poisson=0.3, friction_angle=friction_angle
+    )
+    builder.block(name="floor", vertices=box(0, -0.5, 5, 0), fixed=True)
+    builder.block(name="wall", vertices=box(-0.5, -0.5, 0, 5), fixed=True)
     corners = outline(angle)
     builder.block(name="ladder", vertices=corners)
     builder.measured_point("centroid", corners.mean(axis=0), block="ladder")
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=3e7, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=3e7, step=STEP, steps=STEPS)
 
 
-@problem(set_up=model_of_ladder, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+@problem(set_up=model_of_ladder, variants=EACH_PROCESS, quick=())
 def ladder(trial: Trial, angles: tuple[float, ...] = ANGLES) -> None:
     """Ladder against a wall.
 
@@ -88,11 +85,11 @@ def ladder(trial: Trial, angles: tuple[float, ...] = ANGLES) -> None:
         quantity = f"friction angle at the limit, ladder at {angle:g} degrees"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(40.0, 70.0, 31)
-    trial.chart(
+    chart = trial.chart(
         "friction angle at the limit",
         "angle of the ladder with the floor, degrees",
         "friction angle, degrees",
-        exact_curve("equilibrium", fine, [exact_limit(angle) for angle in fine]),
-        exact_curve("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine)),
-        curve(trial.variant.name, angles, found),
     )
+    chart.exact("equilibrium", fine, [exact_limit(angle) for angle in fine])
+    chart.exact("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine))
+    chart.computed(angles, found)

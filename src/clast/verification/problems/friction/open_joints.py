@@ -1,11 +1,9 @@
 """Joints that are open at the start hold nothing, whatever their strength; closed ones hold."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
+from clast.verification.variants import EACH_PROCESS, Variant
 
 GRAVITY, DENSITY, STRENGTH = 9.8, 2500.0, 1e5
 """m/s2, kg/m3; cohesion and tensile strength, Pa: four times the weight."""
@@ -24,7 +22,7 @@ def hung(gap: float, weight: float = GRAVITY) -> Model:
     along, up = np.array([np.cos(TURN), np.sin(TURN)]), np.array([-np.sin(TURN), np.cos(TURN)])
 
     def place(left: float, bottom: float, right: float, top: float) -> Floats:
-        corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+        corners = np.array(box(left, bottom, right, top))
         return corners[:, :1] * along + corners[:, 1:] * up + np.array(AWAY)
 
     builder = InputBuilder(title="Open joint", gravity=tuple(-weight * up))
@@ -42,16 +40,11 @@ def hung(gap: float, weight: float = GRAVITY) -> Model:
 def run_of(model: Model, variant: Variant, dynamic_ratio: float = 1.0) -> Run:
     """Return the run of a scene."""
     return variant.run(
-        model,
-        step=STEP,
-        end=END,
-        normal_stiffness=2e10,
-        max_displacement=0.01,
-        dynamic_ratio=dynamic_ratio,
+        model, step=STEP, end=END, p=2e10, max_displacement=0.01, dynamic_ratio=dynamic_ratio
     )
 
 
-@problem(set_up=lambda: hung(GAPS[1]), variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+@problem(set_up=lambda: hung(GAPS[1]), variants=EACH_PROCESS)
 def open_joints(trial: Trial) -> None:
     """Joints that are open at the start.
 

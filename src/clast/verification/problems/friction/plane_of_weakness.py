@@ -12,16 +12,13 @@ and with t = c + sn tan phi the plane slips at
 It is least at b = 45 + phi/2 degrees; a plane that dips by less than phi never slips.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, new_model, problem
+from clast.verification.variants import EACH_PROCESS, LAGGED
 
 FRICTION_ANGLE, COHESION = 30.0, 0.4e6
 """Friction angle, degrees, and cohesion, Pa, of the planes."""
@@ -56,9 +53,8 @@ def exact_strength(dip: float) -> float:
 def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None) -> Model:
     """Return a specimen cut by planes, under s3 and s1 = s3 + ``difference``, Pa."""
     difference = exact_strength(dip) if difference is None else difference
-    builder = InputBuilder(title="Plane of weakness", gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=20e9, poisson=0.0, density=DENSITY)
-    builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
+    builder = new_model("Plane of weakness", young=20e9, density=DENSITY, poisson=0.0)
+    builder.add_joint(friction_angle=FRICTION_ANGLE, cohesion=COHESION)
     rise = 0.5 * WIDTH * float(np.tan(np.radians(dip)))
     middle = 0.5 * HEIGHT + APART * (np.arange(planes) - 0.5 * (planes - 1))
     left, right = [0.0, *(middle - rise), HEIGHT], [0.0, *(middle + rise), HEIGHT]
@@ -78,14 +74,10 @@ def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None
     return builder.build()
 
 
-STATIC = StaticRun(
-    normal_stiffness=STIFFNESS, step=STEP, steps=STEPS, unit=CONFINING / (DENSITY * HEIGHT)
-)
+STATIC = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS, unit=CONFINING / (DENSITY * HEIGHT))
 
 
-@problem(
-    set_up=specimen, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(SPECIMENS[2:3],)
-)
+@problem(set_up=specimen, variants=EACH_PROCESS, few=(SPECIMENS[2:3],))
 def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = SPECIMENS) -> None:
     """Strength of rock with a plane of weakness.
 
@@ -113,10 +105,8 @@ def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = S
     trial.absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips")
     fine = np.linspace(36.0, 80.0, 89)
     single = [k for k, (_, planes) in enumerate(some) if planes == 1]
-    trial.chart(
-        "strength over the dip of the plane",
-        "dip of the plane b, degrees",
-        "σ₁ − σ₃, MPa",
-        exact_curve("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine]),
-        curve(trial.variant.name, [some[k][0] for k in single], [1e-6 * found[k] for k in single]),
+    chart = trial.chart(
+        "strength over the dip of the plane", "dip of the plane b, degrees", "σ₁ − σ₃, MPa"
     )
+    chart.exact("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine])
+    chart.computed([some[k][0] for k in single], [1e-6 * found[k] for k in single])

@@ -11,12 +11,9 @@ slip u.  With i = JRC log10(JCS/sigma) and x = u/u_peak
 u_peak = (L/500) (JRC/L)^0.33, k_ni and V_m by the formulas of Bandis et al. (1983).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
 JRC, JCS, RESIDUAL, LENGTH = 10.0, 100e6, 28.0, 1.0
@@ -69,8 +66,7 @@ def frame(stress: float) -> float:
 
 def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
     """Return a block on a rough joint, pressed, Pa, and drawn at its foot with a force, N/m."""
-    builder = InputBuilder(title="Direct shear of a rough joint", gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=5e13, poisson=0.0, density=2500.0)
+    builder = new_model("Direct shear of a rough joint", young=5e13, density=2500.0, poisson=0.0)
     builder.add_joint(
         law="barton-bandis",
         jrc=JRC,
@@ -78,12 +74,11 @@ def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
         residual_friction_angle=RESIDUAL,
         sample_length=LENGTH,
     )
-    base = [(-0.5, -0.2), (2.0, -0.2), (2.0, 0.0), (-0.5, 0.0)]
+    base = box(-0.5, -0.2, 2.0, 0.0)
     builder.block(name="base", vertices=base, fixed=True)
-    anchor = [(-3.0, -0.2), (-2.0, -0.2), (-2.0, 0.2), (-3.0, 0.2)]
+    anchor = box(-3.0, -0.2, -2.0, 0.2)
     builder.block(name="anchor", vertices=anchor, fixed=True)
-    corners = [(0.0, 0.0), (LENGTH, 0.0), (LENGTH, 0.1), (0.0, 0.1)]
-    builder.block(name="block", vertices=corners)
+    builder.block(name="block", vertices=box(0.0, 0.0, LENGTH, 0.1))
     builder.line_load((0.0, 0.1), (LENGTH, 0.1), (0.0, -stress))
     builder.add_bolt_kind("frame", stiffness=frame(stress), compression=True)
     middle = 0.5 * LENGTH
@@ -96,24 +91,15 @@ def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
 
 def closed(stress: float, variant: Variant) -> float:
     """Return by how much the joint closes under a normal stress, Pa, m."""
-    model = shear_box(stress)
-    run = variant.run(
-        model, step=0.05, end=1.0, normal_stiffness=1e11, max_displacement=0.05, dynamic_ratio=0.0
-    )
+    run = variant.static(shear_box(stress), step=0.05, end=1.0, p=1e11, max_displacement=0.05)
     return -float(run.history("foot").displacement[-1, 1])
 
 
 def sheared(stress: float, variant: Variant) -> tuple[Floats, Floats, Floats]:
     """Return slip, m, T/N and opening since it was pressed, m, (k,) each, while it is drawn."""
     pull = frame(stress) * FARTHEST * PEAK_SLIP + 1.3 * stress * LENGTH
-    model = shear_box(stress, pull)
-    run = variant.run(
-        model,
-        step=END / STEPS,
-        end=END,
-        normal_stiffness=1e11,
-        max_displacement=0.05,
-        dynamic_ratio=0.0,
+    run = variant.static(
+        shear_box(stress, pull), step=END / STEPS, end=END, p=1e11, max_displacement=0.05
     )
     history = run.history("foot")
     # time waits in convex static steps until a load is in balance, whose last step counts
@@ -128,7 +114,6 @@ def sheared(stress: float, variant: Variant) -> tuple[Floats, Floats, Floats]:
 @problem(
     set_up=shear_box,
     variants=(PASSES, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
     few=(STRESSES[1:2],),
 )
 def rough_joint(trial: Trial, stresses: tuple[float, ...] = STRESSES) -> None:
@@ -144,7 +129,8 @@ def rough_joint(trial: Trial, stresses: tuple[float, ...] = STRESSES) -> None:
         exact = stress * CLOSURE / (STIFFNESS * CLOSURE + stress)
         which = f"closure under {1e-6 * stress:g} MPa"
         trial.relative(which, "m", closed(stress, trial.variant), exact, 5e-3, "formula")
-    curves, openings = [], []
+    strengths = trial.chart("shear strength mobilised", "slip, mm", "T/N")
+    openings = trial.chart("opening", "slip, mm", "opening, mm")
     for stress in stresses:
         slip, ratio, opening = sheared(stress, trial.variant)
         at = f"under {1e-6 * stress:g} MPa"
@@ -158,12 +144,8 @@ def rough_joint(trial: Trial, stresses: tuple[float, ...] = STRESSES) -> None:
         exact = float(opened(slip[-1:], stress)[0])
         trial.relative(f"opening {at}", "m", float(opening[-1]), exact, 5e-3, "integral")
         fine = np.linspace(0.0, float(slip[-1]), 200)
-        curves.append(
-            exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, strength(fine, stress))
-        )
-        curves.append(curve(f"{1e-6 * stress:g} MPa", 1e3 * slip[::8], ratio[::8]))
-        whole = opened(fine, stress)
-        openings.append(exact_curve(f"formula, {1e-6 * stress:g} MPa", 1e3 * fine, 1e3 * whole))
-        openings.append(curve(f"{1e-6 * stress:g} MPa", 1e3 * slip[::8], 1e3 * opening[::8]))
-    trial.chart("shear strength mobilised", "slip, mm", "T/N", *tuple(curves))
-    trial.chart("opening", "slip, mm", "opening, mm", *tuple(openings))
+        label = f"{1e-6 * stress:g} MPa"
+        strengths.exact(f"formula, {label}", 1e3 * fine, strength(fine, stress))
+        strengths.computed(1e3 * slip[::8], ratio[::8], label=label)
+        openings.exact(f"formula, {label}", 1e3 * fine, 1e3 * opened(fine, stress))
+        openings.computed(1e3 * slip[::8], 1e3 * opening[::8], label=label)

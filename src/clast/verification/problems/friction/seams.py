@@ -1,12 +1,10 @@
 """A block slides over a surface that is cut into blocks."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import InputBuilder, Model, Trial, problem
+from clast.verification.problems import Model, Trial, new_model, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -62,24 +60,23 @@ def rest_on(
     down = np.radians(slope)
     turn = np.array([[np.cos(down), np.sin(down)], [-np.sin(down), np.cos(down)]])
 
-    def box(x: float, y: float, width: float, height: float) -> np.ndarray:
+    def turned_box(x: float, y: float, width: float, height: float) -> np.ndarray:
         left, right, low, top = x, x + width, y, y + height
-        return np.array([(left, low), (right, low), (right, top), (left, top)]) @ turn.T
+        return np.array(box(left, low, right, top)) @ turn.T
 
-    builder = InputBuilder(title="Seams", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=YOUNG, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=friction_angle)
+    builder = new_model(
+        "Seams", gravity=GRAVITY, young=YOUNG, density=DENSITY, friction_angle=friction_angle
+    )
     width = (TOTAL - (pieces - 1) * joint) / pieces
     for k in range(pieces):
         high = 0.5 + rise * (k % 2)
-        outline = box(k * (width + joint), -0.5, width, high)
+        outline = turned_box(k * (width + joint), -0.5, width, high)
         builder.block(name=f"piece {k + 1}", vertices=outline, fixed=not loose)
     if loose:
-        builder.block(name="bed", vertices=box(-1.0, -1.0, TOTAL + 2.0, 0.5), fixed=True)
+        builder.block(name="bed", vertices=turned_box(-1.0, -1.0, TOTAL + 2.0, 0.5), fixed=True)
     along = turn @ (1.0, 0.0)
-    builder.block(
-        name="block", vertices=box(START, 0.0, LENGTH, HEIGHT), velocity=(*(speed * along), 0.0)
-    )
+    corners = turned_box(START, 0.0, LENGTH, HEIGHT)
+    builder.block(name="block", vertices=corners, velocity=(*(speed * along), 0.0))
     middle = turn @ (START + 0.5 * LENGTH, 0.5 * HEIGHT)
     if push:
         low = turn @ (START + 0.5 * LENGTH, 0.05)
@@ -102,7 +99,7 @@ def way_on(
         model,
         step=step,
         end=end,
-        normal_stiffness=STIFFNESS,
+        p=STIFFNESS,
         max_displacement=MAX_DISPLACEMENT,
         dynamic_ratio=dynamic_ratio,
     )
@@ -125,7 +122,6 @@ def static_way(model: Model, variant: Variant, since: float = 0.0) -> float:
 @problem(
     set_up=partial(rest_on, 4, speed=SPEED),
     variants=(LAGGED, MULTIPLIERS, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
     few=((4,),),
 )
 def seams(trial: Trial, pieces: tuple[int, ...] = PIECES) -> None:

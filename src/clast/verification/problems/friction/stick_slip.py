@@ -14,17 +14,14 @@ twice the weight, which forces half way through the step do not damp: the block 
 is small.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 
 from clast.model.stages import TIME, Stage
-from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -59,14 +56,11 @@ def far_end(time: Sequence[float] | Floats) -> Floats:
 
 def slider() -> Model:
     """Return a flat block on a fixed one, anchored by a spring and drawn by a load that grows."""
-    builder = InputBuilder(title="Stick-slip", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
+    builder = new_model("Stick-slip", gravity=GRAVITY, young=50e9, density=DENSITY, poisson=0.0)
     builder.add_joint(friction_angle=STATIC, kinetic_friction_angle=KINETIC)
-    builder.block(name="floor", vertices=[(-3, -0.2), (4, -0.2), (4, 0), (-3, 0)], fixed=True)
-    corners = [(-3.6, -0.2), (-3.1, -0.2), (-3.1, 0.2), (-3.6, 0.2)]
-    builder.block(name="anchor", vertices=corners, fixed=True)
-    corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
-    builder.block(name="block", vertices=corners)
+    builder.block(name="floor", vertices=box(-3, -0.2, 4, 0), fixed=True)
+    builder.block(name="anchor", vertices=box(-3.6, -0.2, -3.1, 0.2), fixed=True)
+    builder.block(name="block", vertices=box(0, 0, LENGTH, HEIGHT))
     builder.add_bolt_kind("spring", stiffness=SPRING, compression=True)
     middle = 0.5 * LENGTH
     builder.bolt((middle, 1e-3), (-3.5, 1e-3), kind="spring", name="spring")
@@ -80,7 +74,7 @@ def slider() -> Model:
 def drawn(variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and the force of the spring, N/m, (t,) each."""
     model = slider()
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
+    method = variant.method(model, p=1e9, max_displacement=0.01)
     weight = Stage(name="weight", until=TIME, time=REST, dynamic_ratio=0.0)
     stages = (weight, Stage(name="pull", until=TIME, time=END - REST))
     run = simulate(model, method, Schedule(step=STEP, end=END, every=END, stages=stages))
@@ -125,11 +119,7 @@ def stick_slip(trial: Trial) -> None:
     first = MU_S * NORMAL
     trial.relative("force at the first slip", "N/m", high[0], first, 0.01, FIRST)
     trial.relative("fall", "N/m", float(high[0] - low[0]), fall, 0.01, SWING)
-    trial.chart(
-        "force of the spring",
-        "time, s",
-        "force, N/m",
-        exact_curve("μₛ N", (0.0, END), (first, first)),
-        exact_curve("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2),
-        curve(trial.variant.name, time[::4], force[::4]),
-    )
+    chart = trial.chart("force of the spring", "time, s", "force, N/m")
+    chart.exact("μₛ N", (0.0, END), (first, first))
+    chart.exact("(2 μₖ − μₛ) N", (0.0, END), (first - fall,) * 2)
+    chart.computed(time[::4], force[::4])

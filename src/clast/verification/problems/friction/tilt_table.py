@@ -1,13 +1,10 @@
 """A tilt table: the angle at which a block slides or topples."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
+from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, box, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
@@ -36,14 +33,13 @@ def add_block(builder: InputBuilder, width: float) -> None:
     """Add the fixed table and the block on it, their rock and their joint."""
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
-    ground = [(-1.0, -0.3), (2.0, -0.3), (2.0, 0.0), (-1.0, 0.0)]
-    builder.block(name="table", vertices=ground, fixed=True)
-    builder.block(name="block", vertices=[(0, 0), (width, 0), (width, HEIGHT), (0, HEIGHT)])
+    builder.block(name="table", vertices=box(-1.0, -0.3, 2.0, 0.0), fixed=True)
+    builder.block(name="block", vertices=box(0, 0, width, HEIGHT))
     builder.measured_point("foot", (0.0, 0.0), block="block")
     builder.measured_point("top", (0.0, HEIGHT), block="block")
 
 
-STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
 
 
 @problem(set_up=table, variants=(OPEN_CLOSE, CONVEX), quick=())
@@ -66,10 +62,6 @@ def tilt_table(trial: Trial) -> None:
         quantity = f"tilt at which b/h = {width / HEIGHT:g} moves"
         trial.absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION)
     fine = np.linspace(0.1, 1.2, 111)
-    trial.chart(
-        "tilt at which the block moves",
-        "b/h",
-        "tilt, degrees",
-        exact_curve("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine]),
-        curve(trial.variant.name, WIDTHS, [row.computed for row in trial.rows]),
-    )
+    chart = trial.chart("tilt at which the block moves", "b/h", "tilt, degrees")
+    chart.exact("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine])
+    chart.computed(WIDTHS, [row.computed for row in trial.rows])

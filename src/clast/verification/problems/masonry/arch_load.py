@@ -1,19 +1,24 @@
 """The point load under which a semicircular arch collapses."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import (
     add_voussoirs,
     joint_ends,
     largest_factor,
     voussoirs_between,
 )
-from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
+from clast.verification.problems import (
+    Floats,
+    Model,
+    StaticRun,
+    Trial,
+    box,
+    new_model,
+    problem,
+)
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0
@@ -48,12 +53,10 @@ def exact_load(place: int) -> float:
 def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     """Return a fixed base and the voussoirs, one of them with a load, N/m."""
     reach = RADIUS * (1.0 + SHARE)
-    builder = InputBuilder(title="Loaded arch", gravity=(0.0, -GRAVITY))
-    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=FRICTION_ANGLE)
-    builder.block(
-        name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
+    builder = new_model(
+        "Loaded arch", gravity=GRAVITY, young=50e9, density=DENSITY, friction_angle=FRICTION_ANGLE
     )
+    builder.block(name="base", vertices=box(-reach, -0.5, reach, 0), fixed=True)
     for name, middle in add_voussoirs(builder, *joints()).items():
         builder.measured_point(name, middle, block=name)
     x, y = loaded_point(place)
@@ -61,7 +64,7 @@ def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=1e10, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=1e10, step=STEP, steps=STEPS)
 
 
 @problem(set_up=loaded_arch, variants=(OPEN_CLOSE, CONVEX), quick=())
@@ -85,18 +88,13 @@ def arch_load(trial: Trial, places: tuple[int, ...] = PLACES) -> None:
         quantity = f"largest load on voussoir {place}"
         trial.relative(quantity, "N/m", found, exact, 0.015, RESOLUTION)
     every = range(11, 17)
-    trial.chart(
-        "largest load",
-        "distance from the crown over R",
-        "load, kN/m",
-        exact_curve(
-            "linear programming",
-            [-loaded_point(place)[0] / RADIUS for place in every],
-            [1e-3 * exact_load(place) for place in every],
-        ),
-        curve(
-            trial.variant.name,
-            [-loaded_point(place)[0] / RADIUS for place in places],
-            [1e-3 * row.computed for row in trial.rows],
-        ),
+    chart = trial.chart("largest load", "distance from the crown over R", "load, kN/m")
+    chart.exact(
+        "linear programming",
+        [-loaded_point(place)[0] / RADIUS for place in every],
+        [1e-3 * exact_load(place) for place in every],
+    )
+    chart.computed(
+        [-loaded_point(place)[0] / RADIUS for place in places],
+        [1e-3 * row.computed for row in trial.rows],
     )

@@ -13,14 +13,11 @@ strength s instead, and no N, it breaks at
 The wall is one block or several: a face is a face.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Run, Trial, limit, problem
+from clast.verification.problems import Model, Run, Trial, box, limit, new_model, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
 
 HEIGHT, LENGTH = 0.5, 0.5
@@ -50,13 +47,10 @@ def beam(
     blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: dict[str, float] = STIFF
 ) -> Model:
     """Return the beam on a wall of so many blocks, with N, N/m, and M, N m/m, at its joint."""
-    builder = InputBuilder(title="Bonded beam", gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=1e13, poisson=0.0, density=2500.0)
-    builder.add_joint("default", **joint)
+    builder = new_model("Bonded beam", young=1e13, density=2500.0, poisson=0.0, **joint)
     for low, high in pairwise(np.linspace(0.0, HEIGHT, blocks + 1)):
-        builder.block(vertices=[(-1.0, low), (0.0, low), (0.0, high), (-1.0, high)], fixed=True)
-    corners = [(0.0, 0.0), (LENGTH, 0.0), (LENGTH, HEIGHT), (0.0, HEIGHT)]
-    builder.block(name="beam", vertices=corners)
+        builder.block(vertices=box(-1.0, low, 0.0, high), fixed=True)
+    builder.block(name="beam", vertices=box(0.0, 0.0, LENGTH, HEIGHT))
     for y, couple in ((0.0, moment / HEIGHT), (HEIGHT, -moment / HEIGHT)):
         builder.point_load((LENGTH, y), (-0.5 * force - couple, 0.0), block="beam")
     builder.measured_point("tip", (LENGTH, 0.5 * HEIGHT), block="beam")
@@ -65,10 +59,7 @@ def beam(
 
 def at_rest(model: Model, variant: Variant) -> Run:
     """Return the run until the beam rests, or has broken off."""
-    end = STEPS * STEP
-    return variant.run(
-        model, step=STEP, end=end, normal_stiffness=1e9, max_displacement=0.02, dynamic_ratio=0.0
-    )
+    return variant.static(model, step=STEP, end=STEPS * STEP, p=1e9, max_displacement=0.02)
 
 
 def turned(share: float, blocks: int, variant: Variant) -> tuple[float, float]:
@@ -89,8 +80,12 @@ def breaks_at(blocks: int, force: float, moment: float, variant: Variant) -> flo
     """Return the share of N and M from which on the beam comes off."""
 
     def stays_off(share: float) -> bool:
-        model = beam(blocks, share * force, share * moment, BONDED)
-        return not bool(at_rest(model, variant).state.memory.bonded.sum() > 8)
+        return not bool(
+            at_rest(
+                beam(blocks, share * force, share * moment, BONDED), variant
+            ).state.memory.bonded.sum()
+            > 8
+        )
 
     return limit(stays_off, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
 
@@ -127,10 +122,6 @@ def bonded_beam(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
         pulled = pull * breaks_at(blocks, -pull, 0.0, trial.variant)
         trial.relative(f"tension at rupture, {cut}", "N/m", pulled, pull, 0.01, RESOLUTION)
     fine = np.linspace(0.0, 0.465, 94)
-    trial.chart(
-        "rotation of the joint",
-        "e/b",
-        "rotation, rad",
-        exact_curve("integral of the face", fine, [exact_turn(x) for x in fine]),
-        curve(trial.variant.name, at, found),
-    )
+    chart = trial.chart("rotation of the joint", "e/b", "rotation, rad")
+    chart.exact("integral of the face", fine, [exact_turn(x) for x in fine])
+    chart.computed(at, found)

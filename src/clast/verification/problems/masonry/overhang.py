@@ -1,14 +1,11 @@
 """Bricks piled over the edge of a table: how far they reach."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 LENGTH, HEIGHT = 1.0, 0.25
 """Length and height of a brick, m."""
@@ -22,25 +19,22 @@ BRACKETED = "bracketed by 0.99 and 1.01 of it; the joints are springs"
 
 def pile(share: float = 0.99) -> Model:
     """Return a table with its edge at x = 0 and bricks that reach ``share`` of the limit."""
-    builder = InputBuilder(title="Overhang", gravity=(0.0, -9.8))
-    builder.add_rock("brick", young=20e9, poisson=0.2, density=2000.0)
-    builder.add_joint("default", friction_angle=35.0)
-    builder.block(name="table", vertices=[(-2, -0.5), (0, -0.5), (0, 0), (-2, 0)], fixed=True)
+    builder = new_model("Overhang", gravity=9.8, young=20e9, density=2000.0, friction_angle=35.0)
+    builder.block(name="table", vertices=box(-2, -0.5, 0, 0), fixed=True)
     reach = 0.0
     for k in range(BRICKS, 0, -1):
         reach += share * 0.5 * LENGTH / k
         low = (BRICKS - k) * HEIGHT
         left, high = reach - LENGTH, low + HEIGHT
-        corners = [(left, low), (reach, low), (reach, high), (left, high)]
-        builder.block(name=f"brick {k}", vertices=corners)
+        builder.block(name=f"brick {k}", vertices=box(left, low, reach, high))
         builder.measured_point(f"brick {k}", (reach - 0.5 * LENGTH, low + 0.5 * HEIGHT))
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=2e8, step=STEP, steps=STEPS, max_displacement=0.01)
+STATIC = StaticRun(p=2e8, step=STEP, steps=STEPS, max_displacement=0.01)
 
 
-@problem(set_up=pile, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+@problem(set_up=pile, variants=EACH_PROCESS, quick=())
 def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     """Bricks over the edge of a table.
 
@@ -58,10 +52,6 @@ def overhang(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     disorder = sum(a < b for a, b in pairwise(standing))
     trial.relative("reach at the limit", "m", reach, exact, 0.01, BRACKETED)
     trial.absolute("longer piles that stand where shorter fall", "", disorder, 0.0, 0.0, "a count")
-    trial.chart(
-        "pile of five bricks",
-        "reach / limit",
-        "stands (1) or falls (0)",
-        exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
-        curve(trial.variant.name, shares, np.array(standing, float)),
-    )
+    chart = trial.chart("pile of five bricks", "reach / limit", "stands (1) or falls (0)")
+    chart.exact("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0))
+    chart.computed(shares, np.array(standing, float))

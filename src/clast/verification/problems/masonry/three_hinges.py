@@ -1,18 +1,10 @@
 """A cracked beam between abutments arches: the thrust of a three-hinged beam."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, State, Trial, problem
+from clast.verification.problems import Model, State, Trial, box, new_model, problem
 from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    EULER,
-    LAGGED,
-    MULTIPLIERS,
-    OPEN_CLOSE,
+    BOTH_LAWS,
 )
 
 GRAVITY, DENSITY, DEPTH = 9.8, 2600.0, 0.5
@@ -32,16 +24,16 @@ def exact_thrust(slenderness: float) -> float:
 def beam(slenderness: float = 6.0) -> Model:
     """Return two fixed abutments with noses and two blocks bridging ``slenderness`` x d."""
     half, low, high = 0.5 * slenderness * DEPTH, -0.3, DEPTH + 0.3
-    builder = InputBuilder(title="Three-hinged beam", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
+    builder = new_model(
+        "Three-hinged beam", gravity=GRAVITY, young=50e9, density=DENSITY, poisson=0.0
+    )
     abutment = [(half - NOSE, low), (half + 0.5, low), (half + 0.5, high), (half, high)]
     abutment += [(half, -0.1), (half - NOSE, 0.0)]
     builder.block(name="right abutment", vertices=abutment, fixed=True)
     mirrored = [(-x, y) for x, y in reversed(abutment)]
     builder.block(name="left abutment", vertices=mirrored, fixed=True)
     for name, left, right in (("right half", 0.0, half), ("left half", -half, 0.0)):
-        corners = [(left, 0.0), (right, 0.0), (right, DEPTH), (left, DEPTH)]
-        builder.block(name=name, vertices=corners)
+        builder.block(name=name, vertices=box(left, 0.0, right, DEPTH))
     return builder.build()
 
 
@@ -53,12 +45,7 @@ def force_of_vertices(model: Model, state: State, of: str, into: str) -> float:
     return float(memory.normal_force[here].sum())
 
 
-@problem(
-    set_up=beam,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
-    quick=(CONVEX,),
-    few=(SLENDERNESSES[:1],),
-)
+@problem(set_up=beam, variants=BOTH_LAWS, few=(SLENDERNESSES[:1],))
 def three_hinges(trial: Trial, slendernesses: tuple[float, ...] = SLENDERNESSES) -> None:
     """Three-hinged beam.
 
@@ -72,13 +59,8 @@ def three_hinges(trial: Trial, slendernesses: tuple[float, ...] = SLENDERNESSES)
     thrusts = []
     for slenderness in slendernesses:
         model = beam(slenderness)
-        state = trial.variant.run(
-            model,
-            step=STEP,
-            end=DURATION,
-            normal_stiffness=2e9,
-            max_displacement=0.01,
-            dynamic_ratio=0.0,
+        state = trial.variant.static(
+            model, step=STEP, end=DURATION, p=2e9, max_displacement=0.01
         ).state
         weight = DENSITY * GRAVITY * slenderness * DEPTH**2
         thrust = force_of_vertices(model, state, "left half", "left abutment")
@@ -88,10 +70,6 @@ def three_hinges(trial: Trial, slendernesses: tuple[float, ...] = SLENDERNESSES)
         trial.relative(f"thrust {at}", "N/m", thrust, exact, 5e-4, SINKS)
         trial.relative(f"reaction {at}", "N/m", reaction, 0.5 * weight, 1e-6, "at rest")
     fine = np.linspace(3.0, 9.0, 30)
-    trial.chart(
-        "thrust of the beam",
-        "L/d",
-        "H/W",
-        exact_curve("(L/4 - c)/(2 d)", fine, [exact_thrust(one) for one in fine]),
-        curve(trial.variant.name, slendernesses, thrusts),
-    )
+    chart = trial.chart("thrust of the beam", "L/d", "H/W")
+    chart.exact("(L/4 - c)/(2 d)", fine, [exact_thrust(one) for one in fine])
+    chart.computed(slendernesses, thrusts)

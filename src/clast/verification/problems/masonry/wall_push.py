@@ -9,17 +9,14 @@ them pressed together, which nothing does: with phi = 35
 degrees everywhere walls carry 5 to 8 % less than the bound.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
 from clast.verification.limit_analysis import GROUND, RigidBlocks, RigidJoint, largest_factor
-from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, StaticRun, Trial, box, problem
 from clast.verification.variants import CONVEX
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2000.0, 40.0
@@ -71,10 +68,7 @@ class Wall:
                 if other == foot and d == a:
                     joint(i, j, (np.array([a, foot]), np.array([a, foot + COURSE])), right)
         return RigidBlocks(
-            corners=[
-                np.array([(a, foot), (b, foot), (b, foot + COURSE), (a, foot + COURSE)])
-                for a, b, foot in bricks
-            ],
+            corners=[np.array(box(a, foot, b, foot + COURSE)) for a, b, foot in bricks],
             joints=joints,
         )
 
@@ -101,19 +95,17 @@ def add_wall(builder: InputBuilder, wall: Wall) -> None:
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.add_joint("head", friction_angle=0.0)
     out = BRICK * wall.bricks + 1.0
-    builder.block(
-        name="ground", vertices=[(-1.0, -0.5), (out, -0.5), (out, 0.0), (-1.0, 0.0)], fixed=True
-    )
+    builder.block(name="ground", vertices=box(-1.0, -0.5, out, 0.0), fixed=True)
     for k, (left, right, foot) in enumerate(wall.outlines()):
         top = foot + COURSE
-        corners = [(left, foot), (right, foot), (right, top), (left, top)]
+        corners = box(left, foot, right, top)
         builder.block(name=str(k + 1), vertices=corners, edge_joint=["", "head", "", "head"])
         builder.measured_point(
             str(k + 1), (0.5 * (left + right), foot + 0.5 * COURSE), block=str(k + 1)
         )
 
 
-STATIC = StaticRun(normal_stiffness=1e10, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=1e10, step=STEP, steps=STEPS)
 
 
 @problem(set_up=pushed, variants=(CONVEX,), quick=())
@@ -137,21 +129,11 @@ def wall_push(trial: Trial, walls: tuple[Wall, ...] = WALLS) -> None:
         quantity = f"push over weight, {wall.bricks} bricks x {wall.courses} courses"
         trial.relative(quantity, "", found, exact, 0.015, RESOLUTION)
     courses = range(4, 13)
-    trial.chart(
-        "largest push",
-        "courses",
-        "push over weight",
-        *(
-            exact_curve(
-                f"linear programming, {bricks} bricks",
-                courses,
-                [exact_push(Wall(bricks, count)) for count in courses],
-            )
-            for bricks in (2, 3)
-        ),
-        curve(
-            trial.variant.name,
-            [wall.courses for wall in walls],
-            [row.computed for row in trial.rows],
-        ),
-    )
+    chart = trial.chart("largest push", "courses", "push over weight")
+    for bricks in (2, 3):
+        chart.exact(
+            f"linear programming, {bricks} bricks",
+            courses,
+            [exact_push(Wall(bricks, count)) for count in courses],
+        )
+    chart.computed([wall.courses for wall in walls], [row.computed for row in trial.rows])

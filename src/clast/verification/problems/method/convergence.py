@@ -16,17 +16,14 @@ a column of such blocks at rest is shorter by rho g H^2/(2 E), H its whole heigh
 give way make the frequency less and the shortening more, by amounts that fall as 1/p.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import eigh
 
-from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
 from clast.verification.variants import (
     CONVEX,
     LAGGED,
@@ -72,12 +69,11 @@ def blocks_at_rest(young: float, stiffness: float, count: int = 1) -> Model:
     borne = (0.0, -0.5 * weight if count == 1 else 0.0, 0.0)
     builder.add_rock("rock", young=young, poisson=0.0, density=DENSITY, initial_stress=borne)
     builder.add_joint("default", friction_angle=0.0)
-    ground = [(-1, -1), (2, -1), (2, 0), (-1, 0)]
-    builder.block(name="floor", vertices=ground, fixed=True)
+    builder.block(name="floor", vertices=box(-1, -1, 2, 0), fixed=True)
     low = -0.5 * weight / stiffness if count == 1 else 0.0
     for number in range(count):
         foot, top = low + number, low + number + 1.0
-        builder.block(name=f"{number}", vertices=[(0, foot), (1, foot), (1, top), (0, top)])
+        builder.block(name=f"{number}", vertices=box(0, foot, 1, top))
     builder.measured_point("top", (0.5, low + count), block=f"{count - 1}")
     return builder.build()
 
@@ -88,7 +84,7 @@ def moved(
     """Return times, s, and heights, m, of the top of a block that begins with a velocity (6,)."""
     velocities = np.zeros_like(model.velocity)
     velocities[-1] = velocity
-    method = variant.method(model, normal_stiffness=stiffness, max_displacement=0.05)
+    method = variant.method(model, p=stiffness, max_displacement=0.05)
     top = simulate(replace(model, velocity=velocities), method, schedule).history("top")
     return top.time, top.displacement[:, 1]
 
@@ -142,15 +138,12 @@ def exact_shortening(stiffness: float) -> float:
 
 def shortening(stiffness: float, variant: Variant) -> float:
     """Return how far the top of the column goes down in statics, m."""
-    model = blocks_at_rest(YOUNG, stiffness, BLOCKS)
-    end = STATIC_STEPS * STATIC_STEP
-    run = variant.run(
-        model,
+    run = variant.static(
+        blocks_at_rest(YOUNG, stiffness, BLOCKS),
         step=STATIC_STEP,
-        end=end,
-        normal_stiffness=stiffness,
+        end=STATIC_STEPS * STATIC_STEP,
+        p=stiffness,
         max_displacement=0.01,
-        dynamic_ratio=0.0,
     )
     return -float(run.history("top").displacement[-1, 1])
 
@@ -181,7 +174,9 @@ def convergence(trial: Trial) -> None:
         ("frequency", "1/s", RATIOS, frequency, exact_frequency, NUMBERS),
         ("shortening", "m", STATIC_RATIOS, shortening, exact_shortening, AT_REST),
     )
-    curves = []
+    chart = trial.chart(
+        "what contacts that give way change", "p/E", "relative change", x_scale="log", y_scale="log"
+    )
     for name, unit, ratios, computed, exact, why in parts:
         found = np.array([computed(ratio * YOUNG, trial.variant) for ratio in ratios])
         right = np.array([exact(ratio * YOUNG) for ratio in ratios])
@@ -191,15 +186,5 @@ def convergence(trial: Trial) -> None:
         errors, of_formula = (np.abs(values / exact(np.inf) - 1.0) for values in (found, right))
         order = float(np.log(errors[0] / errors[1]) / np.log(ratios[1] / ratios[0]))
         trial.absolute(f"order in 1/p, {name}", "", order, 1.0, 0.03, IN_STIFFNESS)
-        curves += [
-            exact_curve(f"{name} by formula", ratios, of_formula),
-            curve(f"{name}, {trial.variant.name}", ratios, errors),
-        ]
-    trial.chart(
-        "what contacts that give way change",
-        "p/E",
-        "relative change",
-        *tuple(curves),
-        x_scale="log",
-        y_scale="log",
-    )
+        chart.exact(f"{name} by formula", ratios, of_formula)
+        chart.computed(ratios, errors, name)

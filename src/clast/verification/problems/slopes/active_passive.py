@@ -14,16 +14,13 @@ planes and the joint (phi_j) have friction angles of their own, it is (Sarma 197
     W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b).
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 STEEP, FLATS = 50.0, (0.0, 5.0, 10.0)
 """Dip of the upper plane, and dips of the lower plane that are run, degrees."""
@@ -97,9 +94,8 @@ def exact_factor(flat: float) -> float:
 def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20.0, 20.0)) -> Model:
     """Return the base with both blocks; dip and friction angles as for ``missing``."""
     (back, front), upper, lower = outlines(flat)
-    builder = InputBuilder(title="Active and passive block", gravity=(0.0, -9.8))
-    builder.add_rock("rock", young=20e9, poisson=0.2, density=2500.0)
-    builder.add_joint("default", friction_angle=angles[2])
+    builder = new_model("Active and passive block", gravity=9.8, young=20e9, density=2500.0)
+    builder.add_joint(friction_angle=angles[2])
     builder.add_joint("steep", friction_angle=angles[0], between=[("back", "upper")])
     builder.add_joint("flat", friction_angle=angles[1], between=[("front", "lower")])
     builder.block(name="back", vertices=back, fixed=True)
@@ -116,10 +112,10 @@ def alike(flat: float, friction_angle: float) -> Model:
     return slope(flat, (friction_angle, friction_angle, friction_angle))
 
 
-STATIC = StaticRun(normal_stiffness=5e8, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=5e8, step=STEP, steps=STEPS)
 
 
-@problem(set_up=slope, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+@problem(set_up=slope, variants=EACH_PROCESS, quick=())
 def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
     """Active and passive block.
 
@@ -152,10 +148,8 @@ def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
     quantity = f"friction by that at the limit, own for each plane, lower plane at {flat:g} degrees"
     trial.relative(quantity, "", share, 1.0, 0.02, FINER)
     fine = np.linspace(-2.0, 12.0, 29)
-    trial.chart(
-        "friction angle at the limit",
-        "dip of the lower plane, degrees",
-        "friction angle, degrees",
-        exact_curve("both blocks at their limit", fine, [exact_limit(flat) for flat in fine]),
-        curve(trial.variant.name, flats, found),
+    chart = trial.chart(
+        "friction angle at the limit", "dip of the lower plane, degrees", "friction angle, degrees"
     )
+    chart.exact("both blocks at their limit", fine, [exact_limit(flat) for flat in fine])
+    chart.computed(flats, found)

@@ -16,13 +16,10 @@ With all friction divided by F they are at their limit where
 and there the joints carry the same sum with tan phi_i/F and without acceleration.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Run, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import Model, Run, StaticRun, Trial, new_model, problem
+from clast.verification.variants import EACH_PROCESS, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
 DIP = float(np.radians(35.0))
@@ -68,9 +65,10 @@ def train(divided_by: float = 1.0) -> Model:
     """Return the plane and the blocks on it, the friction divided."""
     along = np.array([np.cos(DIP), np.sin(DIP)])
     out = np.array([-along[1], along[0]])
-    builder = InputBuilder(title="Blocks on a plane", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=5e9, poisson=0.0, density=DENSITY)
-    builder.add_joint("default", friction_angle=0.0)
+    builder = new_model(
+        "Blocks on a plane", gravity=GRAVITY, young=5e9, density=DENSITY, poisson=0.0
+    )
+    builder.add_joint(friction_angle=0.0)
     for number, tangent in enumerate(FRICTION, 1):
         angle = float(np.degrees(np.arctan(tangent / divided_by)))
         builder.add_joint(f"under {number}", friction_angle=angle, between=[("plane", str(number))])
@@ -108,16 +106,13 @@ def forces_between(run: Run) -> np.ndarray:
 
 def slide(variant: Variant) -> Run:
     """Return the run of the blocks that slide."""
-    model = train()
-    return variant.run(
-        model, step=STEP, end=DURATION, normal_stiffness=STIFFNESS, max_displacement=0.02
-    )
+    return variant.run(train(), step=STEP, end=DURATION, p=STIFFNESS, max_displacement=0.02)
 
 
-STATIC = StaticRun(normal_stiffness=STATIC_STIFFNESS, step=STEP, steps=STATIC_STEPS)
+STATIC = StaticRun(p=STATIC_STIFFNESS, step=STEP, steps=STATIC_STEPS)
 
 
-@problem(set_up=train, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+@problem(set_up=train, variants=EACH_PROCESS)
 def block_train(trial: Trial) -> None:
     """Blocks that push each other down a plane.
 
@@ -144,13 +139,9 @@ def block_train(trial: Trial) -> None:
     )
     trial.relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION)
     time = histories[0].time
-    trial.chart(
-        "displacement of the middle block",
-        "time, s",
-        "displacement, m",
-        exact_curve("all together", time, 0.5 * acceleration() * time**2),
-        exact_curve(
-            "each alone", time, 0.5 * GRAVITY * (np.sin(DIP) - np.cos(DIP) * FRICTION[1]) * time**2
-        ),
-        curve(trial.variant.name, time[::25], np.hypot(*histories[1].displacement[::25].T)),
+    chart = trial.chart("displacement of the middle block", "time, s", "displacement, m")
+    chart.exact("all together", time, 0.5 * acceleration() * time**2)
+    chart.exact(
+        "each alone", time, 0.5 * GRAVITY * (np.sin(DIP) - np.cos(DIP) * FRICTION[1]) * time**2
     )
+    chart.computed(time[::25], np.hypot(*histories[1].displacement[::25].T))

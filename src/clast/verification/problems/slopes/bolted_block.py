@@ -1,14 +1,11 @@
 """A block on a plane held by a tensioned bolt: the least force that holds it."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY, DENSITY = 9.81, 2600.0
 DIP, FRICTION = np.radians(35.0), np.radians(30.0)
@@ -53,13 +50,13 @@ def bolted(
     """Return the plane, a wall above it, and the block on it with its bolt."""
     toe = 2.0 * ALONG
     head, up = toe + LENGTH * ALONG, HEIGHT * UP
-    builder = InputBuilder(title="Bolted block", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
+    builder = new_model("Bolted block", gravity=GRAVITY, young=20e9, density=DENSITY)
     builder.add_joint(friction_angle=float(np.degrees(np.arctan(reduced(factor)))))
     foot, right = head + 2.0 * ALONG, head + 6.0 * ALONG
     corner = np.array([right[0], 0.0])
-    ground = [0.0 * toe, corner, right, right + up, foot + up, foot]
-    builder.block(name="slope", vertices=ground, fixed=True)
+    builder.block(
+        name="slope", vertices=[0.0 * toe, corner, right, right + up, foot + up, foot], fixed=True
+    )
     builder.block(name="block", vertices=[toe, head, head + up, toe + up])
     middle = toe + 0.5 * LENGTH * ALONG + 0.5 * up
     builder.add_bolt_kind("cable", stiffness=2e7, pretension=force)
@@ -69,10 +66,10 @@ def bolted(
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
 
 
-@problem(set_up=bolted, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), few=(FACTORS[:1],))
+@problem(set_up=bolted, variants=EACH_PROCESS, few=(FACTORS[:1],))
 def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
     """A block held by a tensioned bolt.
 
@@ -101,10 +98,6 @@ def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
             trial.absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides")
     fine = np.linspace(1.0, 1.5, 41)
     exact_fine = np.array([exact_force(one, steepest(one)) for one in fine])
-    trial.chart(
-        "least force at the best angle",
-        "factor of safety",
-        "force, kN/m",
-        exact_curve("limit equilibrium", fine, 1e-3 * exact_fine),
-        curve(trial.variant.name, factors, 1e-3 * np.array(found)),
-    )
+    chart = trial.chart("least force at the best angle", "factor of safety", "force, kN/m")
+    chart.exact("limit equilibrium", fine, 1e-3 * exact_fine)
+    chart.computed(factors, 1e-3 * np.array(found))

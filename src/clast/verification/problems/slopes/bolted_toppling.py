@@ -1,7 +1,5 @@
 """Goodman and Bray's toppling slope held by a horizontal bolt in its toe column."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from clast.verification.problems import InputBuilder, Model, Trial, limit, problem
@@ -34,13 +32,11 @@ def bolted(force: float | None = None) -> Model:
 
 def holds(force: float, variant: Variant) -> bool:
     """Return whether the toe stays."""
-    model = bolted(force)
-    end = toppling.DURATION
     run = variant.run(
-        model,
+        bolted(force),
         step=toppling.STEP,
-        end=end,
-        normal_stiffness=1e9,
+        end=toppling.DURATION,
+        p=1e9,
         max_displacement=0.05,
         dynamic_ratio=toppling.DAMPED,
     )

@@ -1,14 +1,11 @@
 """Plane failure of a slope with water in a tension crack (Hoek & Bray)."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY, DENSITY, WATER = 9.81, 2600.0, 1000.0
 DIP = np.radians(25.0)
@@ -48,9 +45,9 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
     """Return a fixed slope and the slab on it with its water pressures."""
     toe = 2.0 * ALONG
     head, up = toe + LENGTH * ALONG, np.array([0.0, DEPTH])
-    builder = InputBuilder(title="Plane failure", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=friction_angle)
+    builder = new_model(
+        "Plane failure", gravity=GRAVITY, young=20e9, density=DENSITY, friction_angle=friction_angle
+    )
     right = head + 1.0 * ALONG
     builder.block(name="slope", vertices=[0 * toe, (right[0], 0.0), right], fixed=True)
     builder.block(name="slab", vertices=[toe, head, head + up, toe + up])
@@ -63,10 +60,10 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
 
 
-@problem(set_up=slab, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+@problem(set_up=slab, variants=EACH_PROCESS, quick=())
 def plane_failure(trial: Trial, levels: tuple[float, ...] = LEVELS) -> None:
     """Plane failure with water in a tension crack.
 
@@ -87,10 +84,10 @@ def plane_failure(trial: Trial, levels: tuple[float, ...] = LEVELS) -> None:
         quantity = f"friction angle at the limit, water at {level:g} of the crack"
         trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 41)
-    trial.chart(
+    chart = trial.chart(
         "friction angle at the limit",
         "height of the water / depth of the crack",
         "friction angle, degrees",
-        exact_curve("Hoek & Bray", fine, [exact_limit(level) for level in fine]),
-        curve(trial.variant.name, levels, found),
     )
+    chart.exact("Hoek & Bray", fine, [exact_limit(level) for level in fine])
+    chart.computed(levels, found)

@@ -12,15 +12,12 @@ as it begins, with I about the centroid and I_O about the toe; the motion is int
 A sliding block topples only where b/h < tan phi, not where b/h < tan a as the static chart has it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, new_model, problem
 from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY, DIP = 9.8, np.radians(25.0)
@@ -83,9 +80,8 @@ def _integrated(rates: Callable[[float, Floats], tuple[float, ...]], count: int)
 def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
     """Return a fixed wedge and a block on it; ``friction_angle`` in degrees."""
     along, up = np.array([np.cos(DIP), np.sin(DIP)]), np.array([-np.sin(DIP), np.cos(DIP)])
-    builder = InputBuilder(title="Slide or topple", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
-    builder.add_joint("default", friction_angle=friction_angle)
+    builder = new_model("Slide or topple", gravity=GRAVITY, young=50e9, density=2700.0)
+    builder.add_joint(friction_angle=friction_angle)
     builder.block(name="slope", vertices=[0 * along, (3 * along[0], 0), 3 * along], fixed=True)
     low, width = 1.5 * along, ratio * HEIGHT * along
     corners = [low, low + width, low + width + HEIGHT * up, low + HEIGHT * up]
@@ -96,19 +92,15 @@ def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
 
 def computed_motion(ratio: float, friction_angle: float, variant: Variant) -> tuple[float, float]:
     """Return displacement of the centroid down the plane, m, and rotation, rad, at the end."""
-    model = inclined_block(ratio, friction_angle)
-    run = variant.run(model, step=STEP, end=DURATION, normal_stiffness=1e9, max_displacement=0.03)
+    run = variant.run(
+        inclined_block(ratio, friction_angle), step=STEP, end=DURATION, p=1e9, max_displacement=0.03
+    )
     history = run.history("centroid")
     along = np.array([np.cos(DIP), np.sin(DIP)])
     return float(-history.displacement[-1] @ along), float(history.rotation[-1])
 
 
-@problem(
-    set_up=inclined_block,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS),
-    quick=(CONVEX,),
-    few=(FEW,),
-)
+@problem(set_up=inclined_block, variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS), few=(FEW,))
 def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
     """Slide or topple: a block on a slope.
 
@@ -133,12 +125,8 @@ def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
     points = np.array([BLOCKS[name] for name in modes])
     dip = float(np.degrees(DIP))
     fine = np.linspace(0.0, dip, 50)
-    trial.chart(
-        "modes at a dip of 25 degrees",
-        "friction angle, degrees",
-        "b/h",
-        exact_curve("b/h = tan a: topples above friction", (dip, 50.0), 2 * [np.tan(DIP)]),
-        exact_curve("φ = a: slides", (dip, dip), (0.0, 0.9)),
-        exact_curve("b/h = tan φ: topples while sliding", fine, np.tan(np.radians(fine))),
-        curve(trial.variant.name, points[:, 1], points[:, 0]),
-    )
+    chart = trial.chart("modes at a dip of 25 degrees", "friction angle, degrees", "b/h")
+    chart.exact("b/h = tan a: topples above friction", (dip, 50.0), 2 * [np.tan(DIP)])
+    chart.exact("φ = a: slides", (dip, dip), (0.0, 0.9))
+    chart.exact("b/h = tan φ: topples while sliding", fine, np.tan(np.radians(fine)))
+    chart.computed(points[:, 1], points[:, 0])

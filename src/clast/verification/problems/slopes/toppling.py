@@ -10,14 +10,11 @@ with its height y, weight W, the base dip a and the lever arms M and L of the tw
 is at its limit where the toe column just needs nothing more: tan phi = 0.7855, 38.15 degrees.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
+from clast.verification.variants import EACH_PROCESS, LAGGED, Variant
 
 DIP = np.radians(30.0)
 """Dip of the base planes; the columns lean by as much, rad."""
@@ -98,7 +95,7 @@ def build(builder: InputBuilder, friction_angle: float) -> None:
     for column in range(1, COLUMNS + 1):
         left, low = (column - 1) * WIDTH, column * RISE
         top = low + height(column)
-        outline = [(left, low), (left + WIDTH, low), (left + WIDTH, top), (left, top)]
+        outline = box(left, low, left + WIDTH, top)
         builder.block(name=str(column), vertices=[place(*corner) for corner in outline])
         middle = place(left + 0.5 * WIDTH, low + 0.5 * height(column))
         builder.measured_point(str(column), middle, block=str(column))
@@ -106,12 +103,11 @@ def build(builder: InputBuilder, friction_angle: float) -> None:
 
 def loaded(friction_angle: float, variant: Variant) -> Run:
     """Return the run of the slope under its weight."""
-    model = slope(friction_angle)
     return variant.run(
-        model,
+        slope(friction_angle),
         step=STEP,
         end=DURATION,
-        normal_stiffness=1e9,
+        p=1e9,
         max_displacement=0.05,
         dynamic_ratio=DAMPED,
     )
@@ -157,7 +153,7 @@ def failure(trial: Trial) -> None:
         trial.absolute(quantity, "", count, known, 0.0, "a count")
 
 
-@problem(set_up=slope, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(LAGGED,), briefly=failure)
+@problem(set_up=slope, variants=EACH_PROCESS, quick=(LAGGED,), briefly=failure)
 def toppling(trial: Trial) -> None:
     """Goodman and Bray's toppling slope.
 
@@ -172,12 +168,12 @@ def toppling(trial: Trial) -> None:
     angles, moved = bracket(trial.variant)
     exact = limit_angle()
     trial.absolute("friction angle at the limit", "degrees", angles[-1], exact, 1.0, AT_ONCE)
-    trial.chart(
+    chart = trial.chart(
         "movement of the toe in the last 0.5 s",
         "friction angle, degrees",
         "movement, m",
-        exact_curve("limit equilibrium", (exact, exact), (1e-9, 1.0)),
-        curve(trial.variant.name, angles[:-1], np.maximum(moved, 1e-9)),
         y_scale="log",
     )
+    chart.exact("limit equilibrium", (exact, exact), (1e-9, 1.0))
+    chart.computed(angles[:-1], np.maximum(moved, 1e-9))
     failure(trial)

@@ -11,17 +11,14 @@ springs.  The joint to the rock is smooth: blocks as large as segments strain as
 strain a lining that sticks to them with them.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 
 from clast.model.stages import Stage
-from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
 RADII = (2.0, 2.5, 3.2, 4.2, 5.5, 7.5, 10.0, 11.0)
@@ -49,7 +46,7 @@ def scene(segments: int | None = SECTORS, relaxed: float = RELAXED) -> Model:
     builder.block(name="core", vertices=[_corner(RADII[0], k) for k in range(SECTORS)])
     for ring, (inside, outside) in enumerate(itertools.pairwise(RADII)):
         for k in range(SECTORS):
-            corners = [(inside, k), (outside, k), (outside, k + 1), (inside, k + 1)]
+            corners = box(inside, k, outside, k + 1)
             builder.block(
                 name=f"{ring}, {k}",
                 vertices=[_corner(*one) for one in corners],
@@ -82,7 +79,7 @@ def _corner(radius: float, k: int) -> tuple[float, float]:
 def dug(variant: Variant, segments: int | None, relaxed: float = RELAXED) -> Run:
     """Return the run: the core is taken out, and the plate lined after the first step."""
     model = scene(segments)
-    method = variant.method(model, normal_stiffness=1e12, max_displacement=0.1, dynamic_ratio=0.0)
+    method = variant.method(model, p=1e12, max_displacement=0.1, dynamic_ratio=0.0)
     stages = (
         Stage(
             name="dig",
@@ -122,7 +119,9 @@ def lining_confinement(trial: Trial) -> None:
     free = {relaxed: closures(dug(trial.variant, None, relaxed)) for relaxed in (RELAXED, 0.7)}
     whole = float(free[RELAXED][-1])
     rock = PRESSURE / whole
-    curves = []
+    chart = trial.chart("pressure on the lining as the hole closes", "closure, µm", "pressure, kPa")
+    ends = 1e6 * whole * np.array([0.8, 1.0]), 1e-3 * PRESSURE * np.array([0.2, 0.0])
+    chart.exact("ground without its relaxation", *ends)
     for segments, relaxed in ((SECTORS, RELAXED), (SECTORS, 0.7), (48, RELAXED)):
         run = dug(trial.variant, segments, relaxed)
         share = float(free[relaxed][1]) / whole
@@ -132,15 +131,4 @@ def lining_confinement(trial: Trial) -> None:
         name = f"pressure on {segments} segments after {share:.3f}"
         trial.relative(name, "Pa", float(pressure[-1]), exact, 2e-2, REASON)
         label = f"{segments} segments after {share:.2f}"
-        curves.append(curve(label, 1e6 * closures(run), 1e-3 * pressure))
-    trial.chart(
-        "pressure on the lining as the hole closes",
-        "closure, µm",
-        "pressure, kPa",
-        exact_curve(
-            "ground without its relaxation",
-            1e6 * whole * np.array([0.8, 1.0]),
-            1e-3 * PRESSURE * np.array([0.2, 0.0]),
-        ),
-        *curves,
-    )
+        chart.computed(1e6 * closures(run), 1e-3 * pressure, label=label)

@@ -1,11 +1,8 @@
 """A press with a servo closes the joints of a sample under a stress that it holds."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, Run, Trial, problem
+from clast.verification.problems import Model, Run, Trial, box, new_model, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 STRESS, YOUNG, STIFFNESS = 1e6, 2e10, 2e10
@@ -17,16 +14,13 @@ REASON = "faces are integrated by points; strains are finite"
 
 def scene(layers: int = LAYERS, turned: int = 0) -> Model:
     """Return base, sample of so many layers and platen; lying on its side where ``turned``."""
-    builder = InputBuilder(title="Servo press", gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2500.0)
-    builder.add_joint(
-        "default", friction_angle=30.0, normal_stiffness=STIFFNESS, shear_stiffness=STIFFNESS
-    )
+    builder = new_model("Servo press", young=YOUNG, density=2500.0, poisson=0.0)
+    builder.add_joint(friction_angle=30.0, normal_stiffness=STIFFNESS, shear_stiffness=STIFFNESS)
     tall = LAYERS * THICKNESS / layers
     heights = [-0.1, *(tall * np.arange(layers + 1)), LAYERS * THICKNESS + 0.1]
     names = ["base", *(f"layer {k}" for k in range(layers)), "platen"]
     for name, low, high in zip(names, heights[:-1], heights[1:], strict=True):
-        corners = [(0.0, low), (WIDTH, low), (WIDTH, high), (0.0, high)]
+        corners = box(0.0, low, WIDTH, high)
         if turned:
             corners = [(-y, x) for x, y in corners]
         builder.block(name=name, vertices=corners, fixed=name == "base")
@@ -41,8 +35,7 @@ def scene(layers: int = LAYERS, turned: int = 0) -> Model:
 
 def pressed(variant: Variant, layers: int = LAYERS, turned: int = 0) -> Run:
     """Return the run."""
-    model = scene(layers, turned)
-    return variant.run(model, step=STEP, end=END, normal_stiffness=YOUNG, max_displacement=0.01)
+    return variant.run(scene(layers, turned), step=STEP, end=END, p=YOUNG, max_displacement=0.01)
 
 
 def closure(layers: int) -> float:
@@ -52,7 +45,7 @@ def closure(layers: int) -> float:
     return STRESS * (joints + LAYERS * THICKNESS / YOUNG)
 
 
-@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE), quick=(CONVEX,))
+@problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE))
 def servo_press(trial: Trial) -> None:
     """A press with a servo on a jointed sample.
 
@@ -77,14 +70,6 @@ def servo_press(trial: Trial) -> None:
     run = runs["4 layers"][1]
     press, head = run.reaction("press"), run.history("head")
     most = closure(LAYERS)
-    trial.chart(
-        "stress and closure",
-        "closure, mm",
-        "stress, MPa",
-        exact_curve("σ/u", 1e3 * np.array([0.0, most]), 1e-6 * np.array([0.0, STRESS])),
-        curve(
-            trial.variant.name,
-            -1e3 * head.displacement[1::8, 1],
-            -1e-6 * press.force[1::8, 1] / WIDTH,
-        ),
-    )
+    chart = trial.chart("stress and closure", "closure, mm", "stress, MPa")
+    chart.exact("σ/u", 1e3 * np.array([0.0, most]), 1e-6 * np.array([0.0, STRESS]))
+    chart.computed(-1e3 * head.displacement[1::8, 1], -1e-6 * press.force[1::8, 1] / WIDTH)

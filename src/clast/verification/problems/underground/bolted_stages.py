@@ -18,16 +18,11 @@ whether bolt or pillar comes first, provided that nothing has settled in between
 carries nothing again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from clast.model.stages import TIME, Stage
-from clast.pictures.verification import Curve, curve, exact_curve
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import Model, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0
 WIDTH, HEIGHT = 4.0, 1.0
@@ -40,11 +35,6 @@ STEP, DURATION = 2e-3, 0.4
 """Length of a step and of a stage, s."""
 RELAX_TIME = 0.2
 """Time within which the forces of the pillar end, s."""
-SHOWN = 20
-"""Every so many steps have a point in the figure."""
-NOTHING = 1e-9
-"""Force of a bolt, as a share of W, that is none."""
-TOLERANCE = 1e-5
 REASON = "the blocks are compressed by 1e-5, which shifts contacts and changes lengths"
 
 WEIGHT = WIDTH * HEIGHT * DENSITY * GRAVITY
@@ -66,15 +56,13 @@ ORDERS: dict[str, tuple[tuple[str, ...], ...]] = {
 
 def roof() -> Model:
     """Return a beam on two ledges and a pillar, and the rock above, on which its bolt hangs."""
-    builder = InputBuilder(title="Bolted roof", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
-    builder.add_joint("default", friction_angle=0.0)
+    builder = new_model("Bolted roof", gravity=GRAVITY, young=YOUNG, density=DENSITY, poisson=0.0)
+    builder.add_joint(friction_angle=0.0)
     foot, half = -PILLAR[1], 0.5 * PILLAR[0]
     middle = 0.5 * WIDTH
 
     def block(name: str, left: float, low: float, right: float, high: float, fixed: bool) -> None:
-        corners = [(left, low), (right, low), (right, high), (left, high)]
-        builder.block(name=name, vertices=corners, fixed=fixed)
+        builder.block(name=name, vertices=box(left, low, right, high), fixed=fixed)
 
     block("floor", 0.0, foot - 1.0, WIDTH, foot, True)
     block("left ledge", -1.0, foot, 0.5, 0.0, True)
@@ -125,26 +113,7 @@ def stages_of(order: str) -> tuple[Stage, ...]:
     )
 
 
-def forces(order: str, variant: Variant) -> tuple[Floats, Floats]:
-    """Return times, s, and forces of the bolt, N/m, in an order."""
-    model = roof()
-    method = variant.method(
-        model, normal_stiffness=CONTACT, max_displacement=0.01, dynamic_ratio=0.0
-    )
-    schedule = Schedule(step=STEP, end=DURATION, every=DURATION, stages=stages_of(order))
-    history = simulate(model, method, schedule).bolt_history("bolt")
-    return history.time, history.force
-
-
-def _exact_course(order: str) -> Curve:
-    """Return the force of the bolt while the forces of the pillar end, kN/m."""
-    digs = next(number for number, named in enumerate(ORDERS[order]) if "pillar" in named)
-    start, end = digs * DURATION, len(ORDERS[order]) * DURATION
-    force = 1e-3 * exact_force(order)
-    return exact_curve(order, [0.0, start, start + RELAX_TIME, end], [0.0, 0.0, force, force])
-
-
-@problem(set_up=roof, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+@problem(set_up=roof, variants=EACH_PROCESS)
 def bolted_stages(trial: Trial, orders: Sequence[str] = tuple(ORDERS)) -> None:
     """A bolt installed before or after an excavation.
 
@@ -157,19 +126,28 @@ def bolted_stages(trial: Trial, orders: Sequence[str] = tuple(ORDERS)) -> None:
     1/K + c), N being the load of the pillar, K = 4 p, c = h/(4 b E).
     Source: statics.
     """
-    shown: list[Curve] = []
+    chart = trial.chart("force of the bolt", "time, s", "force, kN/m")
     for order in orders:
-        time, force = forces(order, trial.variant)
+        history = trial.variant.static(
+            roof(),
+            step=STEP,
+            end=DURATION,
+            stages=stages_of(order),
+            p=CONTACT,
+            max_displacement=0.01,
+        ).bolt_history("bolt")
+        time, force = history.time, history.force
         exact = exact_force(order)
         if exact == 0.0:
-            limit = NOTHING * WEIGHT
             why = "it is as long as when it was installed"
-            trial.absolute(order, "N/m", float(force[-1]), 0.0, limit, why)
+            trial.absolute(order, "N/m", float(force[-1]), 0.0, 1e-9 * WEIGHT, why)
         else:
-            trial.relative(order, "N/m", float(force[-1]), exact, TOLERANCE, REASON)
+            trial.relative(order, "N/m", float(force[-1]), exact, 1e-5, REASON)
         if order.startswith("settle") and order != "settle, bolt":
-            shown.append(_exact_course(order))
-            shown.append(
-                curve(f"{order}: {trial.variant.name}", time[::SHOWN], 1e-3 * force[::SHOWN])
-            )
-    trial.chart("force of the bolt", "time, s", "force, kN/m", *tuple(shown))
+            # the force of the bolt while those of the pillar end
+            digs = next(number for number, named in enumerate(ORDERS[order]) if "pillar" in named)
+            start, end = digs * DURATION, len(ORDERS[order]) * DURATION
+            instants, last = [0.0, start, start + RELAX_TIME, end], 1e-3 * exact
+            chart.exact(order, instants, [0.0, 0.0, last, last])
+            label = f"{order}: {trial.variant.name}"
+            chart.computed(time[::20], 1e-3 * force[::20], label=label)

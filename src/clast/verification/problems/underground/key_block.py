@@ -7,15 +7,12 @@ carries N with the shear force N tan phi, which gives
     H = N cos(phi - a)/cos phi,   W = 2 N sin(phi - a)/cos phi,   W = 2 H tan(phi - a).
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Model, StaticRun, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY, DENSITY = 9.8, 2600.0
 TOP, BOTTOM, HEIGHT = 1.0, 1.6, 2.0
@@ -36,9 +33,9 @@ def exact_force(friction_angle: float) -> float:
 
 def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     """Return wedge, two blocks that slide on rails without friction, and their forces."""
-    builder = InputBuilder(title="Key block", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=0.0)
+    builder = new_model(
+        "Key block", gravity=GRAVITY, young=20e9, density=DENSITY, friction_angle=0.0
+    )
     pairs = [("wedge", "left"), ("wedge", "right")]
     builder.add_joint("sides", friction_angle=friction_angle, between=pairs)
     half_top, half_low, out = 0.5 * TOP, 0.5 * BOTTOM, 2.5
@@ -50,7 +47,7 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     builder.block(name="left", vertices=left)
     for name, low in (("lower", -0.3), ("upper", HEIGHT)):
         for side, edge in (("left", -3.0), ("right", 1.1)):
-            corners = [(edge, low), (edge + 1.9, low), (edge + 1.9, low + 0.3), (edge, low + 0.3)]
+            corners = box(edge, low, edge + 1.9, low + 0.3)
             builder.block(name=f"{name} rail, {side}", vertices=corners, fixed=True)
     pressure = force / HEIGHT
     builder.line_load((out, 0.0), (out, HEIGHT), (-pressure, 0.0), block="right")
@@ -59,10 +56,10 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(normal_stiffness=4e8, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=4e8, step=STEP, steps=STEPS)
 
 
-@problem(set_up=roof, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=())
+@problem(set_up=roof, variants=EACH_PROCESS, quick=())
 def key_block(trial: Trial, angles: tuple[float, ...] = FRICTION_ANGLES) -> None:
     """Key block in a tunnel roof.
 
@@ -81,10 +78,6 @@ def key_block(trial: Trial, angles: tuple[float, ...] = FRICTION_ANGLES) -> None
         quantity = f"force at the limit, phi = {angle:g} degrees"
         trial.relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED)
     fine = np.linspace(20.0, 50.0, 61)
-    trial.chart(
-        "force that holds the wedge",
-        "friction angle, degrees",
-        "H / W",
-        exact_curve("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine]),
-        curve(trial.variant.name, angles, np.array(found) / WEIGHT),
-    )
+    chart = trial.chart("force that holds the wedge", "friction angle, degrees", "H / W")
+    chart.exact("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine])
+    chart.computed(angles, np.array(found) / WEIGHT)

@@ -14,17 +14,21 @@ fades out, by which the closure is that of mining alone.  Quadrilaterals would l
 both ends of an edge leave a ring only few ways to deform.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problem import Trial, problem
-from clast.verification.problems import Floats, InputBuilder, Model, PlaneStrain, Run
+from clast.verification.problems import (
+    Floats,
+    Model,
+    PlaneStrain,
+    Run,
+    Trial,
+    new_model,
+    problem,
+)
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0
@@ -97,10 +101,8 @@ def closure(angle: Floats | float, ratio: float) -> Floats:
 def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
     """Return the rings under stress, with a support of the wall that fades out."""
     stiffness = STIFFER * YOUNG / (2.0 * np.pi * RADIUS / rings.round)
-    builder = InputBuilder(title="Kirsch", plane=PlaneStrain(), gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=2700.0)
+    builder = new_model("Kirsch", plane=PlaneStrain(), young=YOUNG, density=2700.0, poisson=POISSON)
     builder.add_joint(
-        "default",
         friction_angle=45.0,
         cohesion=STRONG,
         tensile_strength=STRONG,
@@ -127,15 +129,12 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
 
 def mined(rings: Rings, ratio: float, variant: Variant) -> Run:
     """Return the run in which the support fades out."""
-    model = tunnel(rings, ratio)
-    end = STEP * (1 + FADING + RESTING)
-    return variant.run(
-        model,
+    return variant.static(
+        tunnel(rings, ratio),
         step=STEP,
-        end=end,
-        normal_stiffness=20.0 * YOUNG,
+        end=STEP * (1 + FADING + RESTING),
+        p=20.0 * YOUNG,
         max_displacement=0.05,
-        dynamic_ratio=0.0,
     )
 
 
@@ -171,7 +170,7 @@ def kirsch(trial: Trial, rings: Rings = FINE, ratios: tuple[float, ...] = (0.5, 
     (3 - 4 nu) cos 2t).
     Source: Kirsch (1898), as in Brady & Brown (2004).
     """
-    curves = []
+    chart = trial.chart("closure of the wall", "angle from the horizontal, degrees", "closure, mm")
     ring = int(np.log(AT / RADIUS) / np.log(rings.growth))
     fine = np.linspace(0.0, 0.5 * np.pi, 91)
     for ratio in ratios:
@@ -189,14 +188,9 @@ def kirsch(trial: Trial, rings: Rings = FINE, ratios: tuple[float, ...] = (0.5, 
                 quantity = f"{name} stress at r = {radius:.3g} m, {where}"
                 trial.relative(quantity, "Pa", value, true, 0.05, MESH)
         places = range(rings.round // 4 + 1)
-        curves += [
-            exact_curve(f"Kirsch, k = {ratio:g}", np.degrees(fine), 1e3 * closure(fine, ratio)),
-            curve(
-                f"k = {ratio:g}, {trial.variant.name}",
-                [np.degrees(rings.middle(place)) for place in places],
-                [1e3 * closed(run, rings, place) for place in places],
-            ),
-        ]
-    trial.chart(
-        "closure of the wall", "angle from the horizontal, degrees", "closure, mm", *tuple(curves)
-    )
+        chart.exact(f"Kirsch, k = {ratio:g}", np.degrees(fine), 1e3 * closure(fine, ratio))
+        chart.computed(
+            [np.degrees(rings.middle(place)) for place in places],
+            [1e3 * closed(run, rings, place) for place in places],
+            f"k = {ratio:g}",
+        )

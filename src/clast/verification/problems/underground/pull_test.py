@@ -11,12 +11,9 @@ it then carries
 At rupture the frame alone is left: u jumps from (F - F_y)/K to F/K.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 BOLT, YIELD, RUPTURE = 1e8, 2e5, 8e-3
@@ -47,11 +44,11 @@ def exact_moved(load: float, pretension: float) -> float:
 
 def pulled(pretension: float = 0.0) -> Model:
     """Return the wall, the block, the grouted bolt and the frame, under a load that grows."""
-    builder = InputBuilder(title="Pull test of a grouted bolt", gravity=(0.0, 0.0))
-    builder.add_rock("rock", young=5e13, poisson=0.0, density=2500.0)
-    builder.add_joint("default", friction_angle=30.0)
-    builder.block(name="wall", vertices=[(-2, 0), (0, 0), (0, 1), (-2, 1)], fixed=True)
-    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder = new_model(
+        "Pull test of a grouted bolt", young=5e13, density=2500.0, poisson=0.0, friction_angle=30.0
+    )
+    builder.block(name="wall", vertices=box(-2, 0, 0, 1), fixed=True)
+    builder.block(name="block", vertices=box(0, 0, 1, 1))
     builder.add_bolt_kind(
         "bar", stiffness=BOLT, yield_force=YIELD, rupture_elongation=RUPTURE, pretension=pretension
     )
@@ -74,15 +71,15 @@ def curve_of(pretension: float, variant: Variant) -> tuple[Floats, Floats]:
     """
     model = pulled(pretension)
     end = STEP * STEPS
-    history = variant.run(
-        model, step=STEP, end=end, normal_stiffness=1e10, max_displacement=0.05, dynamic_ratio=0.0
-    ).history("head")
+    history = variant.static(model, step=STEP, end=end, p=1e10, max_displacement=0.05).history(
+        "head"
+    )
     last = np.append(np.diff(history.time) > 0.0, True)
     load = FURTHER * load_at_rupture(pretension) * history.time[last] / end
     return load, history.displacement[last, 0]
 
 
-@problem(set_up=pulled, variants=(OPEN_CLOSE, CONVEX, PASSES), quick=(CONVEX,))
+@problem(set_up=pulled, variants=(OPEN_CLOSE, CONVEX, PASSES))
 def pull_test(trial: Trial, pretensions: tuple[float, ...] = PRETENSIONS) -> None:
     """Pull-out and rupture of a grouted bolt.
 
@@ -93,7 +90,7 @@ def pull_test(trial: Trial, pretensions: tuple[float, ...] = PRETENSIONS) -> Non
     Exact: F = min(T_0 + s u, F_y) + K u up to u = u_r - T_0/s, then K u.
     Source: springs in parallel.
     """
-    curves = []
+    chart = trial.chart("load and displacement", "displacement, mm", "load, kN/m")
     for pretension in pretensions:
         load, moved = curve_of(pretension, trial.variant)
         which = f"T_0 = {1e-3 * pretension:g} kN/m"
@@ -110,8 +107,5 @@ def pull_test(trial: Trial, pretensions: tuple[float, ...] = PRETENSIONS) -> Non
         quantity = f"load at rupture, {which}"
         trial.relative(quantity, "N/m", load[jump], breaks, 0.01, BETWEEN)
         exact_path = np.array([exact_moved(one, pretension) for one in load])
-        curves += [
-            exact_curve(f"formula, {shown}", 1e3 * exact_path, 1e-3 * load),
-            curve(f"{trial.variant.name}, {shown}", 1e3 * moved[::10], 1e-3 * load[::10]),
-        ]
-    trial.chart("load and displacement", "displacement, mm", "load, kN/m", *tuple(curves))
+        chart.exact(f"formula, {shown}", 1e3 * exact_path, 1e-3 * load)
+        chart.computed(1e3 * moved[::10], 1e-3 * load[::10], label=f"{trial.variant.name}, {shown}")

@@ -1,18 +1,15 @@
 """A prop is taken out from under a block, and its force let go little by little."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
 from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY = 9.8
 RELAX, RELAX_TIME = 0.3, 0.5
@@ -22,12 +19,11 @@ STEP, SETTLING = 1e-3, 0.5
 
 def propped() -> Model:
     """Return a block on a prop of its width, over a fixed floor far below."""
-    builder = InputBuilder(title="Prop taken out", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=5e10, poisson=0.0, density=2500.0)
-    builder.add_joint("default", friction_angle=30.0)
-    builder.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)
-    builder.block(name="prop", vertices=[(0, 0), (1, 0), (1, 4), (0, 4)])
-    builder.block(name="block", vertices=[(0, 4), (1, 4), (1, 5), (0, 5)])
+    builder = new_model("Prop taken out", gravity=GRAVITY, young=5e10, density=2500.0, poisson=0.0)
+    builder.add_joint(friction_angle=30.0)
+    builder.block(name="floor", vertices=box(-1, -1, 2, 0), fixed=True)
+    builder.block(name="prop", vertices=box(0, 0, 1, 4))
+    builder.block(name="block", vertices=box(0, 4, 1, 5))
     builder.measured_point("block", (0.5, 4.5), block="block")
     return builder.build()
 
@@ -38,7 +34,7 @@ def exact_fall(time: Floats) -> Floats:
     return np.asarray(GRAVITY * (0.5 * RELAX * time**2 + late))
 
 
-@problem(set_up=propped, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+@problem(set_up=propped, variants=EACH_PROCESS)
 def relaxed_support(trial: Trial) -> None:
     """Prop that is taken out slowly.
 
@@ -69,11 +65,7 @@ def relaxed_support(trial: Trial) -> None:
     why = "forces of a step are those at its end: first order in h"
     trial.relative("fall at T/2", "m", float(fallen[half]), float(exact[half]), 5e-3, why)
     trial.relative("fall at T", "m", float(fallen[-1]), float(exact[-1]), 5e-3, why)
-    trial.chart(
-        "fall of the block",
-        "time after the excavation, s",
-        "fall, m",
-        exact_curve("formula", time, exact),
-        exact_curve("without relaxation", time, 0.5 * GRAVITY * time**2),
-        curve(trial.variant.name, time[::25], fallen[::25]),
-    )
+    chart = trial.chart("fall of the block", "time after the excavation, s", "fall, m")
+    chart.exact("formula", time, exact)
+    chart.exact("without relaxation", time, 0.5 * GRAVITY * time**2)
+    chart.computed(time[::25], fallen[::25])

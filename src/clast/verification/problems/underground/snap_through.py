@@ -15,16 +15,21 @@ keeps the beam up grows as z shrinks, that of the springs first grows, then fade
 nothing balances the weight.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, limit, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.problems import (
+    Model,
+    StaticRun,
+    Trial,
+    box,
+    limit,
+    new_model,
+    problem,
+)
+from clast.verification.variants import EACH_PROCESS, Variant
 
 GRAVITY, DENSITY = 9.8, 2600.0
 HALF, DEPTH, NOSE = 5.0, 0.5, 0.1
@@ -82,15 +87,13 @@ def exact_rest(stiffness: float, nose: float = NOSE) -> tuple[float, float]:
 def beam() -> Model:
     """Return the fixed abutment with its nose, the plane of symmetry and a half between them."""
     low, high = -2.0, DEPTH + 1.0
-    builder = InputBuilder(title="Snap-through", gravity=(0.0, -GRAVITY))
-    builder.add_rock("stiff rock", young=1e13, poisson=0.0, density=DENSITY)
+    builder = new_model("Snap-through", gravity=GRAVITY, young=1e13, density=DENSITY, poisson=0.0)
     abutment = [(HALF - NOSE, low), (HALF + 1.0, low), (HALF + 1.0, high), (HALF, high)]
     abutment += [(HALF, -NOSE), (HALF - NOSE, 0.0)]
     builder.block(name="abutment", vertices=abutment, fixed=True)
-    plane = [(-1.0, low), (0.0, low), (0.0, high), (-1.0, high)]
+    plane = box(-1.0, low, 0.0, high)
     builder.block(name="plane of symmetry", vertices=plane, fixed=True)
-    corners = [(0.0, 0.0), (HALF, 0.0), (HALF, DEPTH), (0.0, DEPTH)]
-    builder.block(name="half", vertices=corners)
+    builder.block(name="half", vertices=box(0.0, 0.0, HALF, DEPTH))
     builder.measured_point("middle", (0.0, DEPTH), block="half")
     builder.measured_point("end", (HALF, 0.0), block="half")
     return builder.build()
@@ -99,15 +102,7 @@ def beam() -> Model:
 def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
     """Return sag, m, and thrust at the wall, N/m, at the end of a run."""
     model = beam()
-    end = STEPS * STEP
-    run = variant.run(
-        model,
-        step=STEP,
-        end=end,
-        normal_stiffness=stiffness,
-        max_displacement=0.02,
-        dynamic_ratio=0.0,
-    )
+    run = variant.static(model, step=STEP, end=STEPS * STEP, p=stiffness, max_displacement=0.02)
     middle, outer = (run.history(name).displacement[-1, 1] for name in ("middle", "end"))
     memory = run.state.memory
     wall, half = (model.block_name.index(name) for name in ("abutment", "half"))
@@ -117,7 +112,7 @@ def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
 
 def stands(stiffness: float, variant: Variant) -> bool:
     """Return whether the beam stays up."""
-    static = StaticRun(normal_stiffness=stiffness, step=STEP, steps=LONG, max_displacement=FAR)
+    static = StaticRun(p=stiffness, step=STEP, steps=LONG, max_displacement=FAR)
     return static.stands(beam(), variant)
 
 
@@ -131,18 +126,13 @@ def compare_rest(trial: Trial) -> None:
         trial.relative(f"thrust {at}", "N/m", found[-1][1], exact[1], 1e-3, STIFF)
     lowest = snapping()[0]
     rises = np.linspace(DEPTH - 0.999 * exact_rest(2e9)[0], 0.1, 200)
-    trial.chart(
-        "stiffness that balances a sag",
-        "sag, m",
-        "p, N/m per m",
-        exact_curve("rigid half on springs", DEPTH - rises, [needed(rise)[0] for rise in rises]),
-        exact_curve("snap-through", (0.0, 0.4), (lowest, lowest)),
-        curve(trial.variant.name, [sag for sag, _ in found], STIFFNESSES),
-        y_scale="log",
-    )
+    chart = trial.chart("stiffness that balances a sag", "sag, m", "p, N/m per m", y_scale="log")
+    chart.exact("rigid half on springs", DEPTH - rises, [needed(rise)[0] for rise in rises])
+    chart.exact("snap-through", (0.0, 0.4), (lowest, lowest))
+    chart.computed([sag for sag, _ in found], STIFFNESSES)
 
 
-@problem(set_up=beam, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,), briefly=compare_rest)
+@problem(set_up=beam, variants=EACH_PROCESS, briefly=compare_rest)
 def snap_through(trial: Trial) -> None:
     """Snap-through of a cracked roof beam.
 

@@ -12,18 +12,15 @@ Damping with the ratio z takes from each peak to the next the share exp(-d) of t
 where it passes its equilibrium, at T/4, and takes all the energy that it began with.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 YOUNG, DENSITY, LENGTH, PRESSED = 2e9, 2000.0, 2.0, -1e5
@@ -54,7 +51,7 @@ def block() -> Model:
     stress = (PRESSED, 0.0, 0.0)
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY, initial_stress=stress)
     half = 0.5 * LENGTH
-    builder.block(name="block", vertices=[(-half, 0), (half, 0), (half, 1), (-half, 1)])
+    builder.block(name="block", vertices=box(-half, 0, half, 1))
     builder.measured_point("face", (half, 0.5), block="block")
     return builder.build()
 
@@ -62,7 +59,7 @@ def block() -> Model:
 def strained(damping: Action, variant: Variant, periods: float) -> Run:
     """Return the run of some periods with a damping."""
     model = block()
-    method = variant.method(model, normal_stiffness=YOUNG, max_displacement=0.1)
+    method = variant.method(model, p=YOUNG, max_displacement=0.1)
     end = periods * PERIOD
     return simulate(
         model, replace(method, damping=damping), Schedule(step=PERIOD / STEPS, end=end, every=end)
@@ -98,8 +95,11 @@ def damped_block(trial: Trial) -> None:
     left.
     Source: Clough & Penzien (1993), free damped vibration.
     """
-    curves = []
     time = np.linspace(0.0, PERIODS, 200)
+    height = -PRESSED / YOUNG * 0.5 * LENGTH * 1e3
+    even = -height * np.exp(-RATIO * 2.0 * np.pi * time) * np.cos(2.0 * np.pi * time)
+    chart = trial.chart("distance from equilibrium", "periods", "distance, mm")
+    chart.exact("formula", time, even)
     half_way = trial.variant.integrator == "midpoint"
     for name, damping in DAMPINGS.items():
         run = strained(damping, trial.variant, PERIODS)
@@ -109,7 +109,7 @@ def damped_block(trial: Trial) -> None:
         trial.relative(f"decrement, {name}", "", decrement(run), exact, 5e-3, reason)
         every = STEPS // 8
         cycles = run.history("face").time[::every] / PERIOD
-        curves.append(curve(f"{name}, {trial.variant.name}", cycles, 1e3 * swing(run)[::every]))
+        chart.computed(cycles, 1e3 * swing(run)[::every], name)
     stopped = strained(Kinetic(), trial.variant, 1.0)
     energy = stopped.energy
     whole = energy["elastic"][0]
@@ -125,13 +125,4 @@ def damped_block(trial: Trial) -> None:
         0.25,
         3.0 / STEPS,
         "the step after that in which the energy has fallen",
-    )
-    height = -PRESSED / YOUNG * 0.5 * LENGTH * 1e3
-    even = -height * np.exp(-RATIO * 2.0 * np.pi * time) * np.cos(2.0 * np.pi * time)
-    trial.chart(
-        "distance from equilibrium",
-        "periods",
-        "distance, mm",
-        exact_curve("formula", time, even),
-        *curves,
     )

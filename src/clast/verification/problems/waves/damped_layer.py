@@ -1,18 +1,19 @@
 """A damped layer on ground that moves sideways and up at once, at 7.5 Hz and at 10.6 Hz."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 
 from clast.actions.damping import Rayleigh
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.pictures.verification import curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
-from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
+from clast.verification.variants import (
+    HALF_WAY,
+    MIDPOINT,
+    Variant,
+)
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
 """Height of the layer, m, number of blocks in it, and their width, m."""
@@ -49,8 +50,7 @@ def layer() -> Model:
     thick = HEIGHT / BLOCKS
     for k in range(BLOCKS):
         low, high = k * thick, (k + 1) * thick
-        corners = [(0, low), (WIDTH, low), (WIDTH, high), (0, high)]
-        builder.block(name=f"layer {k + 1}", vertices=corners)
+        builder.block(name=f"layer {k + 1}", vertices=box(0, low, WIDTH, high))
     for x in np.linspace(0.0, WIDTH, 5):
         builder.fixed_point((x, 0.0))
     builder.measured_point("base", (0.5 * WIDTH, 0.0), block="layer 1")
@@ -77,7 +77,7 @@ def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
 def amplifications(variant: Variant) -> tuple[float, ...]:
     """Return surface by base, sideways and up and down."""
     model = layer()
-    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)
+    method = variant.method(model, p=STIFF, max_displacement=0.05)
     method = replace(method, damping=Rayleigh(stiffness=DELAY))
     schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=END, every=END)
     run = simulate(model, method, schedule)
@@ -89,7 +89,7 @@ def amplifications(variant: Variant) -> tuple[float, ...]:
     return tuple(found)
 
 
-@problem(set_up=layer, variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE), quick=(MIDPOINT,))
+@problem(set_up=layer, variants=HALF_WAY, quick=(MIDPOINT,))
 def damped_layer(trial: Trial) -> None:
     """Damped layer on ground that moves sideways and up.
 
@@ -100,15 +100,12 @@ def damped_layer(trial: Trial) -> None:
     Exact: 1/|cos(k H)|, k = (w/c)/sqrt(1 + i w s).
     Source: damped layer on rigid rock; Kramer (1996).
     """
-    curves = []
+    chart = trial.chart("amplification", "frequency, Hz", "surface / base")
     fine = np.linspace(1.0, 14.0, 300)
     ways = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
     for (name, frequency, speed), found in zip(ways, amplifications(trial.variant), strict=True):
         exact = exact_amplification(frequency, speed)
         quantity = f"surface by base, {name} at {frequency:.3g} Hz"
         trial.relative(quantity, "", found, exact, 0.02, COARSE)
-        curves.append(
-            exact_curve(f"formula, {name}", fine, [exact_amplification(f, speed) for f in fine])
-        )
-        curves.append(curve(f"{name}, {trial.variant.name}", [frequency], [found]))
-    trial.chart("amplification", "frequency, Hz", "surface / base", *tuple(curves))
+        chart.exact(f"formula, {name}", fine, [exact_amplification(f, speed) for f in fine])
+        chart.computed([frequency], [found], name)

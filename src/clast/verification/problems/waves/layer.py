@@ -22,12 +22,9 @@ has
 wave, 0.6 % with 16.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
-from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.problems import (
     Floats,
     InputBuilder,
@@ -35,14 +32,13 @@ from clast.verification.problems import (
     PointHistory,
     Run,
     Trial,
+    box,
     problem,
-    relative,
 )
 from clast.verification.variants import (
     CONVEX,
+    HALF_WAY,
     MIDPOINT,
-    MIDPOINT_OPEN_CLOSE,
-    MIDPOINT_PASSES,
     Variant,
 )
 
@@ -82,7 +78,7 @@ def pile(motion: GroundMotion, blocks: int = BLOCKS) -> Model:
         low, high = k * thick, (k + 1) * thick
         builder.block(
             name="base" if k < 0 else f"layer {k + 1}",
-            vertices=[(0, low), (WIDTH, low), (WIDTH, high), (0, high)],
+            vertices=box(0, low, WIDTH, high),
             rock="rock" if k < 0 else "soft",
         )
     if isinstance(motion, IncomingWave):
@@ -117,8 +113,7 @@ def swelling() -> MovingBase:
 
 def run(motion: GroundMotion, variant: Variant, step: float, end: float) -> Run:
     """Return the run of the layer."""
-    model = pile(motion)
-    return variant.run(model, step=step, end=end, normal_stiffness=STIFF, max_displacement=0.05)
+    return variant.run(pile(motion), step=step, end=end, p=STIFF, max_displacement=0.05)
 
 
 def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
@@ -163,19 +158,13 @@ def on_moving_base(variant: Variant) -> float:
     )
 
 
-def _over_frequency(variant: Variant, surface: PointHistory) -> Chart:
-    """Return the amplification over the frequency."""
-    fine = np.linspace(0.2, 6.0, 200)
-    some = np.linspace(0.5, 6.0, 23)
-    return Chart(
-        title="amplification",
-        x_label="frequency, Hz",
-        y_label="surface / outcrop",
-        curves=(
-            exact_curve("formula", fine, [exact_amplification(f) for f in fine]),
-            curve(variant.name, some, [amplification(surface, f) for f in some]),
-        ),
-    )
+def plot(
+    trial: Trial, surface: PointHistory, fine: Floats, some: Floats, length: float = PULSE
+) -> None:
+    """Draw the amplification over the frequency, under a pulse of ``length``, s."""
+    chart = trial.chart("amplification", "frequency, Hz", "surface / outcrop")
+    chart.exact("formula", fine, [exact_amplification(f) for f in fine])
+    chart.computed(some, [amplification(surface, f, length) for f in some])
 
 
 @problem(set_up=lambda: pile(pulse()), variants=(CONVEX,), quick=())
@@ -194,23 +183,16 @@ def layer(trial: Trial) -> None:
     have such layers by all processes.
     """
     surface = run(pulse(), trial.variant, STEP, DURATION).history("surface")
-    trial.rows += [
-        relative(
-            f"surface by outcrop at {frequency:g} Hz",
-            "",
-            amplification(surface, frequency),
-            exact_amplification(frequency),
-            0.03,
-            SCHEME,
-        )
-        for frequency in FREQUENCIES
-    ]
+    for frequency in FREQUENCIES:
+        computed, exact = amplification(surface, frequency), exact_amplification(frequency)
+        quantity = f"surface by outcrop at {frequency:g} Hz"
+        trial.relative(quantity, "", computed, exact, 0.03, SCHEME)
     exact = -(1.0 - RATIO) / (1.0 + RATIO)
     trial.relative("left by a round trip", "", decay(surface), exact, 0.03, SCHEME)
     rigid = float(1.0 / abs(np.cos(2.0 * np.pi * FREQUENCIES[0] * HEIGHT / SOFT[0])))
     quantity = "surface by moving base at 1 Hz"
     trial.relative(quantity, "", on_moving_base(trial.variant), rigid, 0.03, SCHEME)
-    trial.charts.append(_over_frequency(trial.variant, surface))
+    plot(trial, surface, np.linspace(0.2, 6.0, 200), np.linspace(0.5, 6.0, 23))
 
 
 BLOCKS_OF_PEAKS, PULSE_OF_PEAKS = 20, 0.05
@@ -228,15 +210,7 @@ def struck() -> Model:
     return pile(pulse(PULSE_OF_PEAKS), BLOCKS_OF_PEAKS)
 
 
-def peak(surface: PointHistory, frequency: float) -> float:
-    """Return the largest ratio of surface by outcrop near a frequency, Hz."""
-    near = frequency * np.linspace(1.0 - NEAR, 1.0 + NEAR, 81)
-    return max(amplification(surface, one, PULSE_OF_PEAKS) for one in near)
-
-
-@problem(
-    set_up=struck, variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE), quick=(MIDPOINT,)
-)
+@problem(set_up=struck, variants=HALF_WAY, quick=(MIDPOINT,))
 def layer_peaks(trial: Trial) -> None:
     """Resonant peaks of a soft layer.
 
@@ -247,23 +221,12 @@ def layer_peaks(trial: Trial) -> None:
     Exact: 1/a = 5.5, a = rho_1 c_1/(rho_2 c_2), at (2 m - 1) c_1/(4 H) = 2.5, 7.5 and 12.5 Hz.
     Source: vertical shear waves in a layer on an elastic half-space; Kramer (1996).
     """
-    model = struck()
     surface = trial.variant.run(
-        model,
-        step=STEP_OF_PEAKS,
-        end=DURATION_OF_PEAKS,
-        normal_stiffness=STIFF,
-        max_displacement=0.05,
+        struck(), step=STEP_OF_PEAKS, end=DURATION_OF_PEAKS, p=STIFF, max_displacement=0.05
     ).history("surface")
-    trial.rows += [
-        relative(f"peak at {one:g} Hz", "", peak(surface, one), 1.0 / RATIO, 0.02, WHY)
-        for one in PEAKS
-    ]
+    for frequency in PEAKS:
+        near = frequency * np.linspace(1.0 - NEAR, 1.0 + NEAR, 81)
+        highest = max(amplification(surface, one, PULSE_OF_PEAKS) for one in near)
+        trial.relative(f"peak at {frequency:g} Hz", "", highest, 1.0 / RATIO, 0.02, WHY)
     fine, some = np.linspace(0.5, 14.0, 400), np.linspace(0.5, 14.0, 109)
-    trial.chart(
-        "amplification",
-        "frequency, Hz",
-        "surface / outcrop",
-        exact_curve("formula", fine, [exact_amplification(f) for f in fine]),
-        curve(trial.variant.name, some, [amplification(surface, f, PULSE_OF_PEAKS) for f in some]),
-    )
+    plot(trial, surface, fine, some, PULSE_OF_PEAKS)

@@ -1,12 +1,9 @@
 """A block on a moving base: stick, slip and stick again."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
 from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE
 
 GRAVITY, FRICTION_ANGLE = 9.8, 15.0
@@ -71,10 +68,10 @@ def shaken_block() -> Model:
     builder = InputBuilder(title="Moving base", gravity=(0.0, -GRAVITY), ground_motion=motion)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
-    builder.block(name="base", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)])
+    builder.block(name="base", vertices=box(-1, -0.5, 2, 0))
     builder.fixed_point((-1, -0.5))
     builder.fixed_point((2, -0.5))
-    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 0.5), (0, 0.5)])
+    builder.block(name="block", vertices=box(0, 0, 1, 0.5))
     builder.measured_point("base", (0.5, -0.5), block="base")
     builder.measured_point("block", (0.5, 0.25), block="block")
     return builder.build()
@@ -91,10 +88,7 @@ def moving_base(trial: Trial) -> None:
     Source: Newton's law with Coulomb friction, integrated in closed form between the instants at
     which slip begins and ends.
     """
-    model = shaken_block()
-    run = trial.variant.run(
-        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.02
-    )
+    run = trial.variant.run(shaken_block(), step=STEP, end=DURATION, p=1e8, max_displacement=0.02)
     base, block = run.history("base"), run.history("block")
     moved = block.displacement[:, 0]
     for instant in INSTANTS:
@@ -106,11 +100,7 @@ def moving_base(trial: Trial) -> None:
     quantity = f"displacement of the base at {DURATION:g} s"
     trial.absolute(quantity, "m", base.displacement[-1, 0], exact, 1e-4, "its springs give")
     fine = np.linspace(0.0, DURATION, 300)
-    trial.chart(
-        "displacement",
-        "time, s",
-        "displacement, m",
-        exact_curve("base", fine, base_way(fine)),
-        exact_curve("block", fine, exact_way(fine)),
-        curve(f"block, {trial.variant.name}", block.time[::50], moved[::50]),
-    )
+    chart = trial.chart("displacement", "time, s", "displacement, m")
+    chart.exact("base", fine, base_way(fine))
+    chart.exact("block", fine, exact_way(fine))
+    chart.computed(block.time[::50], moved[::50], "block")

@@ -26,14 +26,18 @@ has neighbouring angles, too: near the critical angle and beyond it one of four 
 off, with any mesh, and one of eight is not.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, PlaneStrain, Trial, problem
+from clast.verification.problems import (
+    Floats,
+    Model,
+    PlaneStrain,
+    Trial,
+    new_model,
+    problem,
+)
 from clast.verification.variants import LAGGED, MIDPOINT, MIDPOINT_OPEN_CLOSE, Variant
 
 YOUNG, POISSON, DENSITY = 20e9, 0.25, 2500.0
@@ -117,8 +121,9 @@ def reflected(kind: str, angle: float) -> float:
 
 def strip(case: Incidence, dashpot: float) -> Model:
     """Return a strip of triangles between rollers, dashpots at both ends."""
-    builder = InputBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
-    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder = new_model(
+        "Oblique wave", plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON
+    )
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     builder.blocks(vertices=triangles_of(case))
     for side in ("left", "right"):
@@ -187,9 +192,7 @@ def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
     """Return the energy when the packets are back in the middle."""
     model = replace(strip(case, dashpot), velocity=velocities_of(case, triangles_of(case)))
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing
-    energy = variant.run(
-        model, step=step, end=end, normal_stiffness=STIFF, max_displacement=0.01
-    ).energy
+    energy = variant.run(model, step=step, end=end, p=STIFF, max_displacement=0.01).energy
     held = np.sum([energy[key] for key in ("kinetic", "elastic", "contact")], axis=0)
     return float(held[-1] / held[0])
 
@@ -215,16 +218,12 @@ def oblique_wave(trial: Trial) -> None:
         exact = reflected(case.kind, case.angle)
         trial.absolute(quantity, "", share, exact, 0.01, PACKET)
     angles = np.linspace(0.0, 60.0, 121)
-    curves = []
-    for kind, points in found.items():
-        curves.append(exact_curve(kind, angles, [reflected(kind, one) for one in angles]))
-        curves.append(curve(f"{kind}, {trial.variant.name}", *zip(*points, strict=True)))
-    trial.chart(
-        "energy sent back by dashpots",
-        "angle from the normal, degrees",
-        "share of the energy",
-        *tuple(curves),
+    chart = trial.chart(
+        "energy sent back by dashpots", "angle from the normal, degrees", "share of the energy"
     )
+    for kind, points in found.items():
+        chart.exact(kind, angles, [reflected(kind, one) for one in angles])
+        chart.computed(*zip(*points, strict=True), label=f"{kind}, {trial.variant.name}")
 
 
 CASES_OF_SURFACE = (
@@ -268,8 +267,9 @@ def running(case: Incidence, rows: int) -> Model:
 
     The points of all columns are where the surface of a strip of the case is.
     """
-    builder = InputBuilder(title="Free surface", gravity=(0.0, 0.0), plane=PlaneStrain())
-    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder = new_model(
+        "Free surface", plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON
+    )
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     triangles = triangles_of(case, rows)
     names, columns = builder.blocks(vertices=triangles), columns_of(case)
@@ -292,9 +292,7 @@ def amplitudes(case: Incidence, rows: int, variant: Variant) -> tuple[float, flo
     """
     model = running(case, rows)
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD_OF_SURFACE, case.crossing
-    run = variant.run(
-        model, step=step, end=end, normal_stiffness=STIFF_OF_SURFACE, max_displacement=0.01
-    )
+    run = variant.run(model, step=step, end=end, p=STIFF_OF_SURFACE, max_displacement=0.01)
     columns = columns_of(case)
     histories = [run.history(f"{column}") for column in range(columns)]
     time = histories[0].time
@@ -345,12 +343,12 @@ def free_surface(trial: Trial) -> None:
             trial.absolute(quantity, "", one, other, TOLERANCE, MESH)
     angles, places = np.linspace(0.0, 60.0, 241), [case.angle for case in CASES_OF_SURFACE]
     exact_along, exact_across = zip(*map(surface_by_wave, angles), strict=True)
-    trial.chart(
+    chart = trial.chart(
         "motion of the surface by that of the wave",
         "angle from the normal, degrees",
         "surface / wave",
-        exact_curve("along", angles, exact_along),
-        exact_curve("across", angles, exact_across),
-        curve(f"along, {trial.variant.name}", places, [moves[0] for moves in found]),
-        curve(f"across, {trial.variant.name}", places, [moves[1] for moves in found]),
     )
+    chart.exact("along", angles, exact_along)
+    chart.exact("across", angles, exact_across)
+    chart.computed(places, [moves[0] for moves in found], "along")
+    chart.computed(places, [moves[1] for moves in found], "across")

@@ -1,15 +1,12 @@
 """A free-standing block under one cycle of ground acceleration: two ways to fall, a safe region."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from clast.model.ground_motion import Accelerogram, InertialForce
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
+from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
 from clast.verification.variants import CONVEX, Variant
 
 GRAVITY, WIDTH, HEIGHT = 9.81, 0.5, 2.0
@@ -69,8 +66,9 @@ def exact_tilt(pulse: Pulse, amplitude: float, end: float) -> tuple[Floats, Floa
 
     def motion(time: float, state: Floats, side: float) -> tuple[float, float]:
         corner = side * SLENDERNESS - state[0]
-        ground = amplitude * float(pulse.shape(time))
-        return state[1], -SQUARE * (np.sin(corner) + ground * np.cos(corner))
+        return state[1], -SQUARE * (
+            np.sin(corner) + amplitude * float(pulse.shape(time)) * np.cos(corner)
+        )
 
     def strikes(_: float, state: Floats, side: float) -> float:
         return float(side * state[0])
@@ -116,18 +114,18 @@ def standing_block(pulse: Pulse = SINE, amplitude: float = 0.7) -> Model:
     builder = InputBuilder(title="Rocking block", gravity=(0.0, -GRAVITY), ground_motion=motion)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=70.0)
-    builder.block(name="floor", vertices=[(-4, -0.4), (4, -0.4), (4, 0), (-4, 0)], fixed=True)
+    builder.block(name="floor", vertices=box(-4, -0.4, 4, 0), fixed=True)
     half = 0.5 * WIDTH
-    corners = [(-half, 0.0), (half, 0.0), (half, HEIGHT), (-half, HEIGHT)]
-    builder.block(name="block", vertices=corners)
+    builder.block(name="block", vertices=box(-half, 0.0, half, HEIGHT))
     builder.measured_point("centroid", (0.0, 0.5 * HEIGHT), block="block")
     return builder.build()
 
 
 def rocked(pulse: Pulse, amplitude: float, variant: Variant) -> Floats:
     """Return the tilt of the block after every step, rad, shape (k,)."""
-    model = standing_block(pulse, amplitude)
-    run = variant.run(model, step=STEP, end=END, normal_stiffness=5e9, max_displacement=0.02)
+    run = variant.run(
+        standing_block(pulse, amplitude), step=STEP, end=END, p=5e9, max_displacement=0.02
+    )
     return run.history("centroid").rotation
 
 
@@ -163,10 +161,10 @@ def rocking_spectrum(trial: Trial, shaken: dict[Pulse, tuple[float, ...]] = SHAK
                 trial.relative(f"tilt, {under}", "rad", largest[-1], most, 0.03, IMPACTS)
         fine = np.linspace(0.9 * amplitudes[0], 1.05 * amplitudes[-1], 41)
         tilts = [np.abs(exact_tilt(pulse, a, END)[1]).max() for a in fine]
-        trial.chart(
+        chart = trial.chart(
             f"largest tilt, one {pulse.kind} of {pulse.period:g} s",
             "amplitude of the ground's acceleration over g",
             "tilt, rad",
-            exact_curve("Housner, integrated", fine, np.minimum(tilts, FALLEN)),
-            curve(trial.variant.name, amplitudes, np.minimum(largest, FALLEN)),
         )
+        chart.exact("Housner, integrated", fine, np.minimum(tilts, FALLEN))
+        chart.computed(amplitudes, np.minimum(largest, FALLEN))

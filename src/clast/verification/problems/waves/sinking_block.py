@@ -1,12 +1,9 @@
 """A block on dashpots alone: it sinks with the speed at which these carry its weight."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from clast.pictures.verification import curve, exact_curve
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
+from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
+from clast.verification.variants import EACH_PROCESS
 
 GRAVITY, DENSITY, YOUNG = 9.8, 2500.0, 2.5e5
 SIZE = (1.0, 0.2)
@@ -23,9 +20,8 @@ STEP, DURATION = TIME / 400.0, 4.0 * TIME
 def on_dashpots() -> Model:
     """Return a block with dashpots at its bottom, and nothing else that holds it."""
     width, height = SIZE
-    builder = InputBuilder(title="Sinking block", gravity=(0.0, -GRAVITY))
-    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
-    builder.block(name="block", vertices=[(0, 0), (width, 0), (width, height), (0, height)])
+    builder = new_model("Sinking block", gravity=GRAVITY, young=YOUNG, density=DENSITY, poisson=0.0)
+    builder.block(name="block", vertices=box(0, 0, width, height))
     builder.viscous_boundary(side="bottom", normal=SHARE, static="none")
     builder.measured_point("middle", (0.5 * width, 0.5 * height), block="block")
     return builder.build()
@@ -36,7 +32,7 @@ def exact_sinking(time: Floats) -> Floats:
     return np.asarray(GRAVITY * TIME * (time - TIME * (1.0 - np.exp(-time / TIME))))
 
 
-@problem(set_up=on_dashpots, variants=(LAGGED, OPEN_CLOSE, CONVEX), quick=(CONVEX,))
+@problem(set_up=on_dashpots, variants=EACH_PROCESS)
 def sinking_block(trial: Trial) -> None:
     """Block that sinks on dashpots.
 
@@ -47,10 +43,7 @@ def sinking_block(trial: Trial) -> None:
     Exact: v = (m g/(rho c_p b)) (1 - exp(-t/T)), T = m/(rho c_p b).
     Source: a mass on a dashpot.
     """
-    model = on_dashpots()
-    run = trial.variant.run(
-        model, step=STEP, end=DURATION, normal_stiffness=1e8, max_displacement=0.5
-    )
+    run = trial.variant.run(on_dashpots(), step=STEP, end=DURATION, p=1e8, max_displacement=0.5)
     history = run.history("middle")
     sunk, speed = -history.displacement[:, 1], -float(history.velocity[-1, 1])
     weight = SIZE[0] * SIZE[1] * DENSITY * GRAVITY
@@ -61,10 +54,6 @@ def sinking_block(trial: Trial) -> None:
     trial.relative("displacement", "m", float(sunk[-1]), exact, 5e-3, soft)
     trial.relative("speed", "m/s", speed, final, 5e-3, soft)
     trial.relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft)
-    trial.chart(
-        "displacement of the block",
-        "time, s",
-        "displacement down, m",
-        exact_curve("formula", history.time, exact_sinking(history.time)),
-        curve(trial.variant.name, history.time[::80], sunk[::80]),
-    )
+    chart = trial.chart("displacement of the block", "time, s", "displacement down, m")
+    chart.exact("formula", history.time, exact_sinking(history.time))
+    chart.computed(history.time[::80], sunk[::80])

@@ -1,4 +1,4 @@
-"""The page of all problems: Markdown and HTML with a figure of each."""
+"""Rows as texts, and the page of all problems: Markdown and HTML with a figure of each."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from itertools import groupby
 from pathlib import Path
 
 from clast.pictures.verification import draw_problem
-from clast.verification.problem import Findings, Problem, Row, Verdict
-from clast.verification.verification_tables import HEADINGS, cells, remark
+from clast.verification.problem import Bracket, Findings, Measure, Problem, Row, Verdict
 
 PAGE = "verification"
 """Name of the pages."""
@@ -39,6 +38,23 @@ STYLE = (
 )
 
 
+HEADINGS = ("problem", "quantity", "computed", "exact", "error", "tolerance", "variant", "verdict")
+"""Headings of the table."""
+
+
+def cells(row: Row) -> tuple[str, ...]:
+    """Return the texts of a row, in the order of :data:`HEADINGS`; relative errors in %."""
+    unit, computed = row.unit, f"{row.computed:.7g}"
+    if isinstance(row.computed, Bracket):
+        computed = f"{row.computed.low:.5g} to {row.computed.high:.5g}"
+    error, tolerance = f"{row.error:.3g} {unit}", f"{row.tolerance:.7g} {unit}"
+    if row.measure is Measure.RELATIVE:
+        error, tolerance = f"{100.0 * row.error:.3g} %", f"{100.0 * row.tolerance:.3g} %"
+    texts = (row.problem, row.quantity, f"{computed} {unit}", f"{row.exact:.7g} {unit}")
+    texts = (*texts, error, tolerance, row.variant, row.verdict.value)
+    return tuple(text.strip() for text in texts)
+
+
 @dataclass(frozen=True)
 class ProblemSection:
     """A problem and everything that was found for it."""
@@ -55,11 +71,11 @@ def write_report(findings: Sequence[Findings], directory: Path) -> list[Path]:
     sections = []
     written = []
     for _, group in groupby(findings, key=lambda one: one.problem.name):
-        found = list(group)
-        problem = found[0].problem
+        parts = list(group)
+        problem = parts[0].problem
         figure = folder / f"{problem.name}.png"
-        draw_problem(problem.set_up(), [chart for one in found for chart in one.charts], figure)
-        rows = tuple(row for one in found for row in one.rows)
+        draw_problem(problem.set_up(), [chart for part in parts for chart in part.charts], figure)
+        rows = tuple(row for part in parts for row in part.rows)
         sections.append(ProblemSection(problem, rows, f"{FIGURES}/{figure.name}"))
         written.append(figure)
     for suffix, page in ((".md", markdown(sections)), (".html", html(sections))):
@@ -79,7 +95,9 @@ def remarks(rows: Sequence[Row]) -> list[str]:
     """Return the reasons for the tolerances: each once, with its quantities."""
     quantities: dict[str, list[str]] = {}
     for row in rows:
-        named = quantities.setdefault(remark(row), [])
+        known = row.verdict is Verdict.KNOWN
+        reason = f"known to fail: {row.known_failure}" if known else row.reason
+        named = quantities.setdefault(reason, [])
         if row.quantity not in named:
             named.append(row.quantity)
     return [f"{_listed(named)}: {reason}." for reason, named in quantities.items()]
