@@ -63,7 +63,7 @@ def test_a_broken_bond_brings_the_contact_back():
     model = model_of(fan(3))
     run = simulate(
         model,
-        MIDPOINT.method(model, normal_stiffness=1e12, max_displacement=0.01),
+        MIDPOINT.method(model, p=1e12, max_displacement=0.01),
         Schedule(step=1e-4, end=2e-4, every=1e-4),
     )
     memory = run.state.memory
@@ -89,7 +89,7 @@ def test_a_wave_keeps_its_energy_in_triangles(variant):
     velocity[:, 0] = 0.05 * np.cos(
         np.pi / 4.0 * np.array([one.mean(axis=0)[0] for one in outlines])
     )
-    method = variant.method(model, normal_stiffness=1e12, max_displacement=0.01)
+    method = variant.method(model, p=1e12, max_displacement=0.01)
     run = simulate(
         replace(model, velocity=velocity), method, Schedule(step=2e-4, end=0.02, every=0.02)
     )

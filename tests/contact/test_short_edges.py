@@ -40,9 +40,7 @@ def test_a_kerb_of_any_height_holds_a_smooth_block(height, in_pieces, variant):
     scene.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
     scene.point_load((0.0, 0.02), (push, 0.0), block="block")
     model = scene.build()
-    method = variant.method(
-        model, normal_stiffness=1e9, max_displacement=2.0 * SHARE, dynamic_ratio=0.0
-    )
+    method = variant.method(model, p=1e9, max_displacement=2.0 * SHARE, dynamic_ratio=0.0)
     run = simulate(model, method, Schedule(step=2e-3, end=0.5, every=0.5))
     moved = (run.state.vertices - model.vertices)[-4:, 0]
     assert np.abs(moved).max() < 1e-4 * high + 3e-6
@@ -67,7 +65,7 @@ def test_a_circle_of_short_chords_rolls(chords, scale):
     scene.measured_point("middle", middle, block="disc")
     model = replace(scene.build(), gravity=np.array([0.0, -GRAVITY * scale]))
     critdis = SHARE * float(np.sqrt(model.area[1]))
-    method = CONVEX.method(model, normal_stiffness=1e9 * scale**2, max_displacement=2.0 * critdis)
+    method = CONVEX.method(model, p=1e9 * scale**2, max_displacement=2.0 * critdis)
     run = simulate(model, method, Schedule(step=1e-3, end=end, every=end))
     way = float(np.hypot(*run.history("middle").displacement[-1]))
     rolled = 0.5 * GRAVITY * scale * np.sin(tilt) / 1.5 * end**2
@@ -83,6 +81,6 @@ def test_a_critdis_that_reaches_through_slabs_is_warned_of(critdis, warned):
         low, high = 0.004 * k, 0.004 * (k + 1)
         scene.block(name=f"slab {k}", vertices=[(0, low), (0.5, low), (0.5, high), (0, high)])
     model = scene.build()
-    method = CONVEX.method(model, normal_stiffness=1e9, max_displacement=2.0 * critdis)
+    method = CONVEX.method(model, p=1e9, max_displacement=2.0 * critdis)
     found = method_warnings(model, method, Schedule(step=1e-3, end=1.0, every=1.0))
     assert any("block 'slab 0' is only 0.00397 m thick" in one for one in found) == warned

@@ -43,7 +43,7 @@ def sliding(plane, blocks, *, turn=0.0, **joint):
 
 
 def run_of(model, variant=CONVEX, end=0.8, step=2e-3):
-    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05)
+    method = variant.method(model, p=1e9, max_displacement=0.05)
     return simulate(model, method, Schedule(step=step, end=end, every=end))
 
 
@@ -81,7 +81,7 @@ def test_a_brittle_joint_keeps_what_slip_leaves(residual):
 def test_a_slab_holds_up_to_its_factor_of_safety(variant, factor):
     """Hoek & Bray, plane in 5 and slab in 2 pieces; the whole of it in clast verify."""
     model = slab((5, 2), 1.3 * factor)
-    method = variant.method(model, normal_stiffness=2e9, max_displacement=0.02, dynamic_ratio=0.0)
+    method = variant.method(model, p=2e9, max_displacement=0.02, dynamic_ratio=0.0)
     run = simulate(model, method, Schedule(step=2e-3, end=0.3, every=0.3))
     moved = run.history("slab 1").displacement
     a_step = np.hypot(*(moved[-1] - moved[-11])) / 10.0

@@ -59,7 +59,7 @@ def bar(turn: float = 0.0) -> Model:
 
 
 def method(model: Model, process=PROCESSES["convex"], scheme=MIDWAY, law=SPRINGS) -> Method:
-    found = MIDPOINT.method(model, normal_stiffness=YOUNG, max_displacement=0.05)
+    found = MIDPOINT.method(model, p=YOUNG, max_displacement=0.05)
     return replace(found, process=process, integrator=scheme, contact_law=law)
 
 

@@ -15,8 +15,8 @@ from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.catalogue import GROUPS, MODULES
 from clast.verification.problem import Bracket, KnownFailure
 from clast.verification.problems.blocks.spin import spin
-from clast.verification.variants import LAGGED
 from clast.verification.report import anchor
+from clast.verification.variants import LAGGED
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -144,7 +144,7 @@ def test_a_run_that_stops_is_a_miss():
 
 def test_the_method_of_a_variant_is_that_of_a_case_file():
     model = spin.set_up()
-    method = LAGGED.method(model, normal_stiffness=1e9, max_displacement=0.01)
+    method = LAGGED.method(model, p=1e9, max_displacement=0.01)
     assert method.contact_law.normal_stiffness == 1e9
     assert (method.critdis, method.fixed_point_stiffness) == (0.005, 100.0 * 50e9)
 

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import Model, Trial, new_model, problem
+from clast.verification.problems import Model, Trial, box, new_model, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,

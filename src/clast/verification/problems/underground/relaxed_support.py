@@ -45,7 +45,7 @@ def relaxed_support(trial: Trial) -> None:
     Source: kinematics.
     """
     model = propped()
-    numbers = {"normal_stiffness": 1e9, "max_displacement": 0.05}
+    numbers = {"p": 1e9, "max_displacement": 0.05}
     still = trial.variant.method(model, **numbers, dynamic_ratio=0.0)
     kept: list[RunState] = []
     settled = Schedule(step=STEP, end=SETTLING, every=SETTLING)

@@ -219,7 +219,7 @@ def ring_in_rock(ring: LeaningRing) -> Model:
 def lowered(ring: LeaningRing, variant: Variant) -> Run:
     """Return the run in which the pressure fades out, with a frame after each decrement."""
     model = ring_in_rock(ring)
-    numbers = {"normal_stiffness": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
+    numbers = {"p": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
     return variant.run(model, step=STEP, end=STEP * (1 + STAGES), every=STEP, **numbers)
 
 
