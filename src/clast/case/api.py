@@ -31,19 +31,18 @@ from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.builder_methods import singles, with_keys
-from clast.inputs.declaring.table import Table, as_plain, table_of
+from clast.inputs.declaring.table import Table, as_plain, table_of, unwritable
 from clast.inputs.declaring.validation_messages import table_in
 from clast.inputs.linings.linings import Lining
 from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable, OutputTable, TimeTable
 from clast.inputs.stages import given_stages, stage_keys
-from clast.model.checks import BlockOutlines
 from clast.model.model import PLANES, Model, Plane
 from clast.model.stages import Stage
 from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
-    from clast.inputs.placing.place_blocks import Entry, Label
+    from clast.inputs.placing.place_blocks import BlockArrays
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -55,6 +54,7 @@ STANDARD_GRAVITY = 9.8
 """Acceleration by which a step is chosen where there is no gravity, m/s2."""
 
 
+RUN_MODEL = "run the model itself: clast.simulate(builder.build())"
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
 """Tables whose keys a script gives without saying where they belong."""
 WHOLE = ("damping",)
@@ -97,7 +97,7 @@ class ModelBuilder(model_builder.InputBuilder):
     def _content(self) -> dict[str, Any]:
         """Return the tables of a case file that hold the system of blocks."""
         for action in self.actions[:1]:
-            raise _no_name("actions", action)
+            raise unwritable(action, "actions", RUN_MODEL)
         content = {
             "title": self.title,
             "plane": _plane_name(self.plane),
@@ -123,7 +123,7 @@ class ModelBuilder(model_builder.InputBuilder):
             value = getattr(self, name)
             keys = one.written(value)
             if keys is None:
-                raise _no_name(one.key, value)
+                raise unwritable(value, one.key, RUN_MODEL)
             found[one.key] = keys
         return {key: found[key] for key in Case.model_fields if key in found}
 
@@ -149,7 +149,7 @@ class ModelBuilder(model_builder.InputBuilder):
 
     def _placed_joints(self) -> dict[str, Any]:
         """Return the joints without those of lines that became no edges, which a file refuses."""
-        along = {"default", *np.unique(self._edge_joint_names(self._unnumbered())).tolist()}
+        along = {"default", *np.unique(self._edge_joint_names()).tolist()}
         along |= {one.joint for one in self.all(Lining) if one.joint is not None}
         return {
             name: as_plain(one)
@@ -157,30 +157,25 @@ class ModelBuilder(model_builder.InputBuilder):
             if one.between or one.between_rocks or name in along
         }
 
-    def _unnumbered(self) -> BlockOutlines:
-        """Return the names of the blocks for messages."""
-        names = tuple(self._names())
-        return BlockOutlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
-
     def _blocks(self) -> Iterator[dict[str, Any]]:
         """Give the table of every block, in their order."""
         number = 0
-        for entry, label in self._labelled(self._unnumbered()):
-            for name, values in zip(entry.names, _values(entry, label), strict=True):
+        for entry in self._entries:
+            for name, values in zip(entry.names, _values(entry), strict=True):
                 number += 1
                 named = {} if name == str(number) else {"name": name}
                 yield {**named, **table_of(BlockTable, values)}
 
 
-def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
+def _values(entry: BlockArrays) -> Iterator[dict[str, Any]]:
     """Yield the properties of each block of an entry, but for its name."""
-    counts, vertices = entry.loops(label)
+    counts, vertices = entry.loops
     past = np.cumsum(counts)
-    velocity, stress = entry.velocities(label), entry.stresses(label)
-    joints = entry.edge_joints(label)
+    velocity, stress = entry.velocities(), entry.stresses()
+    joints = entry.edge_joints()
     alike = entry.rock is None or isinstance(entry.rock, str)
     rocks = [entry.rock] * len(counts) if alike else list(entry.rock or ())
-    for k, fixed in enumerate(entry.held(label)):
+    for k, fixed in enumerate(entry.held()):
         own = slice(past[k] - counts[k], past[k])
         yield {
             "vertices": vertices[own],
@@ -311,12 +306,4 @@ def _plane_name(plane: Plane) -> str:
     for name, known in PLANES.items():
         if plane == known:
             return name
-    raise _no_name("plane", plane)
-
-
-def _no_name(key: str, value: Any) -> CaseError:
-    return CaseError(
-        f"{type(value).__name__} is an object of a script, which a case file cannot hold",
-        where=key,
-        remedy="run the model itself: clast.simulate(builder.build())",
-    )
+    raise unwritable(plane, "plane", RUN_MODEL)

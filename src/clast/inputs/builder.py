@@ -18,7 +18,7 @@ how things fit together is judged by ``InputBuilder.build``, so they may be adde
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -66,11 +66,8 @@ from clast.inputs.measurements import (
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolts import placed_bolts
 from clast.inputs.placing.place_blocks import (
-    Entry,
-    Label,
-    ManyBlocks,
+    BlockArrays,
     Names,
-    OneBlock,
     Vector,
     rocks_of,
 )
@@ -126,7 +123,7 @@ class InputBuilder(Inputs):
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     repair: Any = single("repair", RepairTable)
-    _entries: list[Entry] = field(default_factory=list, init=False)
+    _entries: list[BlockArrays] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
     _count: int = field(default=0, init=False)
@@ -200,10 +197,10 @@ class InputBuilder(Inputs):
 
     def add_block(self, record: BlockTable) -> str:
         """Add a block that its table has judged and return its name: its number if it has none."""
+        entry = BlockArrays.of_table(self._count, record)
         self._count += 1
-        name = str(self._count) if record.name is None else record.name
-        self._entries.append(OneBlock(name, record))
-        return name
+        self._entries.append(entry)
+        return entry.names[0]
 
     def blocks(
         self,
@@ -240,7 +237,7 @@ class InputBuilder(Inputs):
                 rock=[model.rocks[k].name for k in model.block_rock],
             )
         """
-        entry = ManyBlocks(
+        entry = BlockArrays(
             self._count, names, rock, vertices, start, fixed, velocity, initial_stress, edge_joint
         )
         self._count += len(entry.names)
@@ -260,10 +257,8 @@ class InputBuilder(Inputs):
         edge = drawn.turned_edges(clockwise)
         repaired, polygons = self._repaired(drawn, clockwise)
         outlines, edge = repaired.outlines, edge[repaired.edge]
-        edge_joint = self._edge_joint_names(drawn)[edge]
-        block_rock = rocks_of(
-            self._labelled(outlines), [rock.name for rock in rocks], len(self._placed)
-        )
+        edge_joint = self._edge_joint_names()[edge]
+        block_rock = rocks_of(self._entries, [rock.name for rock in rocks], len(self._placed))
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(rocks)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
@@ -272,7 +267,7 @@ class InputBuilder(Inputs):
         waits = place_linings.waiting_of(self._placed, outlines.names)
         there = np.where(waits, shapely.Polygon(), polygons)
 
-        held = self._fixed(outlines)
+        held = np.concatenate([entry.held() for entry in self._entries])
         everything = Ground(
             outlines=outlines,
             tree=shapely.STRtree(polygons),
@@ -330,7 +325,7 @@ class InputBuilder(Inputs):
             block_rock=block_rock,
             fixed=held | waits,
             vertices=outlines.vertices,
-            velocity=self._velocities(outlines),
+            velocity=self._velocities(outlines, held),
             initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
             in_situ=in_situ,
             viscous_edges=viscous,
@@ -434,22 +429,10 @@ class InputBuilder(Inputs):
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]
 
-    def _labelled(self, outlines: BlockOutlines) -> Iterator[tuple[Entry, Label]]:
-        """Yield every entry with the function that names its blocks in messages."""
-        first = 0
-        for entry in self._entries:
-
-            def label(number: int, first: int = first) -> str:
-                return outlines.label(first + number)
-
-            yield entry, label
-            first += len(entry.names)
-
     def _outlines(self) -> BlockOutlines:
         """Return all loops as flat arrays about an origin near the case."""
         names = tuple(self._names())
-        given = BlockOutlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
-        loops = [entry.loops(label) for entry, label in self._labelled(given)]
+        loops = [entry.loops for entry in self._entries]
         counts = np.concatenate([np.zeros(1, np.int64), *(count for count, _ in loops)])
         start = np.cumsum(counts)
         vertices = np.concatenate([np.zeros((0, 2)), *(vertices for _, vertices in loops)])
@@ -459,26 +442,20 @@ class InputBuilder(Inputs):
         origin = _origin(vertices)
         return BlockOutlines(names, start, np.ascontiguousarray(vertices - origin), origin)
 
-    def _edge_joint_names(self, outlines: BlockOutlines) -> Names:
+    def _edge_joint_names(self) -> Names:
         """Return the name of the joint of each edge, "" for none of its own, shape (nv,)."""
-        return np.concatenate(
-            [entry.edge_joints(label) for entry, label in self._labelled(outlines)]
-        )
+        return np.concatenate([entry.edge_joints() for entry in self._entries])
 
-    def _fixed(self, outlines: BlockOutlines) -> Bools:
-        """Return True where a block cannot move at all, shape (n,)."""
-        return np.concatenate([entry.held(label) for entry, label in self._labelled(outlines)])
-
-    def _velocities(self, outlines: BlockOutlines) -> Floats:
+    def _velocities(self, outlines: BlockOutlines, fixed: Bools) -> Floats:
         """Return the start velocity (u, v, r, 0, 0, 0) of each block, shape (n, 6)."""
         velocity = np.zeros((self._count, 6))
-        velocity[:, :3] = np.concatenate(
-            [entry.velocities(label) for entry, label in self._labelled(outlines)]
-        )
-        moving = velocity.any(axis=1) & self._fixed(outlines)
-        for index in np.flatnonzero(moving)[:1]:
-            what, remedy = "a fixed block has no velocity", "remove the velocity, or fixed = true"
-            raise ModelError(what, where=f"{outlines.label(index)}, velocity", remedy=remedy)
+        velocity[:, :3] = np.concatenate([entry.velocities() for entry in self._entries])
+        for index in np.flatnonzero(velocity.any(axis=1) & fixed)[:1]:
+            where, remedy = (
+                f"{outlines.label(index)}, velocity",
+                "remove the velocity, or fixed = true",
+            )
+            raise ModelError("a fixed block has no velocity", where=where, remedy=remedy)
         return velocity
 
     def _initial_stresses(
@@ -489,12 +466,9 @@ class InputBuilder(Inputs):
         stress = np.array([one.initial_stress for one in rocks])[block_rock]
         if in_situ is not None:
             stress += in_situ.at(outlines.heights)
-        first = 0
-        for entry, label in self._labelled(outlines):
-            own, past = entry.stresses(label), first + len(entry.names)
-            if own is not None:
-                stress[first:past] = own
-            first = past
+        for entry in self._entries:
+            if (given := entry.stresses()) is not None:
+                stress[entry.first : entry.first + len(given)] = given
         return np.ascontiguousarray(stress)
 
 

@@ -15,13 +15,12 @@ from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, Acceleration, Instant, Table
 from clast.inputs.declaring.validation_messages import refusal
-from clast.inputs.records.columns import check_rising, check_sizes, doubted_times, read_record
+from clast.inputs.records.columns import check_sizes, doubted_times, read_record
 from clast.inputs.records.components import (
-    OTHER_UNIT,
     Component,
-    Wanted,
     along,
     component,
+    is_other_unit,
     together,
 )
 from clast.inputs.records.conversion import STOPPING, Samples, brought_to_rest, correction_of
@@ -84,6 +83,10 @@ class _Said:
     """Notes on values that were read, assumed and changed."""
     doubts: list[str] = field(default_factory=list)
     """Doubts, each with its remedy."""
+
+    def doubt(self, text: str | None) -> None:
+        """Add a doubt, if there is one."""
+        self.doubts.extend([text] if text else [])
 
 
 class GroundMotionTable(Table):
@@ -225,44 +228,42 @@ class GroundMotionTable(Table):
         """Return columns of accelerations (x, y), m/s2, at instants of any interval."""
         with _placed("file"):
             record = read_record(path)
-            check_rising(record, path)
-            check_sizes(record.time, record.acceleration, str(path))
-        doubt = doubted_times(record.time, path.name)
-        said.doubts.extend([doubt] if doubt else [])
-        if record.unit is not None:
-            name, size = record.unit
-            if not size / OTHER_UNIT <= abs(self.scale) <= size * OTHER_UNIT:
-                said.doubts.append(
-                    f"scale is {self.scale:g}, but the heading of {shortened(str(self.file))} says "
-                    f"that accelerations are in {name}: give scale = {size:g} if they are"
-                )
-        return Samples(time=record.time, acceleration=self.scale * record.acceleration)
+            check_sizes(record.time, record.values, record.name)
+        said.doubt(doubted_times(record.time, path.name))
+        if record.guess and is_other_unit(record, abs(self.scale)):
+            name, size = record.guess
+            said.doubt(
+                f"scale is {self.scale:g}, but the heading of {shortened(str(self.file))} says "
+                f"that accelerations are in {name}: give scale = {size:g} if they are"
+            )
+        acceleration = np.zeros((len(record.time), 2))
+        acceleration[:, : record.values.shape[1]] = record.values
+        return Samples(time=record.time, acceleration=self.scale * acceleration)
 
     def _from_files(self, folder: Path, path: Path, said: _Said) -> Samples:
         """Return the acceleration (x, y) of one or two records, m/s2."""
-        asked = Wanted(path=path, format=self.format, quantity=self.quantity, unit=self.unit)
-        with _placed("file"):
-            first = component(replace(asked, scale=self.scale))
-            said.notes.append(first.note)
-            said.doubts.extend([first.doubt] if first.doubt else [])
-            one = self._directed(first)
-        if not isinstance(self.vertical, VerticalRecordTable):
-            return one.samples
         table = self.vertical
+        with _placed("file"):
+            first = component(
+                path, format=self.format, quantity=self.quantity, unit=self.unit, scale=self.scale
+            )
+            said.notes.append(first.note)
+            said.doubt(first.doubt)
+            one = self._directed(first)
+        if not isinstance(table, VerticalRecordTable):
+            return one.samples
         with _placed("vertical"):
             second = component(
-                Wanted(
-                    path=folder / table.file,
-                    format=table.format,
-                    quantity=self.quantity,
-                    unit=table.unit,
-                    unit_else=self.unit,
-                    scale=table.scale,
-                )
+                folder / table.file,
+                format=table.format,
+                quantity=self.quantity,
+                unit=table.unit,
+                unit_else=self.unit,
+                scale=table.scale,
             )
             _check_single(second, "vertical")
             said.notes.append(f"vertical, {second.note}")
-            said.doubts.extend([second.doubt] if second.doubt else [])
+            said.doubt(second.doubt)
             upwards = replace(second, samples=along(second.samples, (0.0, 1.0)))
             total, shorter = together(one, upwards)
         said.notes.extend([shorter] if shorter else [])

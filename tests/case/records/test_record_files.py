@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.inputs.records.components import Wanted, component
+from clast.inputs.records.components import component
 from clast.inputs.records.formats import format_of, read_at2
 from clast.inputs.records.series import STANDARD_GRAVITY
 from scenes.records import GAL, INTERVAL, at2_text, csv_text, knet_text
@@ -18,7 +18,7 @@ from scenes.records import GAL, INTERVAL, at2_text, csv_text, knet_text
 
 def samples(tmp_path, name, text, **wanted):
     (tmp_path / name).write_text(text, "utf-8")
-    return component(Wanted(path=tmp_path / name, **wanted)).samples
+    return component(tmp_path / name, **wanted).samples
 
 
 def test_an_at2_of_twelve_lines():
@@ -52,11 +52,11 @@ def test_sac_gives_the_same_motion_in_single_precision(tmp_path):
     sac = pytest.importorskip("obspy.io.sac")
     path = tmp_path / "record.sac"
     sac.SACTrace(data=GAL.astype(np.float32), delta=INTERVAL).write(str(path))
-    found = component(Wanted(path=path, unit="gal")).samples
+    found = component(path, unit="gal").samples
     assert np.abs(found.acceleration[:, 0] - 0.01 * GAL).max() < 1e-6 * 9.0
     assert np.abs(found.time - INTERVAL * np.arange(40)).max() < 1e-12
     with pytest.raises(CaseError, match="does not give the unit"):
-        component(Wanted(path=path))
+        component(path)
 
 
 def test_sac_without_obspy_says_what_to_install(tmp_path, monkeypatch):
@@ -64,7 +64,7 @@ def test_sac_without_obspy_says_what_to_install(tmp_path, monkeypatch):
     path.write_bytes(b"\0" * 700)
     monkeypatch.setitem(sys.modules, "obspy.io.sac", None)
     with pytest.raises(CaseError, match=r"clast\[records\]"):
-        component(Wanted(path=path, unit="g"))
+        component(path, unit="g")
 
 
 @pytest.mark.skipif(importlib.util.find_spec("obspy") is None, reason="needs obspy")
@@ -73,7 +73,7 @@ def test_what_is_no_sac_is_refused(tmp_path, content):
     path = tmp_path / "record.sac"
     path.write_bytes(content)
     with pytest.raises(CaseError, match=r"record\.sac"):
-        component(Wanted(path=path, unit="g"))
+        component(path, unit="g")
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_the_heading_of_at2_says_quantity_and_unit(tmp_path, line, quantity, uni
 
 def test_a_note_says_what_was_read(tmp_path):
     (tmp_path / "record.at2").write_text(at2_text(), "utf-8")
-    note = component(Wanted(path=tmp_path / "record.at2")).note
+    note = component(tmp_path / "record.at2").note
     assert note == ("record.at2: at2, 40 values every 0.01 s, acceleration in g, as the file says")
 
 
@@ -164,7 +164,7 @@ def test_broken_records_are_refused(name, tmp_path):
         data = content if isinstance(content, bytes) else content.encode()
         (tmp_path / file).write_bytes(data)
     with pytest.raises(CaseError) as refused:
-        component(Wanted(path=tmp_path / file, **wanted))
+        component(tmp_path / file, **wanted)
     message = str(refused.value)
     assert len(message) < 1000
     assert refused.value.remedy

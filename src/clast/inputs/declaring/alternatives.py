@@ -179,7 +179,7 @@ class Choice:
         if isinstance(value, Chosen | GivenObject):
             return value
         if not isinstance(value, PLAIN):
-            return self._given(value)
+            return self._object(value)
         table = {"name": value} if isinstance(value, str) else value
         if self.usual and isinstance(table, dict):
             table = {"name": self.usual, **table}
@@ -194,7 +194,7 @@ class Choice:
         try:
             parsed = options_table(self, name).model_validate(table)
         except ValidationError as error:
-            raise refusals(faults_of(error, explained_table(self, name))) from None
+            raise refusals(faults_of(error, options_table(self, name, True))) from None
         given = {key: getattr(parsed, key) for key in table if key != "name"}
         return Chosen(name, self.names[name], given)
 
@@ -217,7 +217,7 @@ class Choice:
             numbers[one.name] = number
         return {"name": name, **numbers} if numbers else name
 
-    def _given(self, value: Any) -> GivenObject:
+    def _object(self, value: Any) -> GivenObject:
         """Return an object of a script, if it is of the right kind."""
         if isinstance(value, type):
             what = f"{value.__name__} is a class, not an instance"
@@ -246,7 +246,7 @@ class Choice:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        tables = [explained_table(self, name) for name in self.names]
+        tables = [options_table(self, name, True) for name in self.names]
         alone = [
             name
             for name, table in zip(self.names, tables, strict=True)
@@ -262,20 +262,13 @@ class Choice:
 
 
 @cache
-def options_table(choice: Choice, name: str) -> type[BaseModel]:
-    """Return the table of one alternative: its name and the fields of its dataclass."""
-    return _table_of(choice, name, {})
+def options_table(choice: Choice, name: str, explained: bool = False) -> type[BaseModel]:
+    """Return the table of one alternative: its name and the fields of its dataclass.
 
-
-@cache
-def explained_table(choice: Choice, name: str) -> type[BaseModel]:
-    """Return the same with the meanings of its keys, which take longer to find than the rest."""
-    return _table_of(choice, name, field_docstrings(class_at(choice.names[name])))
-
-
-def _table_of(choice: Choice, name: str, meanings: Mapping[str, str]) -> type[BaseModel]:
-    """Return the table of one alternative whose keys have ``meanings``."""
+    An ``explained`` one has the meanings of its keys, which take longer to find than the rest.
+    """
     chosen = class_at(choice.names[name])
+    meanings = field_docstrings(chosen) if explained else {}
     options: dict[str, Any] = {"name": (Literal[name], ...)}
     for option in fields(chosen):
         if option.init and option.name != "name":
@@ -291,18 +284,23 @@ def _table_of(choice: Choice, name: str, meanings: Mapping[str, str]) -> type[Ba
 def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:
     """Return type and default of one field of an alternative, as pydantic wants them."""
     default = default_of(option)
-    if option.name in choice.alternatives.classes:
-        inner = Choice(option.name, choice.alternatives)
-        written = ... if default is MISSING else _name_of(default, inner)
-        return Annotated[Any, inner, Field(description=meaning)], written
-    kind = option.type if isinstance(option.type, str) else option.type.__name__
     written = ... if default is MISSING else default
-    number: Any = OPTION_TYPES[kind]
-    for limit in choice.alternatives.limits.get(option.name, ()):
-        number = Annotated[number, limit]
-    if option.name in choice.alternatives.automatic:
-        return Annotated[number, OrAuto(), Field(description=meaning)], AUTO
-    return Annotated[number, Field(description=meaning)], written
+    extras: list[Any] = [Field(description=meaning)]
+    if option.name in choice.alternatives.classes:
+        kind: Any = Any
+        inner = Choice(option.name, choice.alternatives)
+        extras.insert(0, inner)
+        path = f"{type(default).__module__}:{type(default).__name__}"
+        written = next((name for name, known in inner.names.items() if known == path), ...)
+    else:
+        kind = OPTION_TYPES[option.type if isinstance(option.type, str) else option.type.__name__]
+        extras[:0] = choice.alternatives.limits.get(option.name, ())
+        if option.name in choice.alternatives.automatic:
+            extras.insert(-1, OrAuto())
+            written = AUTO
+    for extra in extras:
+        kind = Annotated[kind, extra]
+    return kind, written
 
 
 def default_of(option: Any) -> Any:
@@ -332,9 +330,3 @@ class OrAuto:
                 raise refusal(f'must be a number or "{AUTO}", not "{shortened(value)}"')
             return value
         return number(value)
-
-
-def _name_of(default: Any, choice: Choice) -> str:
-    """Return the name under which a default object can be chosen."""
-    path = f"{type(default).__module__}:{type(default).__name__}"
-    return next(name for name, known in choice.names.items() if known == path)

@@ -187,7 +187,11 @@ def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]
     """Return a method with the name, the arguments and the words of its record."""
     placed = {one.name for one in first}
     rest = [
-        Parameter(one.alias or key, Parameter.KEYWORD_ONLY, default=_default(one))
+        Parameter(
+            one.alias or key,
+            Parameter.KEYWORD_ONLY,
+            default=Parameter.empty if one.is_required() else one.default,
+        )
         for key, one in kind.model_fields.items()
         if key not in placed and not iskeyword(one.alias or key)
     ]
@@ -195,7 +199,3 @@ def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]
     method.__doc__ = kind.__doc__
     method.__signature__ = Signature([Parameter("self", POSITIONAL), *first, *rest])
     return method
-
-
-def _default(one: Any) -> Any:
-    return Parameter.empty if one.is_required() else one.default

@@ -193,8 +193,13 @@ def without_objects(content: Mapping[str, Any], instead: Instead) -> dict[str, A
     return {key: without(value, (key,)) for key, value in content.items()}
 
 
-def refuse_object(value: Any, where: str) -> str:
-    """Raise CaseError: no file holds an object of a script."""
+def unwritable(value: Any, where: str, remedy: str) -> CaseError:
+    """Return the error of an object of a script: no file holds one."""
     what = f"{type(value).__name__} is an object of a script, which a case file cannot hold"
+    return CaseError(what, where=where, remedy=remedy)
+
+
+def refuse_object(value: Any, where: str) -> str:
+    """Raise CaseError where an object would be written into a file."""
     remedy = "register a name for it (see CONTRIBUTING), or run the case from the script"
-    raise CaseError(what, where=where, remedy=remedy)
+    raise unwritable(value, where, remedy)

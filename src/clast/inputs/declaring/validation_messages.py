@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -19,47 +18,34 @@ from clast import spelling
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.text import is_tables
 
-UDEC: Mapping[str, str] = MappingProxyType(
-    {
-        "jkn": "normal_stiffness",
-        "jks": "shear_stiffness",
-        "jfric": "friction_angle",
-        "jfriction": "friction_angle",
-        "jcoh": "cohesion",
-        "jcohesion": "cohesion",
-        "jten": "tensile_strength",
-        "jtension": "tensile_strength",
-        "jtens": "tensile_strength",
-        "jdil": "dilation_angle",
-        "jdilation": "dilation_angle",
-        "rescoh": "residual_cohesion",
-        "dens": "density",
-        "jmat": "joint",
-        "zone": "rock",
-        "jset": "joint_set",
-        "crack": "trace",
-        "voronoi": "joint_set",
-        "tunnel": "opening",
-        "jregion": "region",
-        "insitu": "in_situ",
-        "xvisc": "viscous_boundary",
-        "yvisc": "viscous_boundary",
-        "xvel": "motion",
-        "yvel": "motion",
-        "bound": "fixed_sides",
-        "bcond": "fixed_sides",
-        "damp": "damping",
-        "cycle": "stage",
-        "solve": "stage",
-        "delete": "excavate",
-        "cable": "bolt",
-        "reinforce": "bolt",
-        "struct": "lining",
-        "pfix": "water",
-        "history": "measured_point",
-        "hist": "measured_point",
-    }
-)
+UDEC_WORDS = {
+    "normal_stiffness": "jkn",
+    "shear_stiffness": "jks",
+    "friction_angle": "jfric jfriction",
+    "cohesion": "jcoh jcohesion",
+    "tensile_strength": "jten jtension jtens",
+    "dilation_angle": "jdil jdilation",
+    "residual_cohesion": "rescoh",
+    "density": "dens",
+    "joint": "jmat",
+    "rock": "zone",
+    "joint_set": "jset voronoi",
+    "trace": "crack",
+    "opening": "tunnel",
+    "region": "jregion",
+    "in_situ": "insitu",
+    "viscous_boundary": "xvisc yvisc",
+    "motion": "xvel yvel",
+    "fixed_sides": "bound bcond",
+    "damping": "damp",
+    "stage": "cycle solve",
+    "excavate": "delete",
+    "bolt": "cable reinforce",
+    "lining": "struct",
+    "water": "pfix",
+    "measured_point": "history hist",
+}
+UDEC = {word: key for key, words in UDEC_WORDS.items() for word in words.split()}
 """Table or key of clast by UDEC's word, lower-case: see docs/how-to/from-other-programs.md."""
 
 
@@ -113,7 +99,7 @@ def check_one(table: BaseModel, keys: Sequence[str], remedy: str) -> None:
 
 def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
     """Return the faults that pydantic found in a table, in our words."""
-    found: list[Fault] = []
+    faults: list[Fault] = []
     for item in error.errors(include_url=False):
         place = tuple(part for part in item["loc"] if part not in (PLAIN, TABLE))
         top = table.model_fields.get(str(place[0])) if len(place) > 1 else None
@@ -124,10 +110,10 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
             for fault in context["faults"]:
                 at = place + fault.place
                 remedy = fault.remedy or _meaning(at, table)
-                found.append(replace(fault, place=at, remedy=remedy))
+                faults.append(replace(fault, place=at, remedy=remedy))
         else:
-            found.append(_in_words(item["type"], place, item["input"], context, table))
-    return found
+            faults.append(_in_words(item["type"], place, item["input"], context, table))
+    return faults
 
 
 def error_of(
@@ -144,10 +130,8 @@ def error_of(
         return kind(only.what, where=where, remedy=only.remedy)
     lines = []
     for fault in faults[:SHOWN]:
-        place = place_text(fault.place, content)
-        lines.append(f"  {place}: {fault.what}" if place else f"  {fault.what}")
-        if fault.remedy:
-            lines.append(f"    {fault.remedy}")
+        lines.append("  " + ": ".join(filter(None, (place_text(fault.place, content), fault.what))))
+        lines += [f"    {fault.remedy}"] if fault.remedy else []
     if len(faults) > SHOWN:
         lines.append(f"  and {len(faults) - SHOWN} more")
     return kind(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
@@ -162,7 +146,9 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     number = rest[0] if rest else None
     if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
-        table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
+        name = value[number].get("name") if number < len(value) else None
+        table = f"[[{top}]] {number + 1}"
+        table += f" '{shortened(name)}'" if isinstance(name, str) else ""
     elif isinstance(number, Own):
         table = f"[{top}.{shortened(str(rest.pop(0)))}]"
     elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
@@ -190,13 +176,6 @@ def keys_text(keys: Sequence[str | int]) -> str:
     return text.removeprefix(", ").removeprefix(".")
 
 
-def _name_text(tables: Any, number: int) -> str:
-    """Return the name of one of several tables, quoted, or nothing."""
-    table = tables[number] if number < len(tables) else None
-    name = table.get("name") if isinstance(table, dict) else None
-    return f" '{shortened(name)}'" if isinstance(name, str) else ""
-
-
 def _in_words(
     kind: str,
     place: Place,
@@ -215,11 +194,13 @@ def _in_words(
         remedy = f"add it: {meaning}" if meaning else "add it"
         return Fault(place=place, what="is missing", remedy=remedy)
     if kind == "literal_error":
-        return _not_a_choice(place, given, known)
+        choices = list(_choices(known.annotation)) if known else []
+        remedy = spelling.advice(str(given), choices, kind="choice")
+        return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
     if kind in NO_TABLE or (kind in NO_LIST and isinstance(given, dict)):
         return _not_a_table(kind, place, given, table)
-    say = SENTENCES.get(kind, _is_impossible)
-    return Fault(place=place, what=say(given, context), remedy=meaning)
+    sentence = SENTENCES.get(kind, lambda given, _: f"cannot be {_shown(given)}")
+    return Fault(place=place, what=sentence(given, context), remedy=meaning)
 
 
 def _meaning(place: Place, table: type[BaseModel]) -> str:
@@ -239,20 +220,15 @@ def _shown(given: Any) -> str:
     return shortened(text, 60)
 
 
-def _is_no_number(given: Any) -> str:
+def _not_a_number(given: Any, _: Mapping[str, Any]) -> str:
     """Return the sentence for a value that cannot be a floating-point number."""
     if isinstance(given, int) and not isinstance(given, bool):
         return f"is too large a number: {_shown(given)}"
     return f"must be a number, not {_shown(given)}"
 
 
-def _is_impossible(given: Any, _: Mapping[str, Any]) -> str:
-    """Return the sentence for faults that have no sentence of their own."""
-    return f"cannot be {_shown(given)}"
-
-
 SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
-    "float_type": lambda given, _: _is_no_number(given),
+    "float_type": _not_a_number,
     "int_type": lambda given, _: f"must be a whole number, not {_shown(given)}",
     "bool_type": lambda given, _: f"must be true or false, not {_shown(given)}",
     "string_type": lambda given, _: f"must be a text in quotes, not {_shown(given)}",
@@ -290,13 +266,6 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
         return Fault(place=place, what=what, remedy=f"write [{name}], in one bracket")
     heading = _meaning(place, table) if kind == "dict_type" else ""
     return Fault(place=place, what=what, remedy=heading or f"it has the keys {keys}")
-
-
-def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
-    """Return the fault of a value that is not among the allowed ones."""
-    choices = list(_choices(known.annotation)) if known else []
-    remedy = spelling.advice(str(given), choices, kind="choice")
-    return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
 
 
 def _choices(annotation: Any) -> Iterator[str]:
@@ -374,4 +343,4 @@ def table_in(annotation: Any) -> type[BaseModel] | None:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     inside = (table_in(argument) for argument in get_args(annotation))
-    return next((found for found in inside if found is not None), None)
+    return next((table for table in inside if table is not None), None)

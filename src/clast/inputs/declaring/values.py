@@ -48,14 +48,6 @@ def check_numbers(
     return array
 
 
-def check_name(name: Any, kind: str, where: str) -> str:
-    """Return the name of something, or say that it is none."""
-    if isinstance(name, str):
-        return name
-    what = f"{shortened(repr(name))} is not a valid {kind} name"
-    raise ModelError(what, where=where, remedy=f'name the {kind} by its text, e.g. "1"')
-
-
 def check_point_names(names: Sequence[str]) -> None:
     """Refuse names of measured points that cannot be those of tables in the result file."""
     check_names("measured point", names)
@@ -80,7 +72,9 @@ def check_title(title: str) -> None:
 
 def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
-    name = check_name(name, kind, where)
+    if not isinstance(name, str):
+        what = f"{shortened(repr(name))} is not a valid {kind} name"
+        raise ModelError(what, where=where, remedy=f'name the {kind} by its text, e.g. "1"')
     if name not in number:
         what = f"there is no {kind} '{shortened(name)}'"
         raise ModelError(what, where=where, remedy=spelling.advice(name, number, kind=kind))

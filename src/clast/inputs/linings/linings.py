@@ -28,7 +28,7 @@ from clast.inputs.declaring.values import number_of
 from clast.inputs.linings.lines import ROUNDED, CutLine, LinesOfRock, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
-from clast.inputs.placing.place_blocks import ManyBlocks
+from clast.inputs.placing.place_blocks import BlockArrays
 from clast.model import model, ranges
 from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
 from clast.model.ranges import check_names
@@ -298,13 +298,13 @@ def _modulus(one: Lining, plane: Plane) -> float:
     return one.young / (1.0 - one.poisson**2) if strain else one.young
 
 
-def entry(one: PlacedLining, first: int) -> ManyBlocks:
+def entry(one: PlacedLining, first: int) -> BlockArrays:
     """Return the segments as blocks, the ``first`` of which has this number from 0."""
     outlines = [one.cut.polygon(k) for k in range(len(one.cut.first))]
     start = np.cumsum([0, *map(len, outlines)])
     name = one.table.joint or ""
     joints = [["" if k >= len(ring) - 3 else name for k in range(len(ring))] for ring in outlines]
-    return ManyBlocks(
+    return BlockArrays(
         first,
         one.names,
         one.rock,

@@ -1,12 +1,8 @@
-"""Blocks as a script hands them over: one at a time, or many as arrays.
-
-Both kinds of entry answer the same questions with one row per block, so that the builder need not
-know which is which.  Nothing is judged before it is asked for.
-"""
+"""Blocks as a case file or a script hands them over: as arrays with a row for each block."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from clast import spelling
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.inputs.blocks import BlockTable
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
@@ -24,53 +20,14 @@ Vector = Sequence[float] | Floats
 """Two or three numbers."""
 Names = np.ndarray[Any, np.dtype[np.str_]]
 """Names in an array."""
-Label = Callable[[int], str]
-"""Name of a block of an entry in messages, by its number in the entry from 0."""
 
 
 @dataclass(frozen=True)
-class OneBlock:
-    """One block by its vertices, which its table has judged."""
+class BlockArrays:
+    """k blocks: loops of s vertices (k, s, 2), or (nv, 2) cut by ``start`` (k + 1,).
 
-    name: str
-    record: BlockTable
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Its name."""
-        return (self.name,)
-
-    @property
-    def rock(self) -> str | None:
-        """Its rock, None for the only one."""
-        return self.record.rock
-
-    def loops(self, label: Label) -> tuple[Ints, Floats]:
-        """Return the number of its vertices (1,) and the vertices, m."""
-        loop = np.array(self.record.vertices, np.float64).reshape(-1, 2)
-        return np.array([len(loop)], np.int64), loop
-
-    def edge_joints(self, label: Label) -> Names:
-        """Return the name of the joint of each of its edges, "" for none of its own."""
-        return _names_of_joints(self.record.edge_joint, len(self.record.vertices), label(0))
-
-    def held(self, label: Label) -> Bools:
-        """Return whether it is fixed, shape (1,)."""
-        return np.array([self.record.fixed], np.bool_)
-
-    def velocities(self, label: Label) -> Floats:
-        """Return its velocity, shape (1, 3)."""
-        return np.array([self.record.velocity], np.float64)
-
-    def stresses(self, label: Label) -> Floats | None:
-        """Return its own stress, Pa, shape (1, 3), or None."""
-        stress = self.record.initial_stress
-        return None if stress is None else np.array([stress], np.float64)
-
-
-@dataclass(frozen=True)
-class ManyBlocks:
-    """Blocks as arrays: k loops of s vertices (k, s, 2), or (nv, 2) cut by ``start`` (k + 1,)."""
+    Nothing is judged before it is asked for.
+    """
 
     first: int
     """Number of the first of them among all blocks, from 0."""
@@ -83,6 +40,26 @@ class ManyBlocks:
     initial_stress: Any
     joints: Any = None
     """Name of the joint of each edge, or none."""
+
+    @classmethod
+    def of_table(cls, first: int, record: BlockTable) -> BlockArrays:
+        """Return one block, which its table has judged; its name is its number if it has none."""
+        return cls(
+            first,
+            None if record.name is None else [record.name],
+            record.rock,
+            np.array(record.vertices, np.float64).reshape(-1, 2),
+            [0, len(record.vertices)],
+            record.fixed,
+            record.velocity,
+            record.initial_stress,
+            record.edge_joint,
+        )
+
+    def label(self, block: int) -> str:
+        """Return how messages call a block of these."""
+        number, name = str(self.first + block + 1), shortened(self.names[block])
+        return f"block {number}" if name == number else f"block {number} '{name}'"
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -97,37 +74,45 @@ class ManyBlocks:
             raise self._error(f"{len(names)} names are given for {self._count} blocks", "names")
         return names
 
-    def loops(self, label: Label) -> tuple[Ints, Floats]:
-        """Return the vertex count of each loop (k,) and the vertices (nv, 2), m."""
-        return self._loops
-
-    def edge_joints(self, label: Label) -> Names:
+    def edge_joints(self) -> Names:
         """Return the name of the joint of each edge, "" for none of its own."""
-        where = f"blocks from number {self.first + 1} on"
-        return _names_of_joints(self.joints, len(self._loops[1]), where)
+        given, edges = self.joints, len(self.loops[1])
+        if given is None:
+            return np.full(edges, "")
+        whole = not isinstance(given, str) and len(given) == edges
+        if whole and all(one is None or isinstance(one, str) for one in given):
+            return np.array(["" if one is None else str(one) for one in given], np.str_)
+        where = self.label(0) if self._count == 1 else f"blocks from number {self.first + 1} on"
+        raise ModelError(
+            f"does not name a joint for each of its {edges} edges",
+            where=f"{where}, edge_joint",
+            remedy='give one name for each vertex, that of the edge that begins there; "" for '
+            "edges without a joint of their own",
+        )
 
-    def held(self, label: Label) -> Bools:
+    def held(self) -> Bools:
         """Return True where a block is fixed, shape (k,)."""
         fixed = np.asarray(self.fixed)
         if fixed.dtype != np.bool_ or fixed.shape not in ((), (self._count,)):
             raise self._error("give one truth value, or one for each block", "fixed")
         return np.broadcast_to(fixed, (self._count,))
 
-    def velocities(self, label: Label) -> Floats:
+    def velocities(self) -> Floats:
         """Return the velocity of each block, shape (k, 3)."""
         return self._rows(self.velocity, "velocity", ranges.SPEED)
 
-    def stresses(self, label: Label) -> Floats | None:
+    def stresses(self) -> Floats | None:
         """Return the stress of each block, Pa, shape (k, 3), or None."""
         given = self.initial_stress
         return None if given is None else self._rows(given, "initial_stress", ranges.STRESS)
 
     @property
     def _count(self) -> int:
-        return len(self._loops[0])
+        return len(self.loops[0])
 
     @cached_property
-    def _loops(self) -> tuple[Ints, Floats]:
+    def loops(self) -> tuple[Ints, Floats]:
+        """Vertex count of each loop (k,), and the vertices (nv, 2), m."""
         try:
             vertices = np.asarray(self.vertices, np.float64)
             start = None if self.start is None else np.asarray(self.start)
@@ -167,48 +152,29 @@ class ManyBlocks:
         )
 
 
-Entry = OneBlock | ManyBlocks
-"""Some blocks with their properties; k blocks."""
-
-
-def _names_of_joints(given: Any, edges: int, where: str) -> Names:
-    """Return the names of joints, "" for none, of as many ``edges``."""
-    if given is None:
-        return np.full(edges, "")
-    whole = not isinstance(given, str) and len(given) == edges
-    if whole and all(one is None or isinstance(one, str) for one in given):
-        return np.array(["" if one is None else str(one) for one in given], np.str_)
-    raise ModelError(
-        f"does not name a joint for each of its {edges} edges",
-        where=f"{where}, edge_joint",
-        remedy='give one name for each vertex, that of the edge that begins there; "" for edges '
-        "without a joint of their own",
-    )
-
-
-def rocks_of(
-    entries: Iterable[tuple[Entry, Label]], names: Sequence[str], of_linings: int = 0
-) -> Ints:
+def rocks_of(entries: Iterable[BlockArrays], names: Sequence[str], of_linings: int = 0) -> Ints:
     """Return the rock index of each block, shape (n,).
 
     ``names`` are those of the rocks; the last of them, so many, are materials ``of_linings``.
     """
     number = {name: index for index, name in enumerate(names)}
     only = names[0] if len(names) - of_linings == 1 else None
-    found = []
-    for entry, label in entries:
+    rocks = []
+    for entry in entries:
         given = only if entry.rock is None else entry.rock
         if given is None:
             what = "names no rock"
-            raise ModelError(what, where=label(0), remedy=spelling.advice("", number, kind="rock"))
+            raise ModelError(
+                what, where=entry.label(0), remedy=spelling.advice("", number, kind="rock")
+            )
         if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
-            index = number_of(given, number, "rock", label(0))
-            found.append(np.full(len(entry.names), index, np.int64))
+            index = number_of(given, number, "rock", entry.label(0))
+            rocks.append(np.full(len(entry.names), index, np.int64))
             continue
         if len(given) != len(entry.names):
             what = f"{len(given)} rocks are given for {len(entry.names)} blocks"
             remedy = "give one name, or one for each block"
-            raise ModelError(what, where=f"{label(0)}, rock", remedy=remedy)
-        numbers = [number_of(name, number, "rock", label(k)) for k, name in enumerate(given)]
-        found.append(np.array(numbers, np.int64))
-    return np.concatenate(found)
+            raise ModelError(what, where=f"{entry.label(0)}, rock", remedy=remedy)
+        numbers = [number_of(name, number, "rock", entry.label(k)) for k, name in enumerate(given)]
+        rocks.append(np.array(numbers, np.int64))
+    return np.concatenate(rocks)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from clast.errors import CaseError, mistyped, shortened
 from clast.inputs.declaring.text import read_text
-from clast.inputs.records.series import RecordSeries
-from clast.model.model import Floats, Ints
+from clast.inputs.records.series import RecordSeries, number_of
+from clast.model.model import Floats
 
 OTHER_TIME = re.compile(
     r"(?<![a-z])(ms|msecs?|millisec\w*|us|usecs?|\u00b5s|\u03bcs|microsec\w*|min|mins|minutes?|hours?)"
@@ -89,24 +88,8 @@ UNITS_IN_HEADINGS = {
 """How headings name the unit of acceleration -> the unit, and its size in m/s2."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Record:
-    """An accelerogram as it stands in a file."""
-
-    time: Floats
-    """Instants, shape (k,)."""
-    acceleration: Floats
-    """Acceleration (x, y), shape (k, 2)."""
-    columns: int
-    """Columns of the file, 2 or 3; without the third there is no acceleration y."""
-    lines: Ints
-    """Line of the file, from 1, of each instant, shape (k,)."""
-    unit: tuple[str, float] | None
-    """Unit of acceleration that the heading names and its size in m/s2, or None."""
-
-
-def read_record(path: Path) -> Record:
-    """Return the accelerogram in a file.
+def read_record(path: Path) -> RecordSeries:
+    """Return the record in a file of two or three columns, at instants of any interval.
 
     Empty lines and those that begin with # are left out, and so is a heading.  Raises CaseError
     naming the line.
@@ -120,7 +103,9 @@ def read_record(path: Path) -> Record:
             heading.append(line if not rows else "")
             continue
         row = _numbers(words)
-        if row is None and not rows and not _looks_like_numbers(words):
+        # rather a heading than a row with a slip
+        wordy = 2 * sum(word[:1] in "+-.0123456789" for word in words) < len(words)
+        if row is None and not rows and wordy:
             heading.append(line)
             continue
         columns = len(rows[0]) if rows else 0
@@ -137,38 +122,24 @@ def read_record(path: Path) -> Record:
     check_heading(heading, path)
     if not rows:
         raise CaseError("holds no numbers", where=str(path), remedy=REMEDY)
-    table = np.array(rows)
-    acceleration = np.zeros((len(table), 2))
-    acceleration[:, : table.shape[1] - 1] = table[:, 1:]
-    return Record(
+    table, said = np.array(rows), " ".join(heading).lower()
+    named = [unit for pattern, unit in UNITS_IN_HEADINGS.items() if re.search(pattern, said)]
+    record = RecordSeries(
+        name=str(path),
+        format="csv",
         time=np.ascontiguousarray(table[:, 0]),
-        acceleration=acceleration,
-        columns=table.shape[1],
+        values=table[:, 1:],
+        guess=named[0] if len(named) == 1 else None,
         lines=np.array(lines),
-        unit=_unit(" ".join(heading)),
     )
-
-
-def _unit(heading: str) -> tuple[str, float] | None:
-    """Return the one unit of acceleration that a heading names and its size in m/s2, or None."""
-    named = [
-        unit for pattern, unit in UNITS_IN_HEADINGS.items() if re.search(pattern, heading.lower())
-    ]
-    return named[0] if len(named) == 1 else None
+    _check_rising(record)
+    return record
 
 
 def _numbers(words: list[str]) -> list[float] | None:
     """Return words as finite numbers, or None where one is none."""
-    try:
-        numbers = [float(word) for word in words]
-    except ValueError:
-        return None
-    return numbers if all(map(math.isfinite, numbers)) else None
-
-
-def _looks_like_numbers(words: list[str]) -> bool:
-    """Return whether a line is rather a row with a slip than a heading."""
-    return 2 * sum(word[:1] in "+-.0123456789" for word in words) >= len(words)
+    numbers = [number_of(word) for word in words]
+    return None if None in numbers else cast(list[float], numbers)
 
 
 UNEVEN = 0.1
@@ -181,32 +152,6 @@ def read_csv(path: Path) -> RecordSeries:
     Instants must rise by the same interval.
     """
     record = read_record(path)
-    check_rising(record, path)
-    _check_even(record, path)
-    return RecordSeries(
-        name=str(path),
-        format="csv",
-        time=record.time,
-        values=record.acceleration[:, : record.columns - 1],
-        guess=record.unit,
-    )
-
-
-def check_rising(record: Record, path: Path) -> None:
-    """Refuse instants that are not later than those before, by their line."""
-    if len(record.time) < 2:
-        remedy = "a record has at least 2 instants"
-        raise CaseError("has only one line of numbers", where=str(path), remedy=remedy)
-    for late in np.flatnonzero(np.diff(record.time) <= 0.0)[:1]:
-        raise CaseError(
-            f"time does not rise: {record.time[late + 1]:g} s comes after {record.time[late]:g} s",
-            where=f"{path}: line {record.lines[late + 1]}",
-            remedy="order the lines by time, each instant once; time is the first column",
-        )
-
-
-def _check_even(record: Record, path: Path) -> None:
-    """Refuse gaps: intervals that are not all the same, by the line after the first of them."""
     interval = np.diff(record.time)
     usual = float(np.sort(interval)[(len(interval) - 1) // 2])
     for gap in np.flatnonzero(np.abs(interval - usual) > UNEVEN * usual)[:1]:
@@ -215,4 +160,18 @@ def _check_even(record: Record, path: Path) -> None:
             "most instants",
             where=f"{path}: line {record.lines[gap + 1]}",
             remedy="fill the gap, or give the record at equal intervals",
+        )
+    return record
+
+
+def _check_rising(record: RecordSeries) -> None:
+    """Refuse instants that are not later than those before, by their line."""
+    if len(record.time) < 2:
+        remedy = "a record has at least 2 instants"
+        raise CaseError("has only one line of numbers", where=record.name, remedy=remedy)
+    for late in np.flatnonzero(np.diff(record.time) <= 0.0)[:1]:
+        raise CaseError(
+            f"time does not rise: {record.time[late + 1]:g} s comes after {record.time[late]:g} s",
+            where=f"{record.name}: line {record.lines[late + 1]}",
+            remedy="order the lines by time, each instant once; time is the first column",
         )

@@ -12,33 +12,13 @@ from clast.inputs.records.columns import check_sizes, doubted_times
 from clast.inputs.records.conversion import CONVERSIONS, Samples
 from clast.inputs.records.formats import READERS, format_of
 from clast.inputs.records.series import UNITS, RecordSeries
-from clast.model.model import Floats
 
 SAME = 0.01
 """Share of an interval by which the instants of two components may be apart."""
 LONGEST_NAME = 60
 """Most characters of a file's name in a note."""
-DEFAULT_QUANTITY = "acceleration"
 OTHER_UNIT = 5.0
 """A unit that is off by more than this factor is another one than a heading names."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Wanted:
-    """The keys of a record in the case file."""
-
-    path: Path
-    """The file."""
-    format: str = "auto"
-    """Its format, or "auto"."""
-    quantity: str | None = None
-    """acceleration, velocity, displacement; None for that of the file."""
-    unit: str | None = None
-    """Its unit; None for that of the file."""
-    unit_else: str | None = None
-    """Its unit where neither ``unit`` nor the file says it, or None."""
-    scale: float = 1.0
-    """Factor on its values."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,73 +35,74 @@ class Component:
     """The doubt that the heading of a file of columns raises, or None."""
 
 
-def component(wanted: Wanted) -> Component:
+def component(
+    path: Path,
+    *,
+    format: str = "auto",
+    quantity: str | None = None,
+    unit: str | None = None,
+    unit_else: str | None = None,
+    scale: float = 1.0,
+) -> Component:
     """Return the acceleration that a file stands for; raises CaseError with place and remedy.
 
-    The place begins with the key of the case file, or with the file and its line.
+    Quantity and unit are those of the file where they are None, ``unit_else`` is the unit where
+    neither says it, ``scale`` a factor on the values.  The place begins with the key of the case
+    file, or with the file and its line.
     """
-    chosen = format_of(wanted.path) if wanted.format == "auto" else wanted.format
-    series = READERS[chosen](wanted.path)
-    quantity = _quantity(series, wanted.quantity)
-    unit = _unit(series, quantity, wanted)
-    factor = wanted.scale * UNITS[quantity][unit]
+    chosen = format_of(path) if format == "auto" else format
+    series = READERS[chosen](path)
+    if quantity is not None and series.quantity not in (None, quantity):
+        what = f"is {quantity}, but the heading of {series.name} says {series.quantity}"
+        raise CaseError(what, where="quantity", remedy="leave quantity out, or name another file")
+    of = quantity or series.quantity or "acceleration"
+    known = _unit(series, of, unit, unit_else)
     check_sizes(series.time, series.values, series.name)
-    values = factor * series.values
+    values = scale * UNITS[of][known] * series.values
     check_sizes(series.time, values, series.name)
     try:
-        samples = CONVERSIONS[quantity](series.time, values)
+        samples = CONVERSIONS[of](series.time, values)
     except CaseError as error:
         raise CaseError(error.what, where=series.name, remedy=error.remedy) from None
-    source = "as the file says" if wanted.unit is None and series.unit else "as the case says"
-    name = shortened(wanted.path.name, LONGEST_NAME)
-    note = (
-        f"{name}: {chosen}, {len(series.time)} values every {samples.interval:g} s, {quantity} in "
-        f"{unit}, {source}"
-    )
+    source = "as the file says" if unit is None and series.unit else "as the case says"
+    name = shortened(path.name, LONGEST_NAME)
+    doubt = doubted_times(series.time, name)
+    size = abs(scale) * UNITS["acceleration"].get(known, 0.0)
+    if is_other_unit(series, size):
+        doubt = (
+            f'unit is "{known}" and scale {scale:g}, but the heading of {name} says that '
+            f"accelerations are in {series.guess[0]}: correct unit if so"  # type: ignore[index]
+        )
     return Component(
         samples=samples,
-        quantity=quantity,
-        note=note,
-        doubt=_doubt(series, wanted, unit, name) or doubted_times(series.time, name),
+        quantity=of,
+        note=f"{name}: {chosen}, {len(series.time)} values every {samples.interval:g} s, {of} in "
+        f"{known}, {source}",
+        doubt=doubt,
     )
 
 
-def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | None:
-    """Return the doubt that the heading of columns raises about the unit, or None."""
-    size = abs(wanted.scale) * UNITS["acceleration"].get(unit, 0.0)
+def is_other_unit(series: RecordSeries, size: float) -> bool:
+    """Return whether the heading names another unit of acceleration than one of a size, m/s2."""
     if series.guess is None or size == 0.0:
-        return None
-    named, meant = series.guess
-    if meant / OTHER_UNIT <= size <= meant * OTHER_UNIT:
-        return None
-    return (
-        f'unit is "{unit}" and scale {wanted.scale:g}, but the heading of {name} says that '
-        f"accelerations are in {named}: correct unit if so"
-    )
+        return False
+    return not series.guess[1] / OTHER_UNIT <= size <= series.guess[1] * OTHER_UNIT
 
 
-def _quantity(series: RecordSeries, wanted: str | None) -> str:
-    """Return the quantity of a record; case and file must not contradict each other."""
-    if wanted is not None and series.quantity not in (None, wanted):
-        what = f"is {wanted}, but the heading of {series.name} says {series.quantity}"
-        raise CaseError(what, where="quantity", remedy="leave quantity out, or name another file")
-    return wanted or series.quantity or DEFAULT_QUANTITY
-
-
-def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
+def _unit(series: RecordSeries, quantity: str, given: str | None, other: str | None) -> str:
     """Return the unit of a record, which must be one of its quantity."""
-    unit, known = wanted.unit or series.unit or wanted.unit_else, UNITS[quantity]
+    unit, known = given or series.unit or other, UNITS[quantity]
     listed = ", ".join(f'"{name}"' for name in known)
     if unit is None:
         what = f"is missing: {series.name} does not give the unit of its {quantity}"
         raise CaseError(what, where="unit", remedy=f"give unit = one of {listed}")
     if unit not in known:
-        other = next(name for name, units in UNITS.items() if unit in units)
+        home = next(name for name, units in UNITS.items() if unit in units)
         # A unit must not change the quantity that the heading gives.
-        change = "" if series.quantity else f', or quantity = "{other}"'
+        change = "" if series.quantity else f', or quantity = "{home}"'
         what = f"{unit} is not a valid unit of {quantity}"
         raise CaseError(what, where="unit", remedy=f"give one of {listed}{change}")
-    if wanted.unit and series.unit in known and known[series.unit] != known[unit]:
+    if given and series.unit in known and known[series.unit] != known[unit]:
         what = f"is {unit}, but the heading of {series.name} says {series.unit}"
         remedy = "leave unit out; scale is a factor on all values"
         raise CaseError(what, where="unit", remedy=remedy)
@@ -154,17 +135,12 @@ def together(first: Component, second: Component) -> tuple[Samples, str | None]:
             remedy="give both with the same first instant and interval",
         )
     longer = one if len(one.time) >= len(other.time) else other
-    total = replace(longer, acceleration=_sum(one.acceleration, other.acceleration))
+    total = np.zeros((max(len(one.acceleration), len(other.acceleration)), 2))
+    for samples in (one, other):
+        total[: len(samples.acceleration)] += samples.acceleration
+    both = replace(longer, acceleration=total)
     missing = abs(len(one.time) - len(other.time))
     if not missing:
-        return total, None
+        return both, None
     which = "the vertical component" if longer is one else "the first component"
-    return total, f"{which} ends {missing} value(s) before the other: 0 m/s2 from there on"
-
-
-def _sum(first: Floats, second: Floats) -> Floats:
-    """Return the sum of two arrays of rows (x, y); the shorter ends in zeros."""
-    total = np.zeros((max(len(first), len(second)), 2))
-    total[: len(first)] += first
-    total[: len(second)] += second
-    return total
+    return both, f"{which} ends {missing} value(s) before the other: 0 m/s2 from there on"

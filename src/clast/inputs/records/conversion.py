@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.errors import CaseError
+from clast.inputs.records.series import number_of
 from clast.model.ground_motion import Accelerogram
 from clast.model.model import Floats
 
@@ -61,11 +62,6 @@ class HeldSamples(Samples):
         return Accelerogram(np.repeat(self.time, 2)[1:-1], np.repeat(self.acceleration, 2, axis=0))
 
 
-def from_acceleration(time: Floats, values: Floats) -> Samples:
-    """Return accelerations, m/s2, shape (k, c), as they are."""
-    return Samples(time=time, acceleration=values)
-
-
 def from_velocity(time: Floats, values: Floats) -> Samples:
     """Return the acceleration of velocities, m/s, shape (k, c), that are linear between instants.
 
@@ -101,7 +97,7 @@ def from_displacement(time: Floats, values: Floats) -> Samples:
 
 
 CONVERSIONS: dict[str, Callable[[Floats, Floats], Samples]] = {
-    "acceleration": from_acceleration,
+    "acceleration": lambda time, values: Samples(time=time, acceleration=values),
     "velocity": from_velocity,
     "displacement": from_displacement,
 }
@@ -138,18 +134,11 @@ def correction_of(name: str) -> Correction:
     """Return the correction that a base line asks for; raises CaseError for a name of none."""
     if name in CORRECTIONS:
         return CORRECTIONS[name]
-    found = HIGHPASS.fullmatch(name.strip())
-    try:
-        corner = float(found[1]) if found else math.nan
-    except ValueError:
-        corner = math.nan
-    if not (math.isfinite(corner) and corner > 0.0):
+    written = HIGHPASS.fullmatch(name.strip())
+    corner = number_of(written[1]) if written else None
+    if corner is None or corner <= 0.0:
         raise CaseError(f"'{name}' is not a valid base line", remedy=f"give {KNOWN}")
     return lambda samples: _highpassed(samples, corner)
-
-
-def _as_it_is(samples: Samples) -> Floats:
-    return samples.acceleration
 
 
 def _straightened(samples: Samples) -> Floats:
@@ -193,4 +182,7 @@ def _check_even(samples: Samples) -> None:
         )
 
 
-CORRECTIONS: dict[str, Correction] = {"none": _as_it_is, "linear": _straightened}
+CORRECTIONS: dict[str, Correction] = {
+    "none": lambda samples: samples.acceleration,
+    "linear": _straightened,
+}

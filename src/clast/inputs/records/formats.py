@@ -16,7 +16,6 @@ from clast.inputs.records.columns import BESIDE, read_csv
 from clast.inputs.records.series import (
     UNITS,
     RecordSeries,
-    header_number,
     number_of,
     numbers_of,
     unit_of_heading,
@@ -69,13 +68,14 @@ def read_at2(path: Path) -> RecordSeries:
         what = f"NPTS is {int(count)}, but {len(values)} values follow"
         remedy = "the file is cut short or was edited: get the original file, or correct NPTS"
         raise CaseError(what, where=where, remedy=remedy)
-    heading = " ".join(lines[: last + 1])
+    heading = " ".join(lines[: last + 1]).lower()
+    named = [quantity for quantity in UNITS if quantity in heading]
     return RecordSeries(
         name=name,
         format="at2",
         time=interval * np.arange(len(values), dtype=np.float64),
         values=values[:, None],
-        quantity=_quantity(heading),
+        quantity=named[0] if len(named) == 1 else None,
         unit=unit_of_heading(lines[: last + 1]),
     )
 
@@ -89,12 +89,6 @@ def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
                 return index, (found[1], found[2])
     what = "its heading has no line with NPTS and DT"
     raise CaseError(what, where=f"{name}: lines 1 to {min(len(lines), HEADING)}", remedy=AT2_LAYOUT)
-
-
-def _quantity(heading: str) -> str | None:
-    """Return the one quantity that a heading names, or None."""
-    found = [quantity for quantity in UNITS if quantity in heading.lower()]
-    return found[0] if len(found) == 1 else None
 
 
 KNET_HEADING = 17
@@ -131,8 +125,13 @@ def read_knet(path: Path) -> RecordSeries:
             raise CaseError(what, where=f"{name}: line {number}", remedy=KNET_LAYOUT)
 
     def given(number: int, pattern: str, example: str) -> float:
-        remedy = f"the line reads e.g. '{example}'"
-        return header_number(pattern, lines[number - 1], f"{name}: line {number}", remedy)
+        """Return the positive number that a pattern finds in a line of the heading."""
+        match = re.search(pattern, lines[number - 1], re.IGNORECASE)
+        value = number_of(match[1]) if match else None
+        if value is None or value <= 0.0:
+            where, remedy = f"{name}: line {number}", f"the line reads e.g. '{example}'"
+            raise CaseError("is not valid on this line", where=where, remedy=remedy)
+        return value
 
     frequency = given(FREQUENCY, rf"\s{NUMBER}\s*Hz", "Sampling Freq(Hz) 100Hz")
     duration = given(DURATION, rf"\s{NUMBER}\s*$", "Duration Time(s) 60")
@@ -158,11 +157,6 @@ def read_knet(path: Path) -> RecordSeries:
         quantity="acceleration",
         unit="gal",
     )
-
-
-def is_knet(text: str) -> bool:
-    """Return whether a text begins as the files of K-NET do."""
-    return re.match(r"\s*Origin Time", text) is not None
 
 
 SAC_LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or give its format"
@@ -240,6 +234,6 @@ def format_of(path: Path) -> str:
     if known is not None:
         return known
     text = read_text(path, BESIDE)
-    if is_knet(text):
+    if re.match(r"\s*Origin Time", text):
         return "k-net"
     return "at2" if any("NPTS" in line.upper() for line in text.splitlines()[:HEADING]) else "csv"

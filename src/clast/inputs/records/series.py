@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from clast.errors import CaseError, mistyped
-from clast.model.model import Floats
+from clast.model.model import Floats, Ints
 
 STANDARD_GRAVITY = 9.80665
 """The unit of records in g, m/s2 (CGPM 1901)."""
@@ -46,6 +46,8 @@ class RecordSeries:
     """Unit where the file says it, or None."""
     guess: tuple[str, float] | None = None
     """Unit of acceleration, and its size in m/s2, that words of a heading seem to name, or None."""
+    lines: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Line of the file, from 1, of each instant, shape (k,); none for files of other formats."""
 
 
 def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floats:
@@ -53,15 +55,15 @@ def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floa
 
     Raises CaseError naming the line for a text that is not a finite number.
     """
-    found: list[float] = []
+    numbers: list[float] = []
     for number, line in lines:
         for word in line.split():
             value = number_of(word)
             if value is None:
-                what = f"{mistyped(word)} is not a finite number"
-                raise CaseError(what, where=f"{name}: line {number}", remedy=remedy)
-            found.append(value)
-    return np.array(found, np.float64)
+                what, where = f"{mistyped(word)} is not a finite number", f"{name}: line {number}"
+                raise CaseError(what, where=where, remedy=remedy)
+            numbers.append(value)
+    return np.array(numbers, np.float64)
 
 
 def number_of(word: str) -> float | None:
@@ -73,41 +75,20 @@ def number_of(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def header_number(pattern: str, line: str, where: str, remedy: str) -> float:
-    """Return the positive number that the first group of a pattern finds in a line of a header."""
-    found = re.search(pattern, line, re.IGNORECASE)
-    value = number_of(found[1]) if found else None
-    if value is None or value <= 0.0:
-        raise CaseError("is not valid on this line", where=where, remedy=remedy)
-    return value
-
-
 MARKED = re.compile(r"\bUNITS?\b\s*(?:OF|IN|ARE|IS)?\s*[:=]?\s*(.+)", re.IGNORECASE)
 """The unit after the word unit in a heading."""
 EXPRESSION = re.compile(
     r"[\s(\[\"']*((?:m|cm|mm)(?:s|[/*.^()\-0-9])*|g|gals?|g's)(?=[\s)\],;:\"']|\.?$)", re.IGNORECASE
 )
 """A unit at the beginning of a text whose seconds are s and whose powers are ^."""
+PER_SECOND = "/s s^-1 s-1 *s^-1 .s-1 .s^-1 /(s)"
+PER_SECOND_SQUARED = (
+    "/s/s /s^2 /s2 /(s^2) /(s2) /(s*s) /s*s s^-2 s-2 *s^-2 *s-2 .s-2 .s^-2 /s^(2) s^(-2)"
+)
 RATES = {
     "": "",
-    **dict.fromkeys(("/s", "s^-1", "s-1", "*s^-1", ".s-1", ".s^-1", "/(s)"), "/s"),
-    **dict.fromkeys(
-        (
-            "/s/s",
-            "/s^2",
-            "/s2",
-            "/(s^2)",
-            "/(s2)",
-            "/(s*s)",
-            "/s*s",
-            "s^-2",
-            "s-2",
-            "*s^-2",
-            "*s-2",
-        ),
-        "/s2",
-    ),
-    **dict.fromkeys((".s-2", ".s^-2", "/s^(2)", "s^(-2)"), "/s2"),
+    **dict.fromkeys(PER_SECOND.split(), "/s"),
+    **dict.fromkeys(PER_SECOND_SQUARED.split(), "/s2"),
 }
 """How a length is divided by time -> as the case file writes it."""
 
@@ -134,12 +115,11 @@ def unit_of(text: str) -> str | None:
     if expression is None:
         return None
     unit = expression[1].rstrip(".")
-    if unit in ("g", "g's"):
-        return "g"
-    if unit in ("gal", "gals"):
-        return "gal"
+    if unit in ("g", "g's", "gal", "gals"):
+        return unit.removesuffix("'s").removesuffix("s")
     length = re.match("cm|mm|m", unit)
-    rate = None if length is None else RATES.get(unit[length.end() :].rstrip(")"), None)
-    if length is not None and rate is None:
-        rate = RATES.get(unit[length.end() :])
-    return None if length is None or rate is None else length[0] + rate
+    if length is None:
+        return None
+    written = unit[length.end() :]
+    rate = RATES.get(written.rstrip(")"), RATES.get(written))
+    return None if rate is None else length[0] + rate
