@@ -60,7 +60,7 @@ BROKEN = {
     ),
     "drain beside": (
         ["water.1.drained_at=[[0.5, 0.3]]"],
-        ["water 1, drained_at, point 1", "(0.5, 0.3) is not on a joint", "0.3 m away"],
+        ["water 1, drained_at, 1", "(0.5, 0.3) is not on a joint", "0.3 m away"],
     ),
     "gravity aslant": (["gravity=[1, -9]"], ["water 1", "[1, -9]", "ground_motion"]),
     "nothing wet": (

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
-from clast.errors import CaseError, ModelError, shortened
+from clast.errors import ModelError, shortened
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
+from clast.inputs.declaring.text import asked_by
 from clast.inputs.declaring.validation_messages import SHOWN, Fault, refusals
 from clast.model.model import Floats
-
-if TYPE_CHECKING:
-    from clast.rockmass.drawings.block_arrays import Blocks
 
 
 class Corners(Table):
@@ -132,8 +130,12 @@ class BlockFileTable(Table):
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Add the blocks, with joints that hold where edges are welded."""
         from clast.rockmass import CONSTRUCTION, WELDED
+        from clast.rockmass.drawings.dxf import DxfReading
+        from clast.rockmass.readers import BlockReading, read_blocks
 
-        blocks = self._blocks(folder)
+        with asked_by("block_file"):
+            reading = BlockReading(dxf=DxfReading(unit=self.unit), layer=self.layer)
+            blocks = read_blocks(folder / self.file, reading)
         beyond = [number for number in self.fixed if number > blocks.count]
         if beyond:
             what = f"there is no block {beyond[0]}"
@@ -152,18 +154,6 @@ class BlockFileTable(Table):
             fixed=held,
             edge_joint=blocks.edge_joint,
         )
-
-    def _blocks(self, folder: Path) -> Blocks:
-        """Return the blocks of the file; its faults are those of the table."""
-        from clast.rockmass.drawings.dxf import DxfReading
-        from clast.rockmass.readers import BlockReading, read_blocks
-
-        try:
-            reading = BlockReading(dxf=DxfReading(unit=self.unit), layer=self.layer)
-            return read_blocks(folder / self.file, reading)
-        except CaseError as error:
-            place = f"block_file: {error.where}" if error.where else "block_file"
-            raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
 class RepairTable(Table):

@@ -39,7 +39,7 @@ from clast.inputs.declaring.values import (
     check_title,
 )
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
-from clast.inputs.in_situ import InSituTable, stress_in_situ
+from clast.inputs.in_situ import InSituTable, Overburden
 from clast.inputs.linings import linings as place_linings
 from clast.inputs.linings.linings import Lining
 from clast.inputs.loads import (
@@ -264,7 +264,8 @@ class InputBuilder(Inputs):
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         joints = place_linings.with_bonds(self.named(materials.Joint), self._placed)
         table = joint_table(joints, rock_number, block_number, along)
-        waits = place_linings.waiting_of(self._placed, outlines.names)
+        waiting = {name for one in self._placed if one.table.stage for name in one.names}
+        waits = np.array([name in waiting for name in outlines.names], np.bool_)
         there = np.where(waits, shapely.Polygon(), polygons)
 
         held = np.concatenate([entry.held() for entry in self._entries])
@@ -285,7 +286,7 @@ class InputBuilder(Inputs):
         pressures, uncovered = pressed_edges(self.all(Pressure), ground)
         linked = sum(one.block is not None for one in self.all(Link))
         check_ground_motion(self.ground_motion, len(fixed.block) + linked)
-        viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
+        viscous = viscous_edges(self.all(ViscousBoundary), everything)
         check_incoming(self.ground_motion, viscous, outlines)
         check_actions(self.actions)
         gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
@@ -293,12 +294,11 @@ class InputBuilder(Inputs):
         own_joints = joints_of_edges(table, edge_joint)
         openings = openings_of(self.all(OpeningTable), block_number, edge_joint)
         bed = Bed(
-            outlines=outlines,
+            ground=ground,
             table=table,
             edge_joint=own_joints,
             block_rock=block_rock,
             gravity=gravity,
-            factors=ground.factors,
             openings={k: ring - outlines.origin for k, ring in self.opening_outlines.items()},
             blocks_of_openings={one.name: one.block for one in openings},
             waits=waits,
@@ -359,13 +359,15 @@ class InputBuilder(Inputs):
         self, outlines: BlockOutlines, density: Floats, gravity: Floats
     ) -> InSituStress | None:
         """Return the stress in the rock, with the edges of openings; ``density`` (n,), kg/m3."""
-        weight = density * outlines.area
-        found = stress_in_situ(self.in_situ, weight, outlines.area, gravity, outlines.top)
-        if found is None or not self.opening_outlines:
-            return found
+        given: InSituStress | Overburden | None = self.in_situ
+        if isinstance(given, Overburden):
+            mean = float((density * outlines.area).sum() / outlines.area.sum())
+            given = given.stress(mean, gravity, outlines.top)
+        if given is None or not self.opening_outlines:
+            return given
         rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
         voids = edges_on(rings, outlines.vertices, outlines.following)
-        return replace(found, voids=tuple(map(int, voids)))
+        return replace(given, voids=tuple(map(int, voids)))
 
     def _with_linings(self) -> InputBuilder:
         """Return the same with the segments of linings among the blocks."""
@@ -375,10 +377,10 @@ class InputBuilder(Inputs):
             raise ModelError(what, where="lining", remedy=remedy)
         drawn = self._outlines()
         whole = replace(drawn, vertices=drawn.vertices + drawn.origin)
-        found = copy(self)
-        found._entries, found._named = [*self._entries], {**self._named}
-        found._named[materials.Rock] = {**self.named(materials.Rock)}
-        found._placed = place_linings.placed_linings(
+        lined = copy(self)
+        lined._entries, lined._named = [*self._entries], {**self._named}
+        lined._named[materials.Rock] = {**self.named(materials.Rock)}
+        lined._placed = place_linings.placed_linings(
             self.all(Lining),
             shapely.make_valid(whole.polygons()),
             drawn.names,
@@ -386,12 +388,12 @@ class InputBuilder(Inputs):
             {one.name: one.blocks for one in self.all(OpeningTable)},
         )
         rocks = list(self.named(materials.Rock).values())
-        for one in found._placed:
+        for one in lined._placed:
             material = place_linings.material(one.table, self.plane, rocks)
-            found._named[materials.Rock][one.rock] = material
-            found._entries.append(place_linings.entry(one, found._count))
-            found._count += len(one.names)
-        return found
+            lined._named[materials.Rock][one.rock] = material
+            lined._entries.append(place_linings.entry(one, lined._count))
+            lined._count += len(one.names)
+        return lined
 
     def _push(self, gravity: Floats) -> Floats:
         """Return the acceleration, m/s2, of the push that lasts, shape (2,)."""

@@ -168,16 +168,3 @@ class Overburden:
             held=self.held,
             sides=self.sides,
         )
-
-
-def stress_in_situ(
-    given: InSituStress | Overburden | None, mass: Floats, area: Floats, gravity: Floats, top: float
-) -> InSituStress | None:
-    """Return the stress before anything is dug; that of the weight by the mean density.
-
-    ``mass``, kg/m, and ``area``, m2, are those of the blocks (n,), ``gravity`` (2,) in m/s2,
-    ``top`` is their highest point, m.
-    """
-    if isinstance(given, Overburden):
-        return given.stress(float(mass.sum() / area.sum()), gravity, top)
-    return given

@@ -14,8 +14,9 @@ from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.in_situ import Side
+from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
-from clast.model.checks import BlockOutlines, Geometries, point_text
+from clast.model.checks import BlockOutlines, point_text
 from clast.model.edges import outline_edges
 from clast.model.ground_motion import GroundMotion, IncomingWave
 from clast.model.model import Bools, Ints
@@ -80,9 +81,9 @@ class ViscousBoundary(Table):
 
 def with_where(keys: dict[str, Any]) -> dict[str, Any]:
     """Return the keys of a boundary of a script, which says where by keys of their own."""
-    given = {key: value for key, value in keys.items() if key not in Where.model_fields}
-    where = {key: keys[key] for key in Where.model_fields if keys.get(key) is not None}
-    return {"where": where, **given}
+    places = Where.model_fields
+    where = {key: keys[key] for key in places if keys.get(key) is not None}
+    return {"where": where, **{key: keys[key] for key in keys if key not in places}}
 
 
 STATIC = {"hold": 1.0, "none": 0.0}
@@ -93,23 +94,25 @@ OUTSIDE = np.array([0.05, 0.5, 0.95])
 """Places along an edge, as shares of its length, where rock beyond it would be in a block."""
 
 
-def viscous_edges(
-    boundaries: Sequence[ViscousBoundary],
-    outlines: BlockOutlines,
-    polygons: Geometries,
-    fixed: Bools,
-) -> ViscousEdges:
+def viscous_edges(boundaries: Sequence[ViscousBoundary], ground: Ground) -> ViscousEdges:
     """Return the edges of viscous boundaries, in their order.
 
     Raises ModelError for edges within the rock, on fixed blocks or in two boundaries, and for
     places without any edge.
     """
-    found = [ViscousEdges()]
+    outlines = ground.outlines
+    parts = [ViscousEdges()]
     seen: dict[int, str] = {}
     for number, one in enumerate(boundaries, 1):
         label = f"viscous boundary {number}"
-        edge = _edges(label, one.where, outlines, polygons)
-        _refuse_fixed(label, edge, outlines, fixed)
+        edge = _edges(label, one.where, ground)
+        for k in edge[ground.fixed[outlines.owner[edge]]][:1].tolist():
+            what = f"{_edge_text(k, outlines)} is on a fixed block, which cannot absorb waves"
+            remedy = (
+                "remove fixed = true of the block; in-situ stress, or supports until the dashpots "
+                "begin (begins), hold it"
+            )
+            raise ModelError(what, where=label, remedy=remedy)
         for k in edge.tolist():
             if k in seen:
                 what = f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too"
@@ -124,10 +127,10 @@ def viscous_edges(
         }
         columns = {name: np.full(len(edge), value) for name, value in numbers.items()}
         stage = (one.stage or "",) * len(edge)
-        found.append(ViscousEdges(edge=edge, block=outlines.owner[edge], stage=stage, **columns))
+        parts.append(ViscousEdges(edge=edge, block=outlines.owner[edge], stage=stage, **columns))
     names = ("edge", "block", "normal", "tangential", "kept", "begins")
-    joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
-    return ViscousEdges(**joined, stage=sum((one.stage for one in found), ()))
+    joined = {name: np.concatenate([getattr(one, name) for one in parts]) for name in names}
+    return ViscousEdges(**joined, stage=sum((one.stage for one in parts), ()))
 
 
 def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: BlockOutlines) -> None:
@@ -146,36 +149,33 @@ def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: BlockOut
         )
 
 
-def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometries) -> Ints:
+def _edges(label: str, place: Where, ground: Ground) -> Ints:
     """Return the edges of a boundary, in their order."""
+    outlines = ground.outlines
     if place.side is not None:
-        edge = _on_side(label, place.side, outlines)
+        edge = outline_edges(outlines.vertices, outlines.start, (place.side,))[:, 0]
+        if len(edge) == 0:
+            what = (
+                f"no edge lies on the {place.side} side of the box around all blocks, only corners"
+            )
+            remedy = "name the edges: edges = [[p, q], ...] with points p and q, or a polygon"
+            raise ModelError(what, where=f"{label}, where", remedy=remedy)
     elif place.edges is not None:
         edge = _on_lines(label, place.edges, outlines)
-        inner = edge[~_is_outer(edge, outlines, polygons)]
-        for one in inner[:1].tolist():
+        for one in edge[~_is_outer(edge, ground)][:1].tolist():
             what = f"{_edge_text(one, outlines)} borders on another block"
             remedy = "give edges with no block beyond them: the waves leave the model there"
             raise ModelError(what, where=f"{label}, where", remedy=remedy)
     else:
-        edge = _within(label, place.polygon or [], outlines, polygons)
+        edge = _within(label, place.polygon or [], ground)
     return np.unique(edge)
-
-
-def _on_side(label: str, side: str, outlines: BlockOutlines) -> Ints:
-    edge = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
-    if len(edge) == 0:
-        what = f"no edge lies on the {side} side of the box around all blocks, only corners"
-        remedy = "name the edges: edges = [[p, q], ...] with points p and q, or a polygon"
-        raise ModelError(what, where=f"{label}, where", remedy=remedy)
-    return edge
 
 
 def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockOutlines) -> Ints:
     """Return the edges that lie along straight lines."""
     here, there = outlines.vertices, outlines.vertices[outlines.following]
     near = BESIDE * np.sqrt(np.abs(outlines.area))[outlines.owner]
-    found = []
+    edges = [np.zeros(0, np.int64)]
     for number, line in enumerate(lines, start=1):
         where = f"{label}, where, edges {number}"
         ends = np.array(line)
@@ -194,15 +194,16 @@ def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockO
             what = f"no edge lies on the line from {ends_text}"
             remedy = "give the corners of edges on the outline of the model"
             raise ModelError(what, where=where, remedy=remedy)
-        found.append(np.flatnonzero(on))
-    if not found:
+        edges.append(np.flatnonzero(on))
+    if not lines:
         remedy = "name the edges: edges = [[p, q], ...] with points p and q"
         raise ModelError("is an empty list", where=f"{label}, where, edges", remedy=remedy)
-    return np.concatenate(found)
+    return np.concatenate(edges)
 
 
-def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geometries) -> Ints:
+def _within(label: str, polygon: Loop, ground: Ground) -> Ints:
     """Return the outer edges whose middle lies in a polygon."""
+    outlines = ground.outlines
     where = f"{label}, where, polygon"
     if len(polygon) < 3:
         what = f"{len(polygon)} points do not make a polygon"
@@ -213,7 +214,7 @@ def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geomet
         raise ModelError(what, where=where, remedy="order its points along its outline")
     middle = 0.5 * (outlines.vertices + outlines.vertices[outlines.following])
     edge = np.flatnonzero(shapely.covers(shape, shapely.points(middle)))
-    edge = edge[_is_outer(edge, outlines, polygons)]
+    edge = edge[_is_outer(edge, ground)]
     if len(edge) == 0:
         what = "no edge on the outline of the model has its middle in the polygon"
         remedy = "enclose the edges through which waves should leave"
@@ -221,29 +222,18 @@ def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geomet
     return edge
 
 
-def _is_outer(edge: Ints, outlines: BlockOutlines, polygons: Geometries) -> Bools:
+def _is_outer(edge: Ints, ground: Ground) -> Bools:
     """Return which edges (k,) have no other block right behind them, shape (k,)."""
+    outlines = ground.outlines
     first = outlines.vertices[edge]
     line = outlines.vertices[outlines.following[edge]] - first
     out = BESIDE * np.stack([line[:, 1], -line[:, 0]], axis=1)
     at = first[:, None] + OUTSIDE[:, None] * line[:, None] + out[:, None]
-    tree = shapely.STRtree(polygons)
-    hit, block = tree.query(shapely.points(at.reshape(-1, 2)), predicate="intersects")
+    hit, block = ground.tree.query(shapely.points(at.reshape(-1, 2)), predicate="intersects")
     number = hit // len(OUTSIDE)
     outer = np.ones(len(edge), np.bool_)
     outer[number[block != outlines.owner[edge][number]]] = False
     return outer
-
-
-def _refuse_fixed(label: str, edge: Ints, outlines: BlockOutlines, fixed: Bools) -> None:
-    """Refuse edges of blocks that do not move."""
-    for one in edge[fixed[outlines.owner[edge]]][:1].tolist():
-        raise ModelError(
-            f"{_edge_text(one, outlines)} is on a fixed block, which cannot absorb waves",
-            where=label,
-            remedy="remove fixed = true of the block; in-situ stress, or supports until the "
-            "dashpots begin (begins), hold it",
-        )
 
 
 def _edge_text(edge: int, outlines: BlockOutlines) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -23,8 +23,10 @@ from clast.inputs.declaring.table import (
     Point,
     Table,
 )
+from clast.inputs.declaring.text import asked_by
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
+from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
 from clast.model.drainage import distances, drained, parts_between, places_on
@@ -117,6 +119,11 @@ class Water(Table):
             raise refusal("names joints or drains, but the water acts on outer faces only", remedy)
         return self
 
+    @property
+    def drains(self) -> list[Any]:
+        """What drains it: points, lines, names."""
+        return [self.drained_at] if isinstance(self.drained_at, str) else self.drained_at
+
     def add_to(self, builder: Inputs, key: str, folder: Path) -> None:
         """Add the water, with the line of a file."""
         whole = self
@@ -129,17 +136,14 @@ def _points(path: Path) -> list[tuple[float, float]]:
     """Return the points of a phreatic line in a file, m."""
     from clast.rockmass.drawings.csv_lines import table_of
 
-    try:
+    with asked_by("[[water]], line"):
         table = table_of(path)
         for column in ("x", "y"):
             if column not in table.columns:
-                what = f"has no column {column}"
+                what, where = f"has no column {column}", f"{table.file}: its heading"
                 remedy = "a phreatic line has the heading x,y and a row for each point"
-                raise CaseError(what, where=f"{table.file}: its heading", remedy=remedy)
+                raise CaseError(what, where=where, remedy=remedy)
         return [(row.number("x"), row.number("y")) for row in table.rows]
-    except CaseError as error:
-        place = f"[[water]], line: {error.where}"
-        raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
 ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)}
@@ -154,7 +158,7 @@ CLOSED = 1e-3
 class Bed:
     """The ground in which water stands: blocks, their joints, and gravity."""
 
-    outlines: BlockOutlines
+    ground: Ground
     table: JointTable
     edge_joint: Ints
     """Joint of each edge, -1: none of its own, shape (nv,)."""
@@ -162,8 +166,6 @@ class Bed:
     """Rock of each block, shape (n,)."""
     gravity: Floats
     """Gravity, m/s2, shape (2,)."""
-    factors: tuple[Factor, ...]
-    """Amplitudes."""
     openings: Mapping[str, Floats]
     """Outlines of openings about the origin, m, (c, 2) each."""
     blocks_of_openings: Mapping[str, Ints]
@@ -179,26 +181,33 @@ def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], 
     """
     if not waters:
         return (), ()
-    outlines = bed.outlines
+    outlines = bed.ground.outlines
     edges = edges_of(outlines.vertices, outlines.following, outlines.owner, outlines.area)
     facing = facing_edges(edges)
-    found, notes = [], []
+    check_names("water", [one.name for one in waters if one.name is not None])
+    wet, notes = [], []
     for number, one in enumerate(waters, 1):
         water, said = _water(f"water {number}", one, bed, edges, facing)
-        found.append(water)
+        wet.append(water)
         notes += said
-    check_names("water", [one.name for one in waters if one.name is not None])
-    return tuple(found), tuple(notes)
+    return tuple(wet), tuple(notes)
 
 
 def _water(
     label: str, given: Water, bed: Bed, edges: Edges, facing: Facing
 ) -> tuple[WetWater, list[str]]:
     """Return one water, and the remarks on it."""
-    surface = _surface(label, given, bed.outlines)
-    share, factor = _share(label, given, bed.factors)
-    weight = given.density * _gravity(label, bed.gravity)
-    _refuse_dry(label, surface, bed.outlines)
+    outlines = bed.ground.outlines
+    surface = _surface(label, given, outlines)
+    share, factor = _share(label, given, bed.ground)
+    across, up = bed.gravity.tolist()
+    if across != 0.0 or up >= 0.0:
+        raise ModelError(
+            f"gravity is [{across:g}, {up:g}]: a water level needs gravity straight down",
+            where=label,
+            remedy="give gravity = [0.0, -9.81]; a constant horizontal load is "
+            "seismic_coefficient = [0.1, 0.0], an earthquake is [ground_motion]",
+        )
     on_faces, on_joints = ACTS_ON[given.acts_on]
     faces, joints = WetFaces(), WetJoints()
     drains = np.zeros((0, 2))
@@ -209,7 +218,7 @@ def _water(
     water = WetWater(
         name=given.name or "",
         surface=surface,
-        weight=weight,
+        weight=given.density * float(-up),
         share=share,
         factor=factor,
         faces=faces,
@@ -217,14 +226,35 @@ def _water(
         drain_at=drains,
     )
     if len(drains):
-        water = drained(water, np.zeros(len(bed.outlines.names), np.bool_))
-    points = [] if isinstance(given.drained_at, str) else given.drained_at
-    above = _above(label, surface, points, bed.outlines.origin)
-    return water, [*above, _said(label, water, edges)]
+        water = drained(water, np.zeros(len(outlines.names), np.bool_))
+    notes = []
+    for point in (np.array(one) for one in given.drains if np.shape(one) == (2,)):
+        if surface_at(surface, point[:1] - outlines.origin[0])[0] <= point[1] - outlines.origin[1]:
+            notes.append(f"{label}: the drain at {point_text(point)} lies above the water")
+    return water, [*notes, _said(label, water, edges)]
 
 
 def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
-    """Return the points of the phreatic line about the origin, x rising, shape (m, 2)."""
+    """Return the points of the phreatic line about the origin, x rising, shape (m, 2), m.
+
+    Refuses one that lies below all blocks.
+    """
+    surface = _line(label, given, outlines)
+    x, y = outlines.vertices.T
+    depth = surface_at(surface, x) - y
+    if depth.max() <= 0.0:
+        nearest = int(np.argmax(depth))
+        what = (
+            f"its surface lies below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
+            f"{outlines.vertex_label(nearest)}"
+        )
+        remedy = "give its height y in the coordinates of the case, not a depth"
+        raise ModelError(what, where=label, remedy=remedy)
+    return surface
+
+
+def _line(label: str, given: Water, outlines: BlockOutlines) -> Floats:
+    """Return the points of a level or a line about the origin, x rising, shape (m, 2)."""
     if given.level is not None:
         return np.array([[0.0, given.level - outlines.origin[1]]])
     where = f"{label}, line"
@@ -246,46 +276,17 @@ def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
     return np.ascontiguousarray(points - outlines.origin)
 
 
-def _gravity(label: str, gravity: Floats) -> float:
-    """Return the size of gravity, m/s2; refuse one that gives water no level."""
-    across, up = gravity.tolist()
-    if across != 0.0 or up >= 0.0:
-        raise ModelError(
-            f"gravity is [{across:g}, {up:g}]: a water level needs gravity straight down",
-            where=label,
-            remedy="give gravity = [0.0, -9.81]; a constant horizontal load is "
-            "seismic_coefficient = [0.1, 0.0], an earthquake is [ground_motion]",
-        )
-    return float(-up)
-
-
-def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float, Factor | None]:
+def _share(label: str, given: Water, ground: Ground) -> tuple[float, Factor | None]:
     """Return the share of the full head, and the amplitude that it follows."""
     name, where = given.amplitude, f"{label}, amplitude"
-    if isinstance(name, str):
-        known = {factor.name: k for k, factor in enumerate(factors)}
-        factor = factors[number_of(name, known, "amplitude", where)]
-        values = factor.value
-        if values.min() < 0.0 or values.max() > 1.0:
-            what = f"amplitude '{shortened(name)}' goes from {values.min():g} to {values.max():g}"
-            raise ModelError(what, where=where, remedy=SHARE)
-        return 1.0, factor
-    return name, None
-
-
-def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
-    """Refuse water that lies below all blocks."""
-    x, y = outlines.vertices.T
-    depth = surface_at(surface, x) - y
-    if depth.max() > 0.0:
-        return
-    nearest = int(np.argmax(depth))
-    raise ModelError(
-        f"its surface lies below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
-        f"{outlines.vertex_label(nearest)}",
-        where=label,
-        remedy="give its height y in the coordinates of the case, not a depth",
-    )
+    if not isinstance(name, str):
+        return name, None
+    factor = ground.factors[ground.amplitude(name, where)]
+    low, high = factor.value.min(), factor.value.max()
+    if low < 0.0 or high > 1.0:
+        what = f"amplitude '{shortened(name)}' goes from {low:g} to {high:g}"
+        raise ModelError(what, where=where, remedy=SHARE)
+    return 1.0, factor
 
 
 def _joints(
@@ -320,7 +321,7 @@ def _joints(
         widest=gap + np.maximum(opened * length, CLOSED * near),
         ends=ends,
         near=near,
-        conducts=np.asarray(~bed.waits[bed.outlines.owner[joints.edge]].any(axis=1)),
+        conducts=np.asarray(~bed.waits[bed.ground.outlines.owner[joints.edge]].any(axis=1)),
         drain=_covering(bed, dug, joints, ends, near),
     )
     return joints, drains
@@ -337,7 +338,7 @@ def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
     where = f"{label}, joints"
     number = {joint.name: index for index, joint in enumerate(bed.table.joints)}
     wanted = [number_of(name, number, "joint", where) for name in names]
-    pairs = bed.outlines.owner[facing.edge]
+    pairs = bed.ground.outlines.owner[facing.edge]
     joint, named = bed.table.of_pairs(bed.block_rock, pairs)
     own = bed.edge_joint[facing.edge]
     own = np.where((own >= 0) & ~named[:, None], own, joint[:, None])
@@ -361,11 +362,10 @@ def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> t
     ``ends`` (k, 2, 2) are those of the joints, which count when nearer than ``near`` (k,), m.
     """
     places, dug = [np.zeros((0, 2))], [np.zeros(0, np.int64)]
-    named = [given.drained_at] if isinstance(given.drained_at, str) else given.drained_at
-    blocks = {name: np.array([k]) for k, name in enumerate(bed.outlines.names)}
+    blocks = {name: np.array([k]) for k, name in enumerate(bed.ground.outlines.names)}
     blocks |= bed.blocks_of_openings
     known = dict.fromkeys([*bed.openings, *blocks], 0)
-    for number, one in enumerate(named, 1):
+    for number, one in enumerate(given.drains, 1):
         where = f"{label}, drained_at, {number}"
         if isinstance(one, str):
             number_of(one, known, "opening or block", where)
@@ -374,18 +374,23 @@ def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> t
                 continue
             line = np.concatenate([bed.openings[one], bed.openings[one][:1]])
         else:
-            line = np.array(one).reshape(-1, 2) - bed.outlines.origin
+            line = np.array(one).reshape(-1, 2) - bed.ground.outlines.origin
         if len(line) == 1:
-            _refuse_far(where, ends, near, line[0], bed.outlines.origin)
+            away = float(distances(ends, line)[0])
+            if away > near.max():
+                what = (
+                    f"{point_text(line[0] + bed.ground.outlines.origin)} is not on a joint that "
+                    f"this water enters; the nearest is {away:.3g} m away"
+                )
+                remedy = "give a point on the joint itself, e.g. where it comes out of the slope"
+                raise ModelError(what, where=where, remedy=remedy)
             places.append(line)
             continue
         places.append(places_on(line, ends, near))
         if not len(places[-1]):
-            raise ModelError(
-                "no joint that this water enters meets it",
-                where=where,
-                remedy="let it cross joints below the water level, or remove it",
-            )
+            what = "no joint that this water enters meets it"
+            remedy = "let it cross joints below the water level, or remove it"
+            raise ModelError(what, where=where, remedy=remedy)
     return np.concatenate(places), np.unique(np.concatenate(dug))
 
 
@@ -394,9 +399,9 @@ def _covering(bed: Bed, dug: Ints, joints: WetJoints, ends: Floats, near: Floats
 
     Those of the joint's two faces, or those in which its two ``ends`` (k, 2, 2) lie, of a lining.
     """
-    owner = bed.outlines.owner[joints.edge]
+    owner = bed.ground.outlines.owner[joints.edge]
     drain = np.where(np.isin(owner, dug), owner, -1)
-    tree = shapely.STRtree(bed.outlines.polygons()[dug])
+    tree = shapely.STRtree(bed.ground.outlines.polygons()[dug])
     within = np.full((len(ends), 2), -1)
     for end in (0, 1):
         joint, number = tree.query(shapely.points(ends[:, end]), "dwithin", distance=near)
@@ -412,31 +417,11 @@ def _pressed(given: Water, bed: Bed, edges: Edges, facing: Facing) -> WetFaces:
     faces = WetFaces(edge=edge, share=part)
     ends = ends_of_faces(faces, edges.vertices, edges.after)
     dry = bed.waits[edges.owner[edge]]
-    names = [given.drained_at] if isinstance(given.drained_at, str) else given.drained_at
-    for name in (one for one in names if isinstance(one, str) and one in bed.openings):
+    for name in (one for one in given.drains if isinstance(one, str) and one in bed.openings):
         void = shapely.Polygon(bed.openings[name])
         away = shapely.distance(shapely.points(ends), void)
         dry = dry | (away <= edges.near[edge, None]).all(axis=1)
     return WetFaces(edge=edge[~dry], share=part[~dry])
-
-
-def _refuse_far(where: str, ends: Floats, near: Floats, drain: Floats, origin: Floats) -> None:
-    """Refuse a drain on no joint, with how far away the nearest one is."""
-    away = float(distances(ends, drain[None])[0])
-    if away > near.max():
-        raise ModelError(
-            f"{point_text(drain + origin)} is not on a joint that this water enters; the "
-            f"nearest is {away:.3g} m away",
-            where=where,
-            remedy="give a point on the joint itself, e.g. where it comes out of the slope",
-        )
-
-
-def _above(label: str, surface: Floats, given: Sequence[Any], origin: Floats) -> Iterator[str]:
-    """Say which points of drains lie above the water."""
-    for point in (np.array(one) for one in given if np.shape(one) == (2,)):
-        if surface_at(surface, point[:1] - origin[0])[0] <= point[1] - origin[1]:
-            yield f"{label}: the drain at {point_text(point)} lies above the water"
 
 
 def _said(label: str, water: WetWater, edges: Edges) -> str:
@@ -466,5 +451,5 @@ def _said(label: str, water: WetWater, edges: Edges) -> str:
             f"{length.sum():.6g} m of joints, which it presses apart with {force:.6g} N/m in all"
         )
         most = max(most, float(joints.head.max()))
-    rises = f", times table '{water.factor.name}'" if water.factor else ""
+    rises = f", times amplitude '{water.factor.name}'" if water.factor else ""
     return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"

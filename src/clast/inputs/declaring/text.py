@@ -7,12 +7,13 @@ import json
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError, ModelError, shortened
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML allows without quotes."""
@@ -31,42 +32,47 @@ def read_text(path: Path, advice: str = "") -> str:
     Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` is the
     remedy where there is no such file; case files nearby are named without it.
     """
-    with _readable(path, advice):
-        _check_regular(path)
-        return path.read_text(encoding="utf-8")
+    return _read(path, advice, partial(Path.read_text, path, encoding="utf-8"))
 
 
 def read_bytes(path: Path, advice: str) -> bytes:
     """Return the content of a file that is not text, or say why it cannot be read."""
-    with _readable(path, advice):
+    return _read(path, advice, path.read_bytes)
+
+
+T = TypeVar("T")
+
+
+def _read(path: Path, advice: str, read: Callable[[], T]) -> T:
+    """Return what ``read`` gives, or say why it cannot be read, with the remedy."""
+    where = str(path)
+    try:
         _check_regular(path)
-        return path.read_bytes()
+        return read()
+    except FileNotFoundError:
+        what, remedy = "there is no such file", advice or _beside(path)
+    except IsADirectoryError:
+        what, remedy = "is a directory, not a file", advice or _beside(path / "x")
+    except UnicodeDecodeError as error:
+        what = f"is not a text file (byte {error.start})"
+        remedy = "a case file is TOML in UTF-8; results are read by clast info and clast plot"
+        remedy = advice or remedy
+    except ValueError:  # a NUL in the name
+        what, where, remedy = "is not a valid file name", repr(where), "write a path without it"
+    except OSError as error:
+        what = f"cannot be read: {error.strerror}"
+        remedy = "check the file's name and permissions"
+    raise CaseError(what, where=where, remedy=remedy)
 
 
 @contextmanager
-def _readable(path: Path, advice: str) -> Iterator[None]:
-    """Report why a file cannot be read, with the remedy."""
-    where = str(path)
+def asked_by(where: str) -> Iterator[None]:
+    """Name the table that asks for a file in the errors of its reader."""
     try:
         yield
-    except FileNotFoundError:
-        what = "there is no such file"
-        raise CaseError(what, where=where, remedy=advice or _beside(path)) from None
-    except IsADirectoryError:
-        remedy = advice or _beside(path / "x")
-        raise CaseError("is a directory, not a file", where=where, remedy=remedy) from None
-    except UnicodeDecodeError as error:
-        what = f"is not a text file (byte {error.start})"
-        remedy = (
-            advice or "a case file is TOML in UTF-8; results are read by clast info and clast plot"
-        )
-        raise CaseError(what, where=where, remedy=remedy) from None
-    except ValueError:  # a NUL in the name
-        remedy = "write a path without it"
-        raise CaseError("is not a valid file name", where=repr(where), remedy=remedy) from None
-    except OSError as error:
-        what = f"cannot be read: {error.strerror}"
-        raise CaseError(what, where=where, remedy="check the file's name and permissions") from None
+    except CaseError as error:
+        place = f"{where}: {error.where}" if error.where else where
+        raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
 def _check_regular(path: Path) -> None:
@@ -90,11 +96,10 @@ def _check_regular(path: Path) -> None:
 def _beside(path: Path) -> str:
     """Return which case files lie where one was looked for."""
     try:
-        found = sorted(path.parent.glob("*.toml"))[:8]
+        listed = ", ".join(map(str, sorted(path.parent.glob("*.toml"))[:8]))
     except OSError:
-        found = []
-    listed = ", ".join(str(one) for one in found)
-    return f"files here: {listed}" if found else "clast new makes one"
+        listed = ""
+    return f"files here: {listed}" if listed else "clast new makes one"
 
 
 def parse(text: str, file: str) -> dict[str, Any]:

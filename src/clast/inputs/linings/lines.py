@@ -78,9 +78,11 @@ class LinesOfRock:
         given = shapely.Polygon(self._openings[name])
         near = self._tree.query(given.buffer(1e-3 * np.sqrt(given.area)))
         # of holes the blocks are to the left, too
-        holes = [loop[::-1] for loop in _loops(self._polygons[near])]
-        holes = [loop for loop in holes if _is_most_of(given, loop)]
-        return _from_a_start(holes[0] if holes else _ring(given))
+        for loop in (loop[::-1] for loop in _loops(self._polygons[near])):
+            around = shapely.make_valid(shapely.Polygon(loop))
+            if _is_counterclockwise(loop) and around.intersection(given).area > 0.5 * given.area:
+                return _from_a_start(loop)
+        return _from_a_start(_ring(given))
 
     def _exterior(self, polygons: Any, where: str) -> Floats:
         """Return the outline of blocks that are in one piece, counter-clockwise, (c, 2)."""
@@ -92,8 +94,8 @@ class LinesOfRock:
 
     def _free_side(self, points: Floats, thickness: float) -> str:
         """Return the side of a polyline where there is no rock; left where that is undecided."""
-        middle, way = 0.5 * (points[1:] + points[:-1]), np.diff(points, axis=0)
-        left = np.stack([-way[:, 1], way[:, 0]], axis=1) / np.hypot(*way.T)[:, None]
+        middle, line = 0.5 * (points[1:] + points[:-1]), np.diff(points, axis=0)
+        left = np.stack([-line[:, 1], line[:, 0]], axis=1) / np.hypot(*line.T)[:, None]
         rock = [
             self._tree.query(
                 shapely.points(middle + sign * 0.1 * thickness * left), predicate="intersects"
@@ -114,14 +116,6 @@ def _loops(polygons: Any) -> list[Floats]:
 def _is_counterclockwise(loop: Floats) -> bool:
     """Return whether a loop (c, 2) encloses what is to its left."""
     return bool(shapely.is_ccw(shapely.LinearRing(loop)))
-
-
-def _is_most_of(given: Any, loop: Floats) -> bool:
-    """Return whether a loop (c, 2) is counter-clockwise round more than half of a polygon."""
-    if not _is_counterclockwise(loop):
-        return False
-    around = shapely.make_valid(shapely.Polygon(loop))
-    return bool(around.intersection(given).area > 0.5 * given.area)
 
 
 def _from_a_start(ring: Floats) -> Floats:
@@ -145,8 +139,8 @@ def _from_a_start(ring: Floats) -> Floats:
     def shape_from(corner: int) -> tuple[list[float], list[float]]:
         """Return turns and lengths to both sides of a corner, the larger ones first."""
         ahead, back = (corner + reach) % count, (corner - reach) % count
-        ways = ((ahead, ahead), (back, (back - 1) % count))
-        one, other = (np.stack([turn[k], length[e]], axis=1).ravel().tolist() for k, e in ways)
+        sides = ((ahead, ahead), (back, (back - 1) % count))
+        one, other = (np.stack([turn[k], length[e]], axis=1).ravel().tolist() for k, e in sides)
         return max(one, other), min(one, other)
 
     start = max(np.flatnonzero(turn == turn.max()).tolist(), key=shape_from)
@@ -170,19 +164,19 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
         if away > TO_OUTLINE_SHARE_MAX * line.length:
             what = f"{point_text(np.array(point))} is {away:.3g} m from the outline"
             raise ModelError(what, where=where, remedy="give points on it")
-    first, last = (_on_line(line, marks, point) for point in ends)
+
+    def place(point: Any) -> float:
+        """Return the distance of a point along the ring, m: at a corner of it that is close."""
+        along = line.project(shapely.Point(point))
+        nearest = min(marks, key=lambda mark: abs(mark - along))
+        return nearest if abs(nearest - along) <= TO_CORNER_SHARE_MAX * line.length else along
+
+    first, last = map(place, ends)
     span = (last - first) % line.length
     between = sorted(((mark - first) % line.length, k) for k, mark in enumerate(marks[:-1]))
-    inner = [ring[k] for way, k in between if close < way < span - close]
+    inner = [ring[k] for distance, k in between if close < distance < span - close]
     ends_on = [np.array(line.interpolate(at).coords[0]) for at in (first, last)]
     return np.array([ends_on[0], *inner, ends_on[1]])
-
-
-def _on_line(line: Any, marks: list[float], point: Any) -> float:
-    """Return how far along a ring a point is, m: at a corner of it that is close."""
-    along = line.project(shapely.Point(point))
-    nearest = min(marks, key=lambda mark: abs(mark - along))
-    return nearest if abs(nearest - along) <= TO_CORNER_SHARE_MAX * line.length else along
 
 
 MITRE_TURN_RAD = np.radians(20.0)
@@ -237,7 +231,8 @@ def cut_line(
     does not fit.
     """
     if comes_back:
-        line = _from_a_corner(line)
+        sharp = np.flatnonzero(np.abs(_turns(line)) > MITRE_TURN_RAD + ROUNDED)
+        line = np.roll(line, -int(sharp[0]), axis=0) if len(sharp) else line
     given = _whole(line, comes_back)
     if is_middle:
         line = line - 0.5 * thickness * _normals(line, comes_back)
@@ -257,9 +252,9 @@ def cut_line(
     count = np.diff(np.concatenate([first, [len(at) if comes_back else len(at) - 1]])) + 1
     inner = _place(points, marks, ends) + thickness * _normals_at(points, marks, ends, comes_back)
     inner = np.stack([inner[:-1], inner[1:]], axis=1)
-    found = CutLine(at=at, first=first, count=count, inner=inner, closed=comes_back)
-    _check(found, thickness, where)
-    return found
+    cut = CutLine(at=at, first=first, count=count, inner=inner, closed=comes_back)
+    _check(cut, thickness, where)
+    return cut
 
 
 def _whole(line: Floats, comes_back: bool) -> Floats:
@@ -270,12 +265,6 @@ def _whole(line: Floats, comes_back: bool) -> Floats:
 def _marks(points: Floats) -> Floats:
     """Return how far along a line its points are, m, (c,)."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-
-
-def _from_a_corner(ring: Floats) -> Floats:
-    """Return a ring that begins at its first sharp corner, if it has one."""
-    sharp = np.flatnonzero(np.abs(_turns(ring)) > MITRE_TURN_RAD + ROUNDED)
-    return np.roll(ring, -int(sharp[0]), axis=0) if len(sharp) else ring
 
 
 def _turns(ring: Floats) -> Floats:
@@ -311,22 +300,22 @@ def _ends(points: Floats, marks: Floats, comes_back: bool, length: float) -> Flo
     for low, high in itertools.pairwise(corners):
         pieces = max(1, math.ceil((high - low) / length * (1.0 - ROUNDED) - 0.5))
         ends.append(np.linspace(low, high, pieces + 1)[1:])
-    found = np.concatenate(ends)
+    marked = np.concatenate(ends)
     # a corner close by is where the segment ends; of two as close on either side, neither
-    spacing = np.diff(found)
+    spacing = np.diff(marked)
     room = APART * np.minimum(spacing[:-1], spacing[1:]) * (1.0 - ROUNDED)
-    away = np.abs(marks[:, None] - found[1:-1])
+    away = np.abs(marks[:, None] - marked[1:-1])
     least = away.min(axis=0)
     one = (away <= least + ROUNDED * length).sum(axis=0) == 1
-    found[1:-1] = np.where(one & (least < room), marks[away.argmin(axis=0)], found[1:-1])
-    return found
+    marked[1:-1] = np.where(one & (least < room), marks[away.argmin(axis=0)], marked[1:-1])
+    return marked
 
 
 def _points(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -> tuple[Floats, Ints]:
     """Return the points of the outer line (p, 2), and the first of each segment (s,).
 
     Of corners that are close together the sharper one stays, then that nearer to the middle of the
-    segment: either way along the line the same.
+    segment: the same in both directions along the line.
     """
     at: list[Floats] = []
     first = []
@@ -365,35 +354,35 @@ def _normals_at(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -
     return np.where(on_point[:, None], at_points[nearest], of_edges[edge])
 
 
-def _check(found: CutLine, thickness: float, where: str) -> None:
+def _check(cut: CutLine, thickness: float, where: str) -> None:
     """Refuse segments that the thickness turns inside out, and linings that meet themselves."""
-    last = (found.first + found.count - 1) % len(found.at)
-    outer = found.at[last] - found.at[found.first]
-    inner = found.inner[:, 1] - found.inner[:, 0]
+    last = (cut.first + cut.count - 1) % len(cut.at)
+    outer = cut.at[last] - cut.at[cut.first]
+    inner = cut.inner[:, 1] - cut.inner[:, 0]
     length = np.hypot(*outer.T)
     for k in np.flatnonzero((outer * inner).sum(axis=1) <= 0.05 * length**2)[:1]:
         raise ModelError(
             f"{thickness:g} m is beyond the radius of curvature at "
-            f"{point_text(found.at[found.first[k]])}: the inner face would turn inside out",
+            f"{point_text(cut.at[cut.first[k]])}: the inner face would turn inside out",
             where=f"{where}, thickness",
             remedy="give a thinner lining, or smooth the line there",
         )
     for k in np.flatnonzero(thickness > 1.5 * length)[:1]:
         what = (
             f"{thickness:g} m is more than the segment of {length[k]:.3g} m at "
-            f"{point_text(found.at[found.first[k]])}"
+            f"{point_text(cut.at[cut.first[k]])}"
         )
         remedy = "leave out corners of the line that are close together, or give a thinner lining"
         raise ModelError(what, where=f"{where}, thickness", remedy=remedy)
-    polygons = shapely.polygons([shapely.linearrings(found.polygon(k)) for k in range(len(inner))])
+    polygons = shapely.polygons([shapely.linearrings(cut.polygon(k)) for k in range(len(inner))])
     one, other = shapely.STRtree(polygons).query(polygons)
     count = len(polygons)
-    apart = (other - one) % count if found.closed else other - one
-    far = (one < other) & (apart > 1) & ~(found.closed & (apart == count - 1))
+    apart = (other - one) % count if cut.closed else other - one
+    far = (one < other) & (apart > 1) & ~(cut.closed & (apart == count - 1))
     common = shapely.area(shapely.intersection(polygons[one[far]], polygons[other[far]]))
     bad = ~shapely.is_valid(polygons)
     bad[one[far][common > 1e-6 * thickness**2]] = True
     for k in np.flatnonzero(bad)[:1]:
-        what = f"crosses itself near {point_text(found.at[found.first[k]])}"
+        what = f"crosses itself near {point_text(cut.at[cut.first[k]])}"
         remedy = "give a line that does not come so close to itself, or a thinner lining"
         raise ModelError(what, where=where, remedy=remedy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, Self
@@ -30,7 +31,7 @@ from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import BlockArrays
 from clast.model import model, ranges
-from clast.model.model import Bools, Floats, Ints, Plane, PlaneStrain
+from clast.model.model import Floats, Ints, Plane, PlaneStrain
 from clast.model.ranges import check_names
 from clast.model.supports import GROUND
 
@@ -207,14 +208,23 @@ def placed_linings(
     blocks_of_openings: Mapping[str, Sequence[str]],
 ) -> tuple[PlacedLining, ...]:
     """Return the linings cut into segments, blocks (n,) being there.  Raises ModelError."""
-    lines = LinesOfRock(polygons, names, openings, blocks_of_openings)
     check_names("lining", [one.name for one in tables])
-    tree, found = shapely.STRtree(polygons), []
-    for one in tables:
-        where = f"lining '{shortened(one.name)}'"
-        found.append(_placed(one, where, lines, tree, names))
-    _refuse_crossing(found)
-    return tuple(found)
+    lines = LinesOfRock(polygons, names, openings, blocks_of_openings)
+    tree = shapely.STRtree(polygons)
+    placed: list[PlacedLining] = []
+    for table in tables:
+        where = f"lining '{shortened(table.name)}'"
+        one = _placed(table, where, lines, tree, names)
+        for other in placed:
+            k, j = shapely.STRtree(other.polygons).query(one.polygons, predicate="intersects")
+            common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
+            thin = min(table.thickness, other.table.thickness)
+            if common.max(initial=0.0) > ROOM * thin**2:
+                what = f"crosses lining '{shortened(other.table.name)}'"
+                remedy = "end one at the other, or place it on the inner face of the first"
+                raise ModelError(what, where=where, remedy=remedy)
+        placed.append(one)
+    return tuple(placed)
 
 
 def _placed(
@@ -264,19 +274,6 @@ def _placed(
     )
 
 
-def _refuse_crossing(found: Sequence[PlacedLining]) -> None:
-    """Refuse linings that lie in each other."""
-    for number, one in enumerate(found):
-        for other in found[:number]:
-            k, j = shapely.STRtree(other.polygons).query(one.polygons, predicate="intersects")
-            common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
-            thin = min(one.table.thickness, other.table.thickness)
-            if common.max(initial=0.0) > ROOM * thin**2:
-                what = f"crosses lining '{shortened(other.table.name)}'"
-                remedy = "end one at the other, or place it on the inner face of the first"
-                raise ModelError(what, where=f"lining '{shortened(one.table.name)}'", remedy=remedy)
-
-
 def material(one: Lining, plane: Plane, rocks: Sequence[Rock]) -> LiningMaterial:
     """Return the material of the segments of a lining, which strain along it by a share.
 
@@ -319,16 +316,15 @@ def entry(one: PlacedLining, first: int) -> BlockArrays:
 
 def with_bonds(joints: Mapping[str, Joint], placed: Sequence[PlacedLining]) -> dict[str, Joint]:
     """Return the joints with the pairs of segments and rock that they bond."""
-    found = dict(joints)
+    bonded = dict(joints)
     for one in placed:
         name = one.table.joint
-        if name is None:
-            continue
-        where = f"lining '{shortened(one.table.name)}', joint"
-        number_of(name, dict.fromkeys(found, 0), "joint", where)
-        pairs = [*found[name].between, *one.beside]
-        found[name] = found[name].model_copy(update={"between": pairs})
-    return found
+        if name is not None:
+            where = f"lining '{shortened(one.table.name)}', joint"
+            number_of(name, dict.fromkeys(bonded, 0), "joint", where)
+            pairs = [*bonded[name].between, *one.beside]
+            bonded[name] = bonded[name].model_copy(update={"between": pairs})
+    return bonded
 
 
 def linings_of_ground(
@@ -337,37 +333,35 @@ def linings_of_ground(
     """Return the action of all linings on the blocks of the ground; none where there are none."""
     if not placed:
         return ()
-    number = {name: k for k, name in enumerate(ground.outlines.names)}
     each, rows, apart, joints = [], [], [], 0
     for one in placed:
-        blocks = np.array([number[name] for name in one.names])
+        table, blocks = one.table, ground.blocks(one.names, one.rock)
         springs = _springs(one, blocks, ground, plane)
         count = len(springs.along)
+        curve = None
+        if table.compression is not None:
+            curve = interaction_curve(table.thickness, table.tension or 0.0, table.compression)
         each.append(
             OneLining(
-                name=one.table.name,
-                stage=one.table.stage or "",
-                closed=one.table.joins_ends,
-                thickness=one.table.thickness,
-                tension=np.inf if one.table.tension is None else one.table.tension,
-                compression=np.inf if one.table.compression is None else one.table.compression,
-                curve=None
-                if one.table.compression is None
-                else interaction_curve(
-                    one.table.thickness, one.table.tension or 0.0, one.table.compression
-                ),
+                name=table.name,
+                stage=table.stage or "",
+                closed=table.joins_ends,
+                thickness=table.thickness,
+                tension=np.inf if table.tension is None else table.tension,
+                compression=np.inf if table.compression is None else table.compression,
+                curve=curve,
                 segments=blocks,
                 joints=np.arange(joints, joints + count),
                 along=springs.along,
                 at=springs.at,
                 face=springs.face,
                 shape=_shape(one, ground),
-                inside=np.array([number[name] for name in one.inside], np.int64),
-                loose=np.array([number[name] for name in one.loose], np.int64),
+                inside=ground.blocks(one.inside, one.rock),
+                loose=ground.blocks(one.loose, one.rock),
             )
         )
         rows.append(springs)
-        apart += [_neighbours(blocks, one.table.is_ring), _grounds(one, springs, ground)]
+        apart.append(_without_contacts(one, springs, ground))
         joints += count
     return (
         Linings(
@@ -378,22 +372,20 @@ def linings_of_ground(
     )
 
 
-def _neighbours(blocks: Ints, comes_back: bool) -> Ints:
-    """Return the pairs of segments that follow each other, shape (p, 2)."""
-    pairs = np.stack([blocks[:-1], blocks[1:]], axis=1)
-    return np.concatenate([pairs, [[blocks[-1], blocks[0]]]]) if comes_back else pairs
+def _without_contacts(one: PlacedLining, springs: _JointSprings, ground: Ground) -> Ints:
+    """Return the pairs of segments that follow each other, and of held ends with fixed blocks.
 
-
-def _grounds(one: PlacedLining, springs: _JointSprings, ground: Ground) -> Ints:
-    """Return the pairs of a segment whose end is held and fixed blocks at that end, (p, 2)."""
-    found = []
+    Shape (p, 2).
+    """
+    blocks = ground.blocks(one.names, one.rock).tolist()
+    pairs = list(itertools.pairwise(blocks))
+    pairs += [(blocks[-1], blocks[0])] if one.table.is_ring else []
     for pair, at in zip(springs.pair.tolist(), springs.at, strict=True):
         if GROUND in pair:
-            segment = max(pair)
             near = TOUCHES * one.table.thickness
             close = ground.tree.query(shapely.points(at), predicate="dwithin", distance=near)
-            found += [(segment, int(block)) for block in close if ground.fixed[block]]
-    return np.array(found, np.int64).reshape(-1, 2)
+            pairs += [(max(pair), int(block)) for block in close if ground.fixed[block]]
+    return np.array(pairs, np.int64).reshape(-1, 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -404,7 +396,7 @@ class _JointSprings:
     """Blocks before and after each joint, shape (k, 2)."""
     at: Floats
     """Where it is, m, about the origin, shape (k, 2)."""
-    way: Floats
+    direction: Floats
     """Direction of the lining there, shape (k, 2)."""
     along: Floats
     """How far along the lining, m, shape (k,)."""
@@ -419,7 +411,7 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     table, middles = one.table, one.cut.middles - ground.outlines.origin
     chord = middles[:, 1] - middles[:, 0]
     length = np.hypot(*chord.T)
-    way, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
+    unit, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
     young = _modulus(table, plane)
     shear = SHEAR * table.young / (2.0 * (1.0 + table.poisson))
     # what the segments strain by themselves is not left to the joints
@@ -429,39 +421,28 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     )
     count = len(blocks)
     held = (table.end, table.start) if one.turned else (table.start, table.end)
-    found = []
+    # blocks, place, direction, distance along the lining, length of the spring, end, face
+    rows: list[tuple[Any, ...]] = []
     if held[0] != "free":
-        found.append(
-            ((GROUND, blocks[0]), middles[0, 0], way[0], 0.0, 0.5 * length[0], held[0], (0, 0))
-        )
+        pair, half = (GROUND, blocks[0]), 0.5 * length[0]
+        rows.append((pair, middles[0, 0], unit[0], 0.0, half, held[0], (0, 0)))
     for k in range(count if table.joins_ends else count - 1):
-        after, both = (k + 1) % count, way[k] + way[(k + 1) % count]
-        apart = 0.5 * (length[k] + length[after])
+        after, both = (k + 1) % count, unit[k] + unit[(k + 1) % count]
+        pair, apart = (blocks[k], blocks[after]), 0.5 * (length[k] + length[after])
         both = both / np.hypot(*both)
-        found.append(
-            ((blocks[k], blocks[after]), middles[k, 1], both, mark[k + 1], apart, "clamped", (k, 1))
-        )
+        rows.append((pair, middles[k, 1], both, mark[k + 1], apart, "clamped", (k, 1)))
     if held[1] != "free":
-        found.append(
-            (
-                (blocks[-1], GROUND),
-                middles[-1, 1],
-                way[-1],
-                mark[-1],
-                0.5 * length[-1],
-                held[1],
-                (count - 1, 1),
-            )
-        )
-    bends = np.array([[1.0, 1.0, float(end == "clamped")] for *_, end, _ in found]).reshape(-1, 3)
-    apart = np.array([entry[4] for entry in found])
+        pair, half = (blocks[-1], GROUND), 0.5 * length[-1]
+        rows.append((pair, middles[-1, 1], unit[-1], mark[-1], half, held[1], (count - 1, 1)))
+    pairs, at, direction, along, apart, ends, face = map(np.array, zip(*rows, strict=True))
+    bends = np.stack([np.ones(len(rows)), np.ones(len(rows)), ends == "clamped"], axis=1)
     return _JointSprings(
-        pair=np.array([entry[0] for entry in found], np.int64).reshape(-1, 2),
-        at=np.array([entry[1] for entry in found]).reshape(-1, 2),
-        way=np.array([entry[2] for entry in found]).reshape(-1, 2),
-        along=np.array([entry[3] for entry in found]),
+        pair=pairs.astype(np.int64),
+        at=at,
+        direction=direction,
+        along=along,
         stiffness=bends * section / apart[:, None],
-        face=np.array([entry[6] for entry in found], np.int64).reshape(-1, 2),
+        face=face.astype(np.int64),
     )
 
 
@@ -475,7 +456,7 @@ def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRo
         name=tuple(names),
         block=np.concatenate([one.pair for one in springs]),
         at=np.concatenate([one.at for one in springs]),
-        along=np.concatenate([one.way for one in springs]),
+        along=np.concatenate([one.direction for one in springs]),
         # which of two neighbours is first must not matter
         turning=np.full((len(names), 2), 0.5),
         stage=tuple(one.stage for one in each for _ in one.joints),
@@ -490,64 +471,39 @@ def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRo
 
 
 def _shape(one: PlacedLining, ground: Ground) -> LiningShape:
-    """Return how a lining lies, and which blocks carry it."""
-    outlines, cut = ground.outlines, one.cut
-    at = cut.at - outlines.origin
-    point, edge, share = _places_in_rock(at, cut.closed, ground, one)
-    return LiningShape(
-        at=at,
-        point=point,
-        vertex=np.stack([edge, np.asarray(outlines.following)[edge]], axis=1),
-        share=share,
-        first=cut.first,
-        count=cut.count,
-        inner=cut.inner - outlines.origin,
-    )
-
-
-def _places_in_rock(
-    at: Floats, closed: bool, ground: Ground, one: PlacedLining
-) -> tuple[Ints, Ints, Floats]:
-    """Return points (a,) of a line, edges (a,) of rock to its right that they lie on, and where.
+    """Return the geometry of a lining, and the edges of rock to its right that its points lie on.
 
     Such edges run against the line: the rock is to their left.
     """
-    outlines = ground.outlines
+    outlines, cut = ground.outlines, one.cut
+    at = cut.at - outlines.origin
     following = np.asarray(outlines.following)
     others = {*one.inside, *one.names}
     solid = np.array([name not in others for name in outlines.names], np.bool_)
     edges = np.flatnonzero(solid[outlines.owner])
-    begin, end = outlines.vertices[edges], outlines.vertices[following[edges]]
-    tangent = _tangents(at, closed)
+    begin = outlines.vertices[edges]
+    line = outlines.vertices[following[edges]] - begin
+    length = np.hypot(*line.T) if len(edges) else np.zeros(0)
+    tangent = np.roll(at, -1, axis=0) - np.roll(at, 1, axis=0)
+    tangent = tangent if cut.closed else np.gradient(at, axis=0)
+    tangent = tangent / np.hypot(*tangent.T)[:, None]
     near = TOUCHES * one.table.thickness + ground.moved
-    found: list[tuple[int, int, float]] = []
-    way = end - begin
-    length = np.hypot(*way.T) if len(edges) else np.zeros(0)
-    for k, place in enumerate(at):
-        if not len(edges):
-            break
-        along = ((place - begin) * way).sum(axis=1) / length**2
-        foot = begin + np.clip(along, 0.0, 1.0)[:, None] * way
-        against = (way @ tangent[k]) / length < -0.5 + ROUNDED
+    point, edge, share = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+    for k, place in enumerate(at if len(edges) else ()):
+        along = ((place - begin) * line).sum(axis=1) / length**2
+        foot = begin + np.clip(along, 0.0, 1.0)[:, None] * line
+        against = (line @ tangent[k]) / length < -0.5 + ROUNDED
         on = np.flatnonzero((np.hypot(*(place - foot).T) <= near) & against)
-        found += [(k, int(edges[e]), float(np.clip(along[e], 0.0, 1.0))) for e in on]
-    return (
-        np.array([entry[0] for entry in found], np.int64),
-        np.array([entry[1] for entry in found], np.int64),
-        np.array([entry[2] for entry in found]),
+        point.append(np.full(len(on), k))
+        edge.append(edges[on])
+        share.append(np.clip(along[on], 0.0, 1.0))
+    edge_of_point = np.concatenate(edge)
+    return LiningShape(
+        at=at,
+        point=np.concatenate(point),
+        vertex=np.stack([edge_of_point, following[edge_of_point]], axis=1),
+        share=np.concatenate(share),
+        first=cut.first,
+        count=cut.count,
+        inner=cut.inner - outlines.origin,
     )
-
-
-def _tangents(at: Floats, closed: bool) -> Floats:
-    """Return the direction of a line at each of its points, shape (p, 2)."""
-    if closed:
-        way = np.roll(at, -1, axis=0) - np.roll(at, 1, axis=0)
-    else:
-        way = np.gradient(at, axis=0)
-    return np.asarray(way / np.hypot(*way.T)[:, None])
-
-
-def waiting_of(placed: Sequence[PlacedLining], names: Sequence[str]) -> Bools:
-    """Return which blocks are segments that wait for a stage, shape (n,)."""
-    waits = {name for one in placed if one.table.stage for name in one.names}
-    return np.array([name in waits for name in names], np.bool_)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.declaring.table import Inputs
 from clast.inputs.declaring.values import number_of
-from clast.inputs.placing.bolt_lines import Ground, LinePieces, joints_between
+from clast.inputs.placing.bolt_lines import Ground, joints_between
 from clast.model import ranges
 from clast.model.model import Floats
 from clast.model.ranges import check_names, check_text
@@ -39,11 +39,11 @@ def bolts_round(
     if pattern.name is not None:
         check_text(pattern.name, whole)
     corners = _outline(pattern, whole, *openings)
-    heads, way = _heads(pattern, whole, corners)
+    heads, away = _heads(pattern, whole, corners)
     shared = pattern.model_dump(
         include={"kind", "anchorage", "free_length", "pretension_is", "stage"}
     )
-    for k, (head, direction) in enumerate(zip(heads, way, strict=True), 1):
+    for k, (head, direction) in enumerate(zip(heads, away, strict=True), 1):
         angle = np.degrees(np.arctan2(direction[1], direction[0]))
         label = f"{whole}, bolt {k} at {angle % 360.0:.4g} degrees"
         line = np.array([head, head + pattern.length * direction])
@@ -164,7 +164,10 @@ def placed_bolts(
     kinds = given.named(BoltKind)
     check_names("bolt kind", list(kinds))
     bolts = given.all(Bolt)
-    labels = [_label(number, bolt) for number, bolt in enumerate(bolts, 1)]
+    labels = [
+        f"bolt {k} '{shortened(bolt.name)}'" if bolt.name else f"bolt {k}"
+        for k, bolt in enumerate(bolts, 1)
+    ]
     groups = [""] * len(bolts)
     for number, pattern in enumerate(given.all(BoltPattern), 1):
         for label, bolt in bolts_round(pattern, number, (openings, blocks_of_openings), ground):
@@ -178,7 +181,7 @@ def placed_bolts(
     named = list(zip(labels, bolts, strict=True))
     lines = [np.array([bolt.start, bolt.end]) - ground.outlines.origin for bolt in bolts]
     parts = [
-        ANCHORAGES[bolt.anchorage](label, bolt, line, ground)
+        _anchored(label, bolt, line, ground)
         for (label, bolt), line in zip(named, lines, strict=True)
     ]
     first = np.cumsum([0, *(len(part.block) for part in parts)])
@@ -202,11 +205,6 @@ def placed_bolts(
         named,
         [kinds[bolt.kind] for bolt in bolts],
     )
-
-
-def _label(number: int, bolt: Bolt) -> str:
-    """Return how a message calls a bolt."""
-    return f"bolt {number} '{shortened(bolt.name)}'" if bolt.name else f"bolt {number}"
 
 
 def _with_springs(
@@ -256,44 +254,27 @@ def _refuse_early_rupture(kind: BoltKind, stiffness: float, rupture: float, wher
             )
 
 
-def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
-    """Return one spring between two points."""
-    block = ground.blocks_of_ends(label, line, bolt.blocks)
-    if block[0] == block[1]:
-        what = f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing"
-        remedy = "move one end across a joint, into another block"
-        raise ModelError(what, where=label, remedy=remedy)
-    return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
-
-
-def _grouted(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
-    """Return a spring for each joint that the bolt crosses, and its own ends beside them."""
-    free = bolt.free_length or 0.0
-    pieces = ground.pieces(line)
+def _anchored(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
+    """Return a bolt of one spring between two points, or of one for each joint that it crosses."""
+    if bolt.anchorage == "ends":
+        block = ground.blocks_of_ends(label, line, bolt.blocks)
+        if block[0] == block[1]:
+            what = f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing"
+            remedy = "move one end across a joint, into another block"
+            raise ModelError(what, where=label, remedy=remedy)
+        return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
+    free, pieces = bolt.free_length or 0.0, ground.pieces(line)
     joints_between(pieces, line, ground, label, free)
-    return _crossings(pieces, line, free)
-
-
-def _crossings(pieces: LinePieces, line: Floats, free: float) -> Anchored:
-    """Return the head, two points beside each joint, and the toe."""
-    length = float(np.hypot(*(line[1] - line[0])))
-    along = (line[1] - line[0]) / length
+    along = (line[1] - line[0]) / float(np.hypot(*(line[1] - line[0])))
     # what lies between two joints is shared by the springs of both
     room = np.diff(pieces.ends, axis=1)[:, 0]
     share = np.full(len(room), 0.5)
     share[[0, -1]] = 1.0
     reach = np.minimum(free, share * room)
-    block, at, ends = [int(pieces.block[0])], [line[0]], []
+    blocks, at, ends = [int(pieces.block[0])], [line[0]], []
     for k in range(len(room) - 1):
         before, after = pieces.ends[k, 1] - reach[k], pieces.ends[k + 1, 0] + reach[k + 1]
-        ends.append((len(block), len(block) + 1))
-        block += [int(pieces.block[k]), int(pieces.block[k + 1])]
+        ends.append((len(blocks), len(blocks) + 1))
+        blocks += [int(pieces.block[k]), int(pieces.block[k + 1])]
         at += [line[0] + before * along, line[0] + after * along]
-    return Anchored(block=[*block, int(pieces.block[-1])], at=[*at, line[1]], ends=ends)
-
-
-ANCHORAGES: dict[str, Callable[[str, Bolt, Floats, Ground], Anchored]] = {
-    "ends": _at_its_ends,
-    "grouted": _grouted,
-}
-"""Name of an anchorage -> the function that makes points and springs of a bolt."""
+    return Anchored(block=[*blocks, int(pieces.block[-1])], at=[*at, line[1]], ends=ends)

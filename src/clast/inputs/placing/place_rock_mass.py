@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,8 @@ from clast import spelling
 from clast.errors import CaseError, ModelError
 from clast.inputs.blocks import BlockTable
 from clast.inputs.builder import InputBuilder
-from clast.inputs.declaring.validation_messages import Fault
+from clast.inputs.declaring.text import asked_by
+from clast.inputs.declaring.validation_messages import Fault, Place
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.placing.plausibility import doubted_sets
 from clast.inputs.rock_mass import (
@@ -71,8 +71,7 @@ class RockMass:
 
     def faults(self) -> Iterator[Fault]:
         """Give the names of rocks and joints that the case does not have."""
-        named: list[tuple[tuple[str | int, ...], str | None]] = []
-        named += [(("domain", "rock"), self.domain.rock)]
+        named: list[tuple[Place, str | None]] = [(("domain", "rock"), self.domain.rock)]
         named += [(("region", k, "rock"), one.rock) for k, one in enumerate(self.regions)]
         for place, name in named:
             if name is not None and name not in self.rocks:
@@ -84,7 +83,7 @@ class RockMass:
             if name not in (None, DEFAULT, *self.joints):
                 yield unknown(str(name), self.joints, "joint", place)
 
-    def _named_joints(self) -> Iterator[tuple[tuple[str | int, ...], str | None]]:
+    def _named_joints(self) -> Iterator[tuple[Place, str | None]]:
         """Give the places where tables name a joint, with the names."""
         groups: dict[str, Sequence[Any]] = {
             "joint_set": self.joint_sets,
@@ -103,46 +102,46 @@ class RockMass:
         from clast import rockmass
 
         notes: list[str] = []
-        domain = self._domain(folder, notes)
+        table = self.domain
+        keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
+        domain = rockmass.Domain(
+            boundary=_outline(table.boundary, folder, "domain, boundary", notes),
+            rock=self.rocks[0] if table.rock is None else table.rock,
+            **{key: getattr(table, key) for key in keys},
+        )
+        bonds = {"running-bond": rockmass.RunningBond(), "stack-bond": rockmass.StackBond()}
         traces, places = self._traces(folder, notes)
         openings = self._openings(folder, notes)
-        with _named_as(places):
-            found = rockmass.cut(
+        try:
+            cut = rockmass.cut(
                 domain,
                 [one.build() for one in self.joint_sets],
                 traces,
                 openings,
                 self._regions(folder, notes),
-                seed=self.domain.seed,
-                patterns=self._patterns(),
+                seed=table.seed,
+                patterns=[
+                    rockmass.BlockPattern(**{**dict(one), "pattern": bonds[one.pattern]})
+                    for one in self.patterns
+                ],
             )
-        said = [_renamed(note, places) for note in found.report.notes]
-        sides = np.asarray(domain.outline().corners)
-        names = {one.joint for one in traces} | {name for _, name in self._named_joints()}
+        except ModelError as error:
+            where = _renamed(error.where, places)
+            raise ModelError(error.what, where=where, remedy=error.remedy) from None
+        joints = {one.joint for one in traces} | {name for _, name in self._named_joints()}
         return CutCase(
-            cut=found,
-            notes=(*notes, *said),
-            warnings=(*found.report.warnings, *doubted_sets(self.joint_sets)),
-            fixed=_fixed(found, sides, self.domain.fixed_sides),
-            line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
+            cut=cut,
+            notes=(*notes, *(_renamed(note, places) for note in cut.report.notes)),
+            warnings=(*cut.report.warnings, *doubted_sets(self.joint_sets)),
+            fixed=_fixed(cut, np.asarray(domain.outline().corners), table.fixed_sides),
+            line_joints=tuple(sorted(name for name in joints if name not in (None, DEFAULT))),
             outlines={one.name: one.outline().corners for one in openings},
-        )
-
-    def _domain(self, folder: Path, notes: list[str]) -> Any:
-        from clast.rockmass import Domain
-
-        table = self.domain
-        keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
-        return Domain(
-            boundary=_outline(table.boundary, folder, "domain, boundary", notes),
-            rock=self.rocks[0] if table.rock is None else table.rock,
-            **{key: getattr(table, key) for key in keys},
         )
 
     def _openings(self, folder: Path, notes: list[str]) -> list[Opening]:
         from clast import rockmass
 
-        found = []
+        openings = []
         for table in self.openings:
             if table.file is not None:
                 source = FileTable(file=table.file, layer=table.layer, unit=table.unit)
@@ -153,7 +152,7 @@ class RockMass:
                 values = {key: getattr(table, key) for key in (*needed, *allowed)}
                 given = {key: value for key, value in values.items() if value is not None}
                 shape = getattr(rockmass, kind)(**given)
-            found.append(
+            openings.append(
                 rockmass.Opening(
                     name=table.name,
                     shape=shape,
@@ -161,7 +160,7 @@ class RockMass:
                     construction_joint=table.construction_joint,
                 )
             )
-        return found
+        return openings
 
     def _regions(self, folder: Path, notes: list[str]) -> list[Region]:
         from clast.rockmass import Region
@@ -192,15 +191,6 @@ class RockMass:
                 traces.append(Trace(points=line.points, joint=joint, set=group))
                 places.append(place)
         return traces, places
-
-    def _patterns(self) -> list[Any]:
-        from clast import rockmass
-
-        bonds = {"running-bond": rockmass.RunningBond(), "stack-bond": rockmass.StackBond()}
-        return [
-            rockmass.BlockPattern(**{**dict(table), "pattern": bonds[table.pattern]})
-            for table in self.patterns
-        ]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -282,23 +272,13 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
         axis, outermost = SIDES[side]
         at = float(outermost(corners[:, axis]))
         on = np.abs(cut.vertices[:, axis] - at) <= ON * cut.report.tolerance
-        found = np.logical_or.reduceat(on, cut.block_start[:-1])
-        if not found.any():
+        here = np.logical_or.reduceat(on, cut.block_start[:-1])
+        if not here.any():
             what = f"no block is at the {side}"
             remedy = f"remove '{side}': there is an opening from the start"
             raise ModelError(what, where="domain, fixed_sides", remedy=remedy)
-        held |= found
+        held |= here
     return held
-
-
-@contextmanager
-def _asked_by(where: str) -> Iterator[None]:
-    """Name the table that asks for a file in the errors of its reader."""
-    try:
-        yield
-    except CaseError as error:
-        place = f"{where}: {error.where}" if error.where else where
-        raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
 def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
@@ -309,13 +289,13 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
     from clast.rockmass.drawings.dxf import DxfReading, outline_of_layer
 
     path, layer = folder / source.file, _layer(source, where)
-    with _asked_by(where):
+    with asked_by(where):
         if layer is None:
-            found, said = read_outline(path)
+            corners, said = read_outline(path)
         else:
-            found, said = outline_of_layer(path, layer, DxfReading(unit=source.unit))
+            corners, said = outline_of_layer(path, layer, DxfReading(unit=source.unit))
     notes += [f"{where}: {note}" for note in said]
-    return found
+    return corners
 
 
 def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:
@@ -324,7 +304,7 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
     from clast.rockmass.drawings.dxf import DxfReading, lines_of_layer
 
     path, layer = folder / str(table.file), _layer(table, where)
-    with _asked_by(where):
+    with asked_by(where):
         if layer is None:
             traces, said = read_traces(path)
         else:
@@ -357,22 +337,12 @@ def _layer(source: FileTable | TraceTable, where: str) -> str | None:
     return source.layer
 
 
-@contextmanager
-def _named_as(places: Sequence[str]) -> Iterator[None]:
-    """Name the table and the file of a trace in errors, in place of its number among all."""
-    try:
-        yield
-    except ModelError as error:
-        where = _renamed(error.where, places)
-        raise ModelError(error.what, where=where, remedy=error.remedy) from None
-
-
 def _renamed(text: str, places: Sequence[str]) -> str:
     """Return a text with traces called by their tables and files."""
 
-    def place(found: re.Match[str]) -> str:
-        number = int(found[1])
-        return places[number - 1] if 1 <= number <= len(places) else found[0]
+    def place(match: re.Match[str]) -> str:
+        number = int(match[1])
+        return places[number - 1] if 1 <= number <= len(places) else match[0]
 
     return re.sub(r"\btrace (\d+)", place, text)
 
@@ -393,10 +363,10 @@ def _findings(report: CutReport) -> Iterator[str]:
     from clast.rockmass.cut_report import place_text
 
     for key, what in DONE.items():
-        found: Finding = getattr(report, key)
-        if found.count:
-            amount = f"{found.length:.4g} m" if key == "dangling" else str(found.count)
-            first = [place_text(one, report.tolerance) for one in found.places[:1]]
+        finding: Finding = getattr(report, key)
+        if finding.count:
+            amount = f"{finding.length:.4g} m" if key == "dangling" else str(finding.count)
+            first = [place_text(one, report.tolerance) for one in finding.places[:1]]
             at = f", first at {first[0]}" if first else ""
             yield f"cut: {amount} {what}{at}"
     if report.short_edges:
