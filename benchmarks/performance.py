@@ -13,10 +13,10 @@ from benchmarks.tables import (
     WHOLE_HEADINGS,
     bench_cells,
     machine_text,
+    markdown_table,
     peer_cells,
     whole_cells,
 )
-from clast.studies.comparison_pages import markdown_table
 
 INTRODUCTION = """\
 # Performance

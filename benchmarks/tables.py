@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from clast.studies.comparison_pages import markdown_table
-
 Row = Mapping[str, Any]
 
 WHOLE_HEADINGS = (
@@ -70,6 +68,17 @@ STAGES = (
     "ledger",
 )
 """Stages in the order of a step; others follow."""
+
+
+def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a Markdown table: words to the left, numbers to the right."""
+    columns = zip(*rows, strict=True)
+    numbers = (all(text[:1] in "-0123456789" for text in column) for column in columns)
+    under = ["---:" if is_number else "---" for is_number in numbers]
+    return [
+        "| " + " | ".join(text.replace("|", "\\|") for text in line) + " |"
+        for line in (heads, under, *rows)
+    ]
 
 
 def printed(content: Row) -> str:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.paper.runs import PaperResult
+from benchmarks.tables import markdown_table
 from clast.model.model import Floats
 from clast.pictures.charts import Curve
-from clast.studies.comparison_pages import markdown_table
 
 PASSES = 6
 """Passes of the modified process where it repeats its solves."""

@@ -10,10 +10,10 @@ import numpy as np
 
 from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
 from benchmarks.paper.runs import EVERY_COMBINATION, PROCESSES, PaperResult, PaperResults, PaperRun
+from benchmarks.tables import markdown_table
 from clast.model.model import Floats
 from clast.pictures.charts import Chart, Curve, draw_charts, exact_curve
 from clast.studies.comparing import Combination
-from clast.studies.comparison_pages import markdown_table
 
 STIFFNESSES = (1e8, 1e9, 1e10)
 """Normal stiffnesses, N/m per m."""

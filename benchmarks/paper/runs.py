@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.case.case_file import Case
 from clast.run.preflight import examine
-from clast.studies.comparing import Combination, ComparedRun, row_of
+from clast.studies.comparing import Combination, ComparedRun, run_combination
 
 WORKERS = 2
 """Runs at a time."""
@@ -96,7 +96,7 @@ def run_job(job: PaperRun) -> PaperResult:
     case = Case.from_toml(job.file, job.settings)
     applied = job.combination.applied_to(case)
     model = applied.model()
-    row = row_of(case, job.combination)
+    row = run_combination(case, job.combination)
     return PaperResult(
         job=job,
         row=row,

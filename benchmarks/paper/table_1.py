@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.paper.page import Claim, StudySection, listed, percent, series_of
 from benchmarks.paper.runs import EVERY_COMBINATION, PaperResult, PaperResults, PaperRun
+from benchmarks.tables import markdown_table
 from clast.model.model import Floats
 from clast.pictures.charts import Chart, draw_charts, exact_curve
-from clast.studies.comparison_pages import markdown_table
 
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 """Friction angles of the table, degrees."""

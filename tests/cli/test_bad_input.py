@@ -62,18 +62,12 @@ TEXTS = {
         changed("young =", "youngs ="),
         ["[rock.granite] youngs", "no such key", "did you mean 'young'?"],
     ),
-    "unknown table": (INCLINE + "[outputs]\n", ["outputs", "did you mean 'output'?"]),
-    "key in the wrong table": (
-        changed("schema = 1", "schema = 1\ncritdis = 0.01"),
-        ["critdis", "belongs in the table method"],
-    ),
     "missing table": (changed("[time]", "[times]"), ["time", "did you mean 'time'?"]),
     "missing vertex": (
         changed("loop=[4,5,6]", "loop=[4,5,7]"),
         ["[geometry] blocks 2, loop 3", "no vertex 7", "from 1 to 6"],
     ),
     "vertex number 0": (changed("[4,5,6]", "[0,5,6]"), ["blocks 2, loop 1", "no vertex 0"]),
-    "too few vertices": (changed("[4,5,6]", "[4,5]"), ["block 2 'slider'", "at least 3"]),
     "self-crossing loop": (
         INCLINE + '[[block]]\nvertices=[[20,0],[21,1],[21,0],[20,1]]\nrock="granite"\n',
         ["block 3", "edge 1-2 meets edge 3-4", "(20.5, 0.5)"],
@@ -90,17 +84,8 @@ TEXTS = {
         changed(SLIDER, SLIDER.replace("[1,9]", "[1,8]")).replace("at = [1,9]", "at = [1,8]"),
         ["block 1 'incline'", "overlaps block 2 'slider'", "depth", "near"],
     ),
-    "nan": (changed("[4,9]]", "[4,nan]]"), ["[geometry] vertices 6, number 2", "finite"]),
     "inf": (changed("gravity = [0.0, -9.8]", "gravity = [0.0, -inf]"), ["gravity 2", "finite"]),
     "three coordinates": (changed("[4,9]]", "[4,9,0]]"), ["vertices 6", "3 items instead of 2"]),
-    "negative density": (changed("2700.0", "-2700.0"), ["[rock.granite] density", "above 0"]),
-    "negative modulus": (changed("50e9", "-50e9"), ["[rock.granite] young", "above 0"]),
-    "poisson too large": (changed("= 0.2", "= 0.7"), ["[rock.granite] poisson", "0.5 or less"]),
-    "poisson of one half in plane strain": (
-        changed("= 0.2", "= 0.5").replace('plane = "stress"', 'plane = "strain"'),
-        ["rock 'granite', poisson", "plane strain", "below 0.5"],
-    ),
-    "unknown plane": (changed('plane = "stress"', 'plane = "strian"'), ["plane", "mean 'strain'"]),
     "measured point outside every block": (
         changed('at = [1,9]\nblock = "slider"', "at = [9,9]"),
         ["measured point 'A' at (9, 9)", "outside every block", "nearest", "move it"],
@@ -109,45 +94,9 @@ TEXTS = {
         changed('at = [1,9]\nblock = "slider"', "at = [1,9]"),
         ["measured point 'A' at (1, 9)", "common boundary", 'block = "incline"'],
     ),
-    "unknown block": (changed('block = "slider"', 'block = "slyder"'), ["mean 'slider'"]),
-    "unknown rock": (changed('rock="granite"', 'rock="granit"'), ["mean 'granite'"]),
-    "unknown process": (
-        changed('"modified"', '"modifide"'),
-        ["[method] process", "mean 'modified'"],
-    ),
-    "unknown number of a process": (
-        changed("passes=1", "pass=1"),
-        ["process.pass", "mean 'passes'"],
-    ),
-    "passes of zero": (changed("passes=1", "passes=0"), ["[method] process.passes", "1 or more"]),
-    "negative stiffness": (
-        changed("shear_stiffness=1e9", "shear_stiffness=-1"),
-        ["[method] contact_law.shear_stiffness", "above 0"],
-    ),
-    "negative stiffness that may be auto": (
-        changed("normal_stiffness=1e9", "normal_stiffness=-1"),
-        ["[method] contact_law.normal_stiffness: must be above 0, not -1\n"],
-    ),
-    "stiffness that is neither a number nor auto": (
-        changed("normal_stiffness=1e9", 'normal_stiffness="soft"'),
-        ['must be a number or "auto", not "soft"'],
-    ),
-    "stiffness of nothing": (
-        changed("normal_stiffness=1e9", "normal_stiffness=1e-308"),
-        ["1e-308 N/m per m is too small to be intended", "at least"],
-    ),
-    "more steps than can be made": (
-        changed("end = 1.0", "end = 1e30"),
-        ["1e+33 steps", "2.8e+24 hours"],
-    ),
     "tolerance of nothing": (
         changed('name="modified", passes=1', 'name="convex", tolerance=1e-300'),
         ["[method] process.tolerance", "too small to be intended"],
-    ),
-    "passes without end": (changed("passes=1", "passes=1000000000"), ["passes", "1000 or less"]),
-    "coordinates without bounds": (
-        changed(SLIDER, SLIDER.replace(",9]]", ",9e150]]")),
-        ["[geometry] vertices 6, number 2", "9e+150 m is too large"],
     ),
     "blocks of no size": (
         changed(SLIDER, "vertices = [[0,0],[1e-149,0],[0,1e-149],[1,9],[4,6],[4,9]]"),
@@ -162,27 +111,12 @@ TEXTS = {
     "title as long as a book": (changed("Block on", "B" * 70_000), ["title", "70", "1000"]),
     "NUL in a block's name": (changed('"incline"', '"in\\u0000cline"'), ["block 1", "printed"]),
     "escape code in a block's name": (changed('"incline"', '"\\u001b[31m"'), ["block 1 ", "x1b"]),
-    "name of a block that is blank": (changed('"incline"', '" "'), ["block 1", "has no name"]),
-    "name of a rock that is blank": (changed("[rock.granite]", '[rock.""]'), ["rock 1", "no name"]),
     "name of ten thousand letters": (
         changed('name="incline"', f'name="{"x" * 10_000}"'),
         ["block 1 'xxx", "...", "200 characters"],
     ),
-    "measured point without a name": (INCLINE.replace('= "A"', '= ""'), ["has no name"]),
-    "measured point called ..": (INCLINE.replace('= "A"', '= ".."'), ["point '..'"]),
-    "measured point above": (
-        INCLINE.replace('= "A"', '= "../energy"'),
-        ["[[measured_point]] 1 '../energy' name", "without /"],
-    ),
     "measured point with a NUL": (INCLINE.replace('= "A"', '= "A\\u0000"'), ["measured point 1"]),
-    "rock that is a number": (
-        changed("[rock.granite]", "[rock]\ngranite = 7\n[rock.other]"),
-        ["[rock.granite]", "must be a table, not 7", "young, poisson, density"],
-    ),
-    "times in two brackets": (changed("[time]", "[[time]]"), ["write [time], in one bracket"]),
-    "block in one bracket": (INCLINE + "[block]\nname = 'x'\n", ["write [[block]], in two"]),
     "date for a number": (changed("50e9", "2020-01-01"), ["young", "must be a number, not datet"]),
-    "key without a name": (INCLINE + '"" = 3\n', ["[output] ''", "no such key"]),
     "key of many letters": (INCLINE + "x" * 9000 + " = 3\n", ["[output] xxx", "no such key"]),
     "line of many letters": (INCLINE + "'" + "x" * 9000 + "\n", ["is not TOML"]),
     "directory for a record": (INCLINE + RECORD.format("."), ["is a directory", "text file"]),
@@ -191,8 +125,6 @@ TEXTS = {
         [("not a valid file name")],
     ),
     "endless record": (INCLINE + RECORD.format("/dev/zero"), ["/dev/zero", "not a regular file"]),
-    "schema of the future": (changed("schema = 1", "schema = 2"), ["schema", "2 is not known"]),
-    "no blocks": (changed("[geometry]", "[geometry_]"), ["mean 'geometry'"]),
     "no TOML": (changed("[rock.granite]", "[rock.granite"), ["line 12", "is not TOML"]),
     "cut off": (INCLINE + "[[block]]\nvertices = [", ["is not TOML"]),
     "key twice": (changed("end = 1.0", "end = 1.0\nend = 2.0"), ["line 9", "is not TOML"]),
@@ -210,7 +142,7 @@ def test_bad_case(name, tmp_path):
         assert phrase in message
 
 
-@pytest.mark.parametrize("name", some_of(TEXTS, 12))
+@pytest.mark.parametrize("name", some_of(TEXTS, 5))
 def test_bad_case_of_a_command(name, tmp_path):
     text, phrases = TEXTS[name]
     message = refused(tmp_path, text)

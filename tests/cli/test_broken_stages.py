@@ -63,11 +63,7 @@ end = [0.5, -0.5]
 kind = "cable"
 """
 ASIDE = BOLT.replace("[0.5, 1.8]", "[0.5, 0.5]").replace("[0.5, -0.5]", "[1.5, 0.5]")
-PATTERN = (
-    BOLT + '[[bolt_pattern]]\nopening = "heading"\nlength = 0.4\nspacing = 0.3\nkind = "cable"\n'
-)
 SHAKES = '[ground_motion]\nacts = "body-force"\ntime = [0, 0.1, 0.2]\nacceleration = [0, 1, 0]\n'
-SWAPPED = ("instant 3", "is not after", "order the instants")
 
 
 def changed(text: str, old: str, new: str) -> str:
@@ -110,61 +106,16 @@ def stressed(keys: str) -> str:
     return f"{CASE}[in_situ]\n{keys}\n"
 
 
-def damped(keys: str) -> str:
-    return f"{CASE}[damping]\n{keys}\n"
-
-
-OVERBURDEN = 'vertical = "overburden"\nk0 = 0.5\n'
 DIG = 'excavate = ["heading"]\n'
 
 BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     # bolts
     "bolt into a void": (bolt("[0.5, -0.5]", "[5, 5]"), ("bolt 1 'B', end", "outside", "move it")),
-    "both ends in one": (bolt("-0.5", "1.2"), ("bolt 1 'B'", "block 3 'high'", "across a joint")),
-    "bolt of no length": (
-        bolt("-0.5", "1.8"),
-        ("[[bolt]] 1 'B'", "no length", "two different"),
-    ),
-    "kind unknown": (bolt('"cable"', '"cabel"'), ("bolt 1 'B', kind", "'cabel'", "'cable'?")),
     "no such key": (bolt("start", "strat"), ("[[bolt]] 1 'B' strat", "did you mean 'start'?")),
-    "bolt without a name": (bolt('"B"', '" "'), ("bolt 1 ' '", "has no name", "short name")),
     "bolt called NUL": (bolt('"B"', r'"a\u0000b"'), ("bolt 1 'a\\x00b'", "printed", "short name")),
-    "bolt at nan": (bolt("[0.5, 1.8]", "[nan, 1.8]"), ("'B' start 1", "finite", "Head [x, y]")),
-    "bolt far away": (bolt("[0.5, 1.8]", "[1e300, 1]"), ("'B' start 1", "too large", "Head")),
-    "bolt as a table": (CASE + BOLT.replace("[[bolt]]", "[bolt]"), ("[bolt]", "two brackets")),
-    "bolt of another block": (
-        bolt('"cable"\n', '"cable"\nblocks = ["low", "floor"]\n'),
-        ("bolt 1 'B', start", "does not lie on block 2 'low'", "name the block"),
-    ),
-    "a stage that is none": (
-        CASE + BOLT + 'stage = "frist"\n[[stage]]\nname = "first"\n',
-        ("[[bolt]] 1 'B' stage", "no stage 'frist'", "'first'?"),
-    ),
-    "a jack of nothing": (
-        CASE + BOLT + 'pretension_is = "jacked"\n',
-        ("bolt 1 'B', pretension_is", "no pretension", "leave pretension_is out"),
-    ),
-    "free at its ends": (CASE + BOLT + "free_length = 0.1\n", ("[[bolt]] 1 'B'", "leave it out")),
     "grouted without free": (CASE + BOLT + 'anchorage = "grouted"\n', ("'B'", "free_length =")),
-    "rupture before yield": (
-        kind("yield_force = 1e5\nrupture_elongation = 1e-3"),
-        ("bolt 1 'B', kind 'cable'", "breaks at an elongation of 0.001 m", "raise"),
-    ),
-    "rupture of 1e300": (kind("rupture_strain = 1e300"), ("rupture_strain", "too large")),
-    "area of a galaxy": (
-        bolt("stiffness = 2e7", "young = 2e11\narea = 1e60\nout_of_plane_spacing = 1.0"),
-        ("bolt 1 'B', kind 'cable', stiffness", "too large", "check young, area and length"),
-    ),
-    "no stiffness": (bolt("stiffness = 2e7", ""), ("[bolt_kind.cable]", "no stiffness", "give")),
-    "stiffness without end": (bolt("2e7", "inf"), ("[bolt_kind.cable] stiffness", "finite")),
-    "kind is a number": (
-        CASE + "[bolt_kind]\ncable = 7\n",
-        ("[bolt_kind.cable]", "keys stiffness"),
-    ),
     # openings
-    "opening without a name": (of('"heading"', '""'), ("opening ''", "has no name", "short name")),
     "opening called NUL": (of('"heading"', r'"\u0000"'), ("opening '\\x00'", "cannot be printed")),
-    "opening of no block": (of('["beside"]', "[]"), ("'heading' blocks", "empty list", "name the")),
     "opening with a shape": (
         of('blocks = ["beside"]', 'blocks = ["beside"]\nshape = "box"'),
         ("[[opening]] 1 'heading' shape", "an opening of blocks has no such key", "take it out"),
@@ -187,33 +138,16 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         stage('excavate = ["headng"]'),
         ("stage 'first', excavate", "no opening or block 'headng'", "'heading'?"),
     ),
-    "excavate a text": (stage('excavate = "heading"'), ("'first' excavate", "list in brackets")),
-    "relax nothing": (stage("relax = 0.3"), ("stage 'first', relax", "excavates nothing", "name")),
-    "relax at once": (
-        stage(DIG + "relax_time = 0.01"),
-        ("stage 'first', relax_time", "nothing left to release", "relax = 0.3"),
-    ),
-    "relax never": (
-        stage(DIG + "relax = 0.3"),
-        ("'first', relax_time", "0 s is too short a time", "above"),
-    ),
     "relax too long": (
         stage(DIG + "relax = 0.3\nrelax_time = 9\ntime = 5"),
         ("stage 'first', relax_time", "longer than the stage, 5 s", "raise time"),
     ),
-    "no time": (stage('until = "time"'), ("stage 'first', time", "is missing", "duration")),
-    "until when": (stage('until = "tiem"'), ("[[stage]] 1 'first' until", "'time'?")),
     "endless steps": (
         stage("time = 1e12\nstep = 1e-9"),
         ("stage 'first', time", "1e+21 steps of 1e-09 s", "raise its step"),
     ),
     "step above time": (stage("step = 1\ntime = 0.1"), ("stage 'first', step", "lower step")),
-    "hold a half": (stage("hold = 1.5"), ("[[stage]] 1 'first' hold", "whole number, not 1.5")),
     "an escape code": (stage("").replace('"first"', r'"\u001b[1m"'), ("stage 1", "be printed")),
-    "magic damping": (
-        stage('damping = "adaptve"'),
-        ("[[stage]] 1 'first' damping", "no damping 'adaptve'", "'adaptive'?"),
-    ),
     "install unknown": (
         stage('install = ["cabel"]', more=BOLT),
         ("stage 'first', install", "no bolt or kind of bolt 'cabel'", "'cable'?"),
@@ -226,37 +160,13 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         stage(DIG, 'install = ["B"]', more=ASIDE),
         ("stage 'second', install", "bolt 'B'", "block 'beside'", "in stage 'first'", "stay"),
     ),
-    "joint unknown": (
-        stage("joint = {beding = {cohesion = 1e3}}"),
-        ("stage 'first', joint", "no joint 'beding'", "'bedding'?"),
-    ),
-    "nothing of a joint": (
-        stage("joint = {bedding = {}}"),
-        ("[[stage]] 1 'first' joint.bedding", "changes nothing", "cohesion"),
-    ),
-    "strength below 0": (
-        stage("joint = {bedding = {cohesion = -1}}"),
-        ("[[stage]] 1 'first' joint.bedding.cohesion", "0 or more"),
-    ),
     "loads unknown": (stage('loads = ["pol"]'), ("stage 'first', loads", "'pol'", "'pool'?")),
     "loads twice": (stage('loads = ["pool", "pool"]'), ("stage 'first', loads", "name it once")),
-    "no motion": (stage("ground_motion = true"), ("'first', ground_motion", "[ground_motion]")),
     "idle motion": (
         stage("", more=SHAKES),
         ("ground_motion", "is used in no stage", "add ground_m"),
     ),
-    "stage as a table": (CASE + '[stage]\nname = "a"\n', ("[stage]", "write [[stage]]")),
-    "stage misspelt": (stage("excavat = []"), ("'first' excavat", "did you mean 'excavate'?")),
     # loads over time
-    "time falls": (
-        of("time = [0, 1]", "time = [1, 0]"),
-        ("[amplitude.rise] time", "order the inst"),
-    ),
-    "value of nan": (
-        of("value = [0, 1]", "value = [0, nan]"),
-        ("[amplitude.rise] value 2", "finite"),
-    ),
-    "pressure unnamed": (of('"pool"', '""'), ("pressure 1 ''", "has no name", "short name")),
     # water
     "density of a vacuum": (
         water("density = 0"),
@@ -266,30 +176,12 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         water("density = 9.81"),
         ("[[water]] 1 'lake' density", "kN/m3", "1000"),
     ),
-    "line goes back": (
-        water("", "line = [[0, 1], [2, 1], [1, 0]]"),
-        ("water 1, line", "x decreases at (1, 0)", "order the points by x"),
-    ),
-    "line of one point": (water("", "line = [[0, 1]]"), ("water 1, line", "give at least 2")),
-    "line of no file": (water("", 'line = {file = "no.csv"}'), ("[[water]], line", "check its")),
-    "below all": (water("", "level = -50"), ("water 1", "below all blocks, by 49 m", "height y")),
-    "water without a name": (water("").replace("lake", ""), ("water 1 ''", "has no name")),
     # dashpots
-    "edge inside": (
-        edge("{edges = [[[0, 1], [1, 1]]]}"),
-        ("viscous boundary 1, where", "borders on another block", "no block beyond"),
-    ),
-    "edge of a fixed block": (
-        edge('{side = "bottom"}'),
-        ("block 1 'floor'", "remove fixed = true"),
-    ),
     "a side of corners": (
         f"{CASE}[[block]]\nname = 'top'\nvertices = [[0, 4], [1, 3], [2, 4], [1, 5]]\n"
         '[[viscous_boundary]]\nwhere = {side = "top"}\n',
         ("viscous boundary 1, where", "only corners", "name the edges"),
     ),
-    "no edges": (edge("{edges = []}"), ("viscous boundary 1, where, edges", "empty list", "name")),
-    "begins before": (edge('{side = "top"}', "begins = -1"), ("1 begins", "0 or more", "Time")),
     "no edge for a wave": (
         shaken("time = [0, 1]\nacceleration = [0, 1]", "incoming"),
         ("ground_motion", "no viscous boundaries", "[[viscous_boundary]]"),
@@ -308,12 +200,8 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         shaken('file = "nan.csv"'),
         ("nan.csv: line 3", "not a line of an acc", "give"),
     ),
-    "record of nobody": (shaken('file = "no.csv"'), ("file, no.csv", "no such file", "name a")),
-    "acts how": (shaken("", "bodyforce"), ("[ground_motion] acts", "'body-force'?")),
     # stress and damping
     "no stress": (stressed(""), ("[in_situ]", "neither stress nor vertical", "give stress")),
-    "ratio of nothing": (damped('name = "adaptive"\nratio = 0'), ("[damping] ratio", "above 0")),
-    "damping misspelt": (of("schema = 1", 'schema = 1\ndamping = "kinetc"'), ("'kinetic'?",)),
 }
 
 
@@ -347,7 +235,7 @@ def test_what_cannot_be_meant_is_refused_in_words(
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("name", some_of(BROKEN, 12))
+@pytest.mark.parametrize("name", some_of(BROKEN, 5))
 def test_the_commands_say_so_and_write_nothing(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

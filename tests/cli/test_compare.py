@@ -19,7 +19,7 @@ def test_compare_prints_a_table_and_writes_pages(incline):
     for word in ("modified", "convex", "not reached", "reached its end", "closed form"):
         assert word in done.stdout
     folder = Path("build/compare-incline")
-    assert {path.suffix for path in folder.iterdir()} == {".md", ".html", ".json", ".png"}
+    assert {path.suffix for path in folder.iterdir()} == {".html", ".json", ".png"}
 
 
 def test_compare_for_a_program(incline):
@@ -33,8 +33,8 @@ def test_compare_for_a_program(incline):
 def test_a_stopped_run_is_no_error(incline):
     done = clast_command("compare", incline, *TWO, *SHORT, *STOPPING, "--quiet")
     assert (done.exit_code, done.stdout) == (0, ""), done.output
-    page = Path("build/compare-incline/comparison.md").read_text(encoding="utf-8")
-    assert page.count("| stopped at t = ") == 2
+    page = Path("build/compare-incline/comparison.html").read_text(encoding="utf-8")
+    assert page.count("<td>stopped at t = ") == 2
 
 
 def test_unknown_names_are_refused_before_anything_is_written(incline):

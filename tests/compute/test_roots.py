@@ -11,7 +11,7 @@ from numba.core import types
 
 from clast.compute.jit import kernel
 from clast.compute.roots import Root, listed, statements, text_of, types_of
-from clast.studies.warmup import shared_out
+from clast.studies.warmup import share_out
 
 ROOTS = [root for roots in listed().values() for root in roots]
 THERE = [root for root in ROOTS if root.is_there]
@@ -84,7 +84,7 @@ def own(x):
 
 def test_work_is_shared_out_the_largest_first_and_nothing_is_lost():
     gone = Root("clast.block.polygon", "no_such_kernel", "(int64, )")
-    jobs = shared_out([*ROOTS, gone], workers=4)
+    jobs = share_out([*ROOTS, gone], workers=4)
     assert sorted(root.name for job in jobs for root in job.roots) == sorted(
         root.name for root in THERE
     )

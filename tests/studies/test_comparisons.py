@@ -123,24 +123,17 @@ def test_a_run_that_stops_is_a_row():
 
 def test_pages(incline, tmp_path):
     paths = studies.write_comparison(incline, tmp_path / "new" / "pages")
-    assert [path.name for path in paths] == [
-        f"comparison.{end}" for end in ("md", "html", "json", "png")
-    ]
-    page, html, content = (path.read_text(encoding="utf-8") for path in paths[:3])
+    assert [path.name for path in paths] == [f"comparison.{end}" for end in ("html", "json", "png")]
+    page, content = (path.read_text(encoding="utf-8") for path in paths[:2])
     for row in incline.rows:
-        assert "| " + " | ".join(cells(incline, row)) + " |" in page
-    assert all(heading in html for heading in headings(incline))
-    embedded = re.search(r"base64,([^\"]+)\"", html)
+        assert "".join(f"<td>{text}" for text in cells(incline, row)) in page
+    assert all(heading in page for heading in headings(incline))
+    embedded = re.search(r"base64,([^\"]+)\"", page)
     assert embedded is not None
-    assert b64decode(embedded[1]) == paths[3].read_bytes()
-    assert "http" not in html
-    loaded = json.loads(content)
-    assert [row["process"] for row in loaded["rows"]] == [
-        "modified",
-        "modified",
-        "convex",
-        "convex",
-    ]
+    assert b64decode(embedded[1]) == paths[2].read_bytes()
+    assert "http" not in page
+    processes = [row["process"] for row in json.loads(content)["rows"]]
+    assert processes == ["modified", "modified", "convex", "convex"]
 
 
 @pytest.mark.parametrize(
@@ -183,7 +176,7 @@ def test_objects_beside_names(tmp_path):
     assert [row.stiffness for row in comparison.rows] == 4 * [1e9]
     assert "Convex, Renamed" in [str(row.combination) for row in comparison.rows]
     studies.write_comparison(comparison, tmp_path)
-    assert "| Convex | Renamed |" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
+    assert "<td>Convex<td>Renamed" in (tmp_path / "comparison.html").read_text(encoding="utf-8")
 
 
 def test_two_objects_of_a_class_are_told_apart():

@@ -28,7 +28,7 @@ from clast.cli.terminal import SIGNALLED, print_json, print_table, say, status, 
 from clast.cli.terminal_tables import print_comparison, print_run, sanity_table
 from clast.errors import CaseError, RunStopped, shortened
 from clast.run.interrupts import heard
-from clast.spelling import visible
+from clast.spelling import require_known, visible
 
 if TYPE_CHECKING:
     from clast.pictures.live.leader import LivePage
@@ -84,10 +84,6 @@ def _address(written: str) -> str:
             "give the address of this one in their network",
         )
     return f"{host}:{port}"
-
-
-LONGEST_FILE_NAME = 255
-"""Bytes of the longest name of a file."""
 
 
 def run(
@@ -230,15 +226,9 @@ def new(
     ] = "incline",
 ) -> None:
     """Write a case file from a template."""
-    from clast import spelling
     from clast.case.templates import TEMPLATES
 
-    if template not in TEMPLATES:
-        raise CaseError(
-            f"there is no template '{shortened(template)}'",
-            where="--template",
-            remedy=spelling.advice(template, TEMPLATES, kind="template"),
-        )
+    require_known(template, TEMPLATES, kind="template", where="--template")
     path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
     _check_new(name, path)
     path.write_text(TEMPLATES[template], encoding="utf-8")
@@ -257,7 +247,7 @@ def _check_new(name: str, path: Path) -> None:
             where=where,
             remedy="create it first, or choose a name without a folder",
         )
-    if len(os.fsencode(path.name)) > LONGEST_FILE_NAME:
+    if len(os.fsencode(path.name)) > 255:  # bytes, of most file systems
         raise CaseError("is too long a name", where=where, remedy="choose a shorter one")
     if path.exists() or path.is_symlink():
         raise CaseError("already exists", where=where, remedy="choose another name")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import atexit
 import gc
 import itertools
+import signal
 import warnings
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -23,16 +24,12 @@ from clast.cli import (
     rock_masses,
     study_commands,
 )
-from clast.cli.terminal import BAD_INPUT, STOPPED, interrupted_by, say
+from clast.cli.terminal import BAD_INPUT, SIGNALLED, STOPPED, say
 from clast.errors import ClastError, RunStopped, RunWarning, shortened
 from clast.spelling import visible
 
 USAGE_ERROR: Any = typer.BadParameter.__base__
 """The error that the parser of the command line raises."""
-LONGEST_USAGE = 200
-"""Most characters that are said of a command line that cannot be read."""
-COLLECT_AFTER = 20_000, 50, 100
-"""Objects more than before after which the collector looks, and how often it looks further."""
 
 
 class Commands(TyperGroup):
@@ -64,7 +61,7 @@ class Commands(TyperGroup):
             say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
         except USAGE_ERROR as error:
-            error.message = visible(shortened(error.message, LONGEST_USAGE))
+            error.message = visible(shortened(error.message, 200))
             raise
         except BrokenPipeError:
             raise
@@ -73,12 +70,11 @@ class Commands(TyperGroup):
             raise typer.Exit(BAD_INPUT) from None
         except (KeyboardInterrupt, SystemError) as error:
             # Python makes a SystemError of the key where numba is loading a kernel
-            if isinstance(error, SystemError) and not isinstance(
-                error.__cause__, KeyboardInterrupt
-            ):
+            key = error.__cause__ if isinstance(error, SystemError) else error
+            if not isinstance(key, KeyboardInterrupt):
                 raise
             say("interrupted")
-            raise typer.Exit(interrupted_by(error)) from None
+            raise typer.Exit(SIGNALLED + int(getattr(key, "number", signal.SIGINT))) from None
 
 
 app = typer.Typer(
@@ -133,16 +129,8 @@ app.add_typer(study_commands.app, name="study")
 
 def main() -> None:
     """Run the command line."""
-    _spare_the_collector()
-    app(prog_name="clast")
-
-
-def _spare_the_collector() -> None:
-    """Let the garbage collector look seldom, and not at all at the end.
-
-    It would go through all that has been loaded, which is not garbage, again and again: a tenth of
-    the time until the first step, and as long as a fifth of it when all is done.  Steps leave no
-    garbage.
-    """
-    gc.set_threshold(*COLLECT_AFTER)
+    # the collector would go through all that has been loaded, which is not garbage, again and
+    # again: a tenth of the time until the first step, and as long as a fifth of it at the end
+    gc.set_threshold(20_000, 50, 100)
     atexit.register(gc.freeze)
+    app(prog_name="clast")

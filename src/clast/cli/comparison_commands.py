@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from clast.cli.options import AsJson, Threads, make_folder, words
-from clast.cli.terminal import MISSED, compiling, print_json, print_table, status
+from clast.cli.terminal import MISSED, print_json, print_table, progress_bar, say, status
 from clast.cli.terminal_tables import verification_table
 from clast.errors import CaseError
 
@@ -49,7 +49,7 @@ def verify(
             choose=choose,
             watch=lambda problem, variant: say(f"{problem.title}: {variant.name}"),
         )
-    rows = [row for found in findings for row in found.rows]
+    rows = [row for one in findings for row in one.rows]
     if not rows:
         raise CaseError(
             "this selection contains no runs", remedy="leave out --quick, --process or --law"
@@ -61,9 +61,9 @@ def verify(
         print_json({"passed": not missed, "rows": [row.as_dict() for row in rows]})
     else:
         for problem in verification.problems(problems or ()):
-            own = [row for row in rows if row.problem == problem.name]
-            if own:
-                print_table(verification_table(problem.title, own))
+            compared = [row for row in rows if row.problem == problem.name]
+            if compared:
+                print_table(verification_table(problem.title, compared))
         for known in verification.fixed_failures(findings):
             typer.echo(f"no longer fails: {known.quantity}, {known.variant.name}: {known.reason}")
         typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
@@ -87,6 +87,8 @@ def warmup(
     from clast.studies.warmup import warm_up
 
     start = perf_counter()
-    with compiling() as watch:
-        warm_up(watch, workers=workers, of=("first",) if first else ("first", "others"))
+    say("compiling, once after installation, by all cores: a minute or two")
+    parts = ("first",) if first else ("first", "others")
+    with progress_bar("last") as show:
+        warm_up(lambda what, done, of: show(done, of, what), workers=workers, of=parts)
     typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")

@@ -72,19 +72,34 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Make a case from a drawing, blocks or another program's file."""
+    from clast.case.drawn_case import TO_BE_GIVEN
     from clast.rockmass.drawings.dxf import DxfReading
     from clast.rockmass.readers import BlockReading, Reading, has_blocks
 
     if blocks is not None:
         writer(blocks, BLOCK_WRITERS)
-    _check_target(output)
-    dxf = DxfReading(unit=_length(unit), tolerance=tolerance)
+    _check_new(output)
+    if output.suffix.casefold() != ".toml":
+        what, remedy = "is not a valid case file name", "use a name ending in .toml"
+        raise CaseError(what, where=str(output), remedy=remedy)
+    try:
+        length: str | float | None = float(unit)
+    except ValueError:
+        length = unit or None
+    dxf = DxfReading(unit=length, tolerance=tolerance)
     if taken_as == "blocks" or (taken_as is None and has_blocks(file)):
         target = blocks or output.with_name(f"{output.stem}-blocks.npz")
         _check_new(target)
         done = _blocks(file, BlockReading(dxf=dxf, near=tolerance), tolerance, (output, target))
     else:
-        _check_tolerance(file, tolerance)
+        if tolerance is not None and file.suffix.casefold() != ".dxf":
+            raise CaseError(
+                f"{file.name} is a drawing, and --tolerance is for outlines drawn as separate "
+                "lines",
+                where="--tolerance",
+                remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
+                "imported with --as blocks",
+            )
         reading = Reading(dxf=dxf, mass_unit=mass_unit)
         done = _drawing(file, analysis, reading, (output, blocks))
     if as_json:
@@ -95,7 +110,9 @@ def import_(
         tell(line)
     if blocks is not None or done.blocks is not None:
         tell(f"blocks: {done.blocks}")
-    tell(f"wrote {output}; next: {_next(done.text, output)}")
+    fill = f'fill in the values marked "{TO_BE_GIVEN}" there, then '
+    next_step = fill if f'"{TO_BE_GIVEN}"' in done.text.partition("[")[2] else ""
+    tell(f"wrote {output}; next: {next_step}clast check {output}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +120,6 @@ class Imported:
     """The result of importing a file."""
 
     text: str
-    """Text of the case."""
     taken: str
     """The imported parts."""
     lines: tuple[str, ...]
@@ -191,46 +207,9 @@ def _blocks(
     )
 
 
-def _next(text: str, output: Path) -> str:
-    """Return the next steps for a case that was imported."""
-    from clast.case.drawn_case import TO_BE_GIVEN
-
-    if f'"{TO_BE_GIVEN}"' in text.partition("[")[2]:
-        return f'fill in the values marked "{TO_BE_GIVEN}" there, then clast check {output}'
-    return f"clast check {output}"
-
-
-def _length(unit: str) -> str | float | None:
-    """Return a unit as its symbol or as a number of metres."""
-    try:
-        return float(unit)
-    except ValueError:
-        return unit or None
-
-
-def _check_target(path: Path) -> None:
-    """Refuse to write over a case, and into folders that are not there."""
-    _check_new(path)
-    if not path.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
-    if path.suffix.casefold() != ".toml":
-        raise CaseError(
-            "is not a valid case file name", where=str(path), remedy="use a name ending in .toml"
-        )
-
-
-def _check_tolerance(file: Path, tolerance: float | None) -> None:
-    """Refuse a tolerance for drawings in which nothing is put together by one."""
-    if tolerance is not None and file.suffix.casefold() != ".dxf":
-        raise CaseError(
-            f"{file.name} is a drawing, and --tolerance is for outlines drawn as separate lines",
-            where="--tolerance",
-            remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
-            "imported with --as blocks",
-        )
-
-
 def _check_new(path: Path) -> None:
-    """Refuse a file that is there already."""
+    """Refuse a file that is there already, or in a folder that is not."""
     if path.exists() or path.is_symlink():
         raise CaseError("already exists", where=str(path), remedy="choose another name")
+    if not path.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")

@@ -22,13 +22,11 @@ from clast.cli.options import (
     numbers,
     words,
 )
-from clast.cli.terminal import counting, print_json, print_table, tell, two_columns
+from clast.cli.terminal import print_json, print_table, progress_bar, tell, two_columns
 from clast.cli.terminal_tables import print_points, print_stages
 from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
-    from clast.model.stage_records import Event
-    from clast.pictures.plot import Look
     from clast.results import Results
 
 
@@ -43,27 +41,29 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         print_json(content)
         return
     first, last = content["time"]
-    warnings = results.report.warnings if results.report else ()
+    events, report = results.events, results.report
+    lines = [str(one) for one in events[:EVENTS_MAX]]
+    if len(events) > EVENTS_MAX:
+        lines.append(f"and {len(events) - EVENTS_MAX} more: clast info --json has all")
     rows = {
         "outcome": content["outcome"],
         "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
         "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
         "vertices": f"{content['vertices']}",
         "rocks": ", ".join(content["rocks"]),
-        **({"joints": ", ".join(content["joints"])} if content["joints"] else {}),
+        "joints": ", ".join(content["joints"]),
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
         **{
-            f"{kind} at the end": _states(content[kind])
+            f"{kind} at the end": ", ".join(f"{n} {state}" for state, n in content[kind].items())
             for kind in ("bolts", "links")
-            if content[kind]
         },
-        **{f"lining {name}": _lining(found) for name, found in content["linings"].items()},
-        **({"events": _first(results.events)} if results.events else {}),
+        **{f"lining {name}": _lining(one) for name, one in content["linings"].items()},
+        "events": "\n".join(lines),
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
-        **({"warnings": "\n".join(warnings)} if warnings else {}),
+        "warnings": "\n".join(report.warnings if report else ()),
         "version": content["version"],
         "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
     }
@@ -72,34 +72,22 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     print_points(content["measured_points"])
 
 
-def _states(counts: dict[str, int]) -> str:
-    """Return how many bolts or links are in which state, in words."""
-    return ", ".join(f"{count} {state}" for state, count in counts.items())
-
-
-def _lining(found: dict[str, float | None]) -> str:
+def _lining(extremes: dict[str, float | None]) -> str:
     """Return the extremes along a lining, in words."""
     parts = [
-        f"{letter} {found[f'least_{key}']:.4g} to {found[f'largest_{key}']:.4g} {unit}"
+        f"{letter} {extremes[f'least_{key}']:.4g} to {extremes[f'largest_{key}']:.4g} {unit}"
         for letter, key, unit in (
             ("N", "normal_force", "N/m"),
             ("Q", "shear_force", "N/m"),
             ("M", "moment", "N m/m"),
         )
     ]
-    used = found["utilisation"]
+    used = extremes["utilisation"]
     return ", ".join([*parts, *([] if used is None else [f"utilisation {used:.3g}"])])
 
 
-EVENTS = 8
-"""Events that are shown at most."""
-
-
-def _first(events: Sequence[Event]) -> str:
-    """Return the first events, a line each, and how many more there are."""
-    lines = [str(one) for one in events[:EVENTS]]
-    more = len(events) - EVENTS
-    return "\n".join([*lines, f"and {more} more: clast info --json has all"] if more > 0 else lines)
+EVENTS_MAX = 8
+"""Events that are shown, at most."""
 
 
 PictureFile = Annotated[
@@ -176,7 +164,15 @@ def plot(
     interaction: LiningName = "",
 ) -> None:
     """Draw a frame, or histories of points, bolts and supports."""
-    from clast.pictures.plot import Look, plot_results
+    from clast.pictures.histories import plot_histories
+    from clast.pictures.linings import plot_interaction
+    from clast.pictures.plot import (
+        Look,
+        plot_bolt_history,
+        plot_history,
+        plot_results,
+        plot_two_frames,
+    )
     from clast.results import read_results
 
     look = Look(
@@ -188,60 +184,38 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-    others = _other_pictures(look, field, against, lambda: frame_asked(results, frame, time, stage))
-    asked = {
-        "--point": point,
-        "--bolt": bolt,
-        "--history": history,
-        "--interaction": interaction,
-        "--compare-frames": compare_frames,
+
+    def number() -> int:
+        return frame_asked(results, frame, time, stage)
+
+    def draw_frame() -> object:
+        arrows = {"contacts": contacts, "reactions": reactions}
+        return plot_results(results, target, frame=number(), field=field, look=look, **arrows)
+
+    def draw_two_frames() -> object:
+        pair = _two_frames(compare_frames)
+        return plot_two_frames(results, target, pair, field=field, look=look)
+
+    others: dict[str, tuple[str, Callable[[], object]]] = {
+        "--point": (point, lambda: plot_history(results, target, point)),
+        "--bolt": (bolt, lambda: plot_bolt_history(results, target, bolt)),
+        "--history": (history, lambda: plot_histories(results, target, words(history), against)),
+        "--interaction": (
+            interaction,
+            lambda: plot_interaction(results, target, interaction, frame=number()),
+        ),
+        "--compare-frames": (compare_frames, draw_two_frames),
     }
-    given = [option for option, value in asked.items() if value]
+    given = [option for option, (value, _) in others.items() if value]
     if len(given) > 1:
         raise CaseError(
             "each of these is a separate picture",
             where=", ".join(given),
             remedy="give one at a time",
         )
-    for option in given:
-        others[option](results, target, asked[option])
-    if not given:
-        plot_results(
-            results,
-            target,
-            frame=frame_asked(results, frame, time, stage),
-            field=field,
-            contacts=contacts,
-            reactions=reactions,
-            look=look,
-        )
+    draw = others[given[0]][1] if given else draw_frame
+    draw()
     tell(f"picture: {target}")
-
-
-def _other_pictures(
-    look: Look, field: str, against: str, number: Callable[[], int]
-) -> dict[str, Callable[[Results, Path, str], object]]:
-    """Return the pictures other than that of a frame, by their options; each takes its value.
-
-    ``number`` finds the frame of an interaction curve.
-    """
-    from clast.pictures.histories import plot_histories
-    from clast.pictures.linings import plot_interaction
-    from clast.pictures.plot import plot_bolt_history, plot_history, plot_two_frames
-
-    return {
-        "--point": plot_history,
-        "--bolt": plot_bolt_history,
-        "--history": lambda results, target, names: plot_histories(
-            results, target, words(names), against
-        ),
-        "--interaction": lambda results, target, name: plot_interaction(
-            results, target, name, frame=number()
-        ),
-        "--compare-frames": lambda results, target, pair: plot_two_frames(
-            results, target, _two_frames(pair), field=field, look=look
-        ),
-    }
 
 
 def _two_frames(pair: str) -> tuple[int, int]:
@@ -249,11 +223,8 @@ def _two_frames(pair: str) -> tuple[int, int]:
     first, second = numbers("--compare-frames", pair, 2)
     for number in (first, second):
         if number != int(number):
-            raise CaseError(
-                f"{number:g} is not a frame number",
-                where="--compare-frames",
-                remedy="give two whole numbers, e.g. 0,-1",
-            )
+            what, remedy = f"{number:g} is not a frame number", "give two whole numbers, e.g. 0,-1"
+            raise CaseError(what, where="--compare-frames", remedy=remedy)
     return int(first), int(second)
 
 
@@ -292,20 +263,14 @@ def report(
     tell(f"report: {target}; a browser prints it or saves it as PDF")
 
 
-SIZES = {"": 1.0, "B": 1.0, "KB": 1e3, "MB": 1e6, "GB": 1e9}
-"""Units of a size -> bytes."""
-
-
 def _bytes(option: str, written: str) -> float:
     """Return a size such as 12MB in bytes."""
-    found = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", written.upper())
-    if found is None or found[2] not in SIZES or float(found[1]) <= 0.0:
-        raise CaseError(
-            f"'{shortened(written)}' is not a valid size",
-            where=option,
-            remedy="write e.g. 12MB or 500kB",
-        )
-    return float(found[1]) * SIZES[found[2]]
+    units = {"": 1.0, "B": 1.0, "KB": 1e3, "MB": 1e6, "GB": 1e9}
+    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", written.upper())
+    if match is None or match[2] not in units or float(match[1]) <= 0.0:
+        what = f"'{shortened(written)}' is not a valid size"
+        raise CaseError(what, where=option, remedy="write e.g. 12MB or 500kB")
+    return float(match[1]) * units[match[2]]
 
 
 def film(
@@ -347,13 +312,11 @@ def film(
     pace = FilmSpeed(fps=fps, speed=speed)
     target = output or file.with_suffix(".mp4")
     results = read_results(file)
-    with counting("drawing") as watch:
-        write_film(results, target, stage=stage, look=look, speed=pace, watch=watch)
+    with progress_bar("drawing") as show:
+        write_film(
+            results, target, stage=stage, look=look, speed=pace, watch=lambda k, of: show(k, of, "")
+        )
     tell(f"film: {target} ({target.stat().st_size / 1e6:.3g} MB)")
-
-
-Frames = Sequence[int] | None
-"""Numbers of frames; None for all."""
 
 
 def export(
@@ -382,31 +345,35 @@ def export(
     ] = "",
 ) -> None:
     """Write frames and histories for other programs."""
+    from clast import exports
     from clast.results import read_results
 
-    write, one_ending, several_ending, default = FORMS[to]
     named = any(one is not None for one in (frame, time, stage))
     if named and every:
-        raise CaseError(
-            "a frame and --all are both given", where="--all", remedy="leave one of them out"
-        )
+        what = "a frame and --all are both given"
+        raise CaseError(what, where="--all", remedy="leave one of them out")
     if tables and to != "csv":
-        raise CaseError(
-            f"{to} has no tables", where="--tables", remedy="leave it out: --to csv has"
-        )
+        what = f"{to} has no tables"
+        raise CaseError(what, where="--tables", remedy="leave it out: --to csv has")
     results = read_results(file)
-    frames = None if every else default
+    frames: Sequence[int] | None = None if every or to != "dxf" else (-1,)
     if named:
         frames = [frame_asked(results, frame, time, stage)]
     count = len(results.times) if frames is None else len(frames)
-    ending = one_ending if count == 1 else several_ending
-    written = write(
-        results, output or file.with_name(f"{file.stem}{ending}"), frames, words(tables)
-    )
+    endings = {"csv": "-tables", "vtu": ".vtu" if count == 1 else ".pvd", "dxf": ".dxf"}
+    target = output or file.with_name(f"{file.stem}{endings[to]}")
+    if to == "csv":
+        written = _write_csv(results, target, frames, words(tables))
+    else:
+        write = exports.write_vtu if to == "vtu" else exports.write_dxf
+        written = write(results, target, frames)
     tell(f"wrote {written[0]}" + (f" and {len(written) - 1} more" if len(written) > 1 else ""))
 
 
-def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) -> list[Path]:
+def _write_csv(
+    results: Results, path: Path, frames: Sequence[int] | None, tables: Sequence[str]
+) -> list[Path]:
+    """Write tables; say which of them are left out."""
     from clast.exports import TABLES, write_csv
 
     written = write_csv(results, path, frames, tables or None)
@@ -420,29 +387,7 @@ def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) ->
         "stages": results.frame_stages,
         "events": results.events,
     }
-    missing -= {name for name, found in present.items() if not found}
+    missing -= {name for name, entries in present.items() if not entries}
     if missing:
         tell(f"left out, nothing is recorded of: {', '.join(sorted(missing))}")
     return written
-
-
-def _vtu(results: Results, path: Path, frames: Frames, _: Sequence[str]) -> list[Path]:
-    from clast.exports import write_vtu
-
-    return write_vtu(results, path, frames)
-
-
-def _dxf(results: Results, path: Path, frames: Frames, _: Sequence[str]) -> list[Path]:
-    from clast.exports import write_dxf
-
-    return write_dxf(results, path, frames)
-
-
-FORMS: dict[
-    str, tuple[Callable[[Results, Path, Frames, Sequence[str]], list[Path]], str, str, Frames]
-] = {
-    "csv": (_csv, "-tables", "-tables", None),
-    "vtu": (_vtu, ".vtu", ".pvd", None),
-    "dxf": (_dxf, ".dxf", ".dxf", (-1,)),
-}
-"""Name of a form -> its writer, the endings of names for one frame and several, default frames."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Arrays = Mapping[str, Any]
 """vertices, block_start, rock and edge_joint, as the writers of files take them."""
-Found = TypeVar("Found")
+Blocks = TypeVar("Blocks")
 
 
 def _write_blocks(path: Path, blocks: Arrays) -> None:
@@ -39,11 +39,11 @@ BLOCK_WRITERS = dict.fromkeys((".dxf", ".csv", ".npz"), _write_blocks)
 
 
 def writer(
-    path: Path, writers: Mapping[str, Callable[[Path, Found], None]]
-) -> Callable[[Path, Found], None]:
+    path: Path, writers: Mapping[str, Callable[[Path, Blocks], None]]
+) -> Callable[[Path, Blocks], None]:
     """Return the writer for a file with that name; CaseError where there is none."""
-    found = writers.get(path.suffix.casefold())
-    if found is None:
+    write = writers.get(path.suffix.casefold())
+    if write is None:
         ending = shortened(path.suffix) or "nothing"
         raise CaseError(
             f"ends in {ending}, which is not a known format",
@@ -52,7 +52,7 @@ def writer(
         )
     if not path.absolute().parent.is_dir():
         raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
-    return found
+    return write
 
 
 def cut(
@@ -79,18 +79,18 @@ def cut(
     write = None if output is None else writer(output, writers)
     with status() as show:
         show("cutting")
-        found = Case.from_toml(case, settings or ()).cut()
+        result = Case.from_toml(case, settings or ()).cut()
     if write is not None and output is not None:
-        write(output, found)
+        write(output, result)
     if as_json:
-        print_json({**cut_content(found), "output": None if output is None else str(output)})
+        print_json({**cut_content(result), "output": None if output is None else str(output)})
         return
-    print_table(cut_table(found, case.stem))
-    if found.cut.report.sets:
-        print_table(sets_table(found))
-    for note in found.notes:
+    print_table(cut_table(result, case.stem))
+    if result.cut.report.sets:
+        print_table(sets_table(result))
+    for note in result.notes:
         tell(f"note: {note}")
-    warn(found.warnings)
+    warn(result.warnings)
     if output is not None:
         tell(f"wrote {output}")
 
@@ -100,12 +100,12 @@ def cut(
 Writer = Callable[[Path, "CutCase"], None]
 
 
-def _write_cut(path: Path, found: CutCase) -> None:
+def _write_cut(path: Path, result: CutCase) -> None:
     arrays = {
-        "vertices": found.cut.vertices,
-        "block_start": found.cut.block_start,
-        "rock": found.rocks,
-        "edge_joint": found.edge_joints,
+        "vertices": result.cut.vertices,
+        "block_start": result.cut.block_start,
+        "rock": result.rocks,
+        "edge_joint": result.edge_joints,
     }
     _write_blocks(path, arrays)
 
@@ -117,14 +117,14 @@ WRITERS: dict[str, Writer] = dict.fromkeys(BLOCK_WRITERS, _write_cut)
 def pictures(by: Literal["set", "rock"], title: str) -> dict[str, Writer]:
     """Return who draws a cut: ending of a file's name -> function."""
 
-    def picture(path: Path, found: CutCase) -> None:
+    def picture(path: Path, result: CutCase) -> None:
         from clast.pictures.rock_mass import plot_cut
 
-        plot_cut(found.cut, path, by=by, title=title)
+        plot_cut(result.cut, path, by=by, title=title)
 
-    def report(path: Path, found: CutCase) -> None:
+    def report(path: Path, result: CutCase) -> None:
         from clast.pictures.rock_mass import write_cut_report
 
-        write_cut_report(found.cut, path, title=title)
+        write_cut_report(result.cut, path, title=title)
 
     return {".png": picture, ".svg": picture, ".pdf": picture, ".html": report}

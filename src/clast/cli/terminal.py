@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import signal
 import sys
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,21 +16,11 @@ from clast.spelling import visible, without_long_words
 if TYPE_CHECKING:
     from rich.table import Table
 
-LONGEST_WORD = 20
-"""Letters of a word of a table that stay together."""
 PIPE_WIDTH = 100
 """Width of tables where there is no terminal, characters."""
-
-
 MISSED, BAD_INPUT, STOPPED, SIGNALLED = 1, 2, 3, 128
 """Exit codes: a verification failed, bad input, a run that could not go on (its partial results are
 kept), and what systems add to the number of the signal that ended a program: 130 for the key."""
-
-
-def interrupted_by(error: BaseException) -> int:
-    """Return the exit code of a program that a signal, SIGINT if no other, has ended."""
-    key = error.__cause__ if isinstance(error, SystemError) else error
-    return SIGNALLED + int(getattr(key, "number", signal.SIGINT))
 
 
 def table_of(
@@ -65,7 +54,7 @@ def table_of(
         table.add_column(
             heading,
             justify="left" if is_words else "right",
-            min_width=min(least, LONGEST_WORD) if is_words else least,
+            min_width=min(least, 20) if is_words else least,
             overflow="fold",
         )
     for row in rows:
@@ -74,8 +63,8 @@ def table_of(
 
 
 def two_columns(title: str, rows: Mapping[str, str]) -> Table:
-    """Return names and texts as a table of two columns without headings."""
-    return table_of(title, (), rows.items())
+    """Return names and texts as a table without headings; names without a text are left out."""
+    return table_of(title, (), [row for row in rows.items() if row[1]])
 
 
 def print_table(table: Table) -> None:
@@ -126,60 +115,33 @@ def status() -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
-def compiling() -> Iterator[Callable[[str, float], None]]:
-    """Yield a function that shows the progress of compilation: a bar and its time.
-
-    Where there is no terminal, a line that names the kernel that is compiled.
-    """
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        say("compiling, once after installation, by all cores: a minute or two")
-        yield lambda _text, _share: None
-        return
-    columns = BarColumn(bar_width=24), TextColumn("{task.percentage:>3.0f}%"), TimeElapsedColumn()
-    with Progress(
-        *columns, TextColumn("{task.description}"), console=console, transient=True
-    ) as bar:
-        task = bar.add_task("compiling, once after installation", total=1.0)
-
-        def show(what: str, share: float) -> None:
-            text = f"compiling, once after installation; last {what}"
-            bar.update(task, completed=share, description=text)
-
-        yield show
-
-
-@contextmanager
-def counting(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Give a function that shows how many of how many are done, and the time that is left.
+def progress_bar(what: str) -> Iterator[Callable[[int, int, str], None]]:
+    """Yield a function that shows how many of how many are done, and a text behind it.
 
     Where there is no terminal it shows nothing.
     """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
     from rich.progress import TimeRemainingColumn as Left
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda _done, _of: None
+        yield lambda _done, _of, _text: None
         return
-    columns = TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn()
-    with Progress(*columns, Left(), TextColumn("left"), console=console, transient=True) as bar:
+    percent, left = TextColumn("{task.percentage:>3.0f}%"), TextColumn("left; {task.description}")
+    columns = BarColumn(bar_width=24), percent, TimeElapsedColumn(), Left(), left
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(what, total=None)
-        yield lambda done, of: bar.update(task, completed=done, total=of)
+
+        def show(done: int, of: int, text: str = "") -> None:
+            bar.update(task, completed=done, total=of, description=f"{what} {text}")
+
+        yield show
 
 
 def print_json(content: Any) -> None:
     """Print JSON; numbers that JSON does not know become null."""
-    typer.echo(json_text(content))
-
-
-def json_text(content: Any) -> str:
-    """Return content as JSON; numbers that JSON does not know become null."""
-    return visible(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+    typer.echo(visible(json.dumps(_plain(content), indent=2, ensure_ascii=False)))
 
 
 def _plain(value: Any) -> Any:

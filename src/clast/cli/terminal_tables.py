@@ -13,26 +13,17 @@ if TYPE_CHECKING:
     from clast.inputs.placing.place_rock_mass import CutCase
     from clast.model.stage_records import StageRecord
     from clast.model.state import Ledger
-    from clast.model.surroundings import Repair
-    from clast.results import Report, Run
+    from clast.results import Run
     from clast.rockmass.cut_report import Finding, Sizes
     from clast.run.preflight import CaseSummary
     from clast.studies import ComparedMethods, Deviation
     from clast.verification import Row
 
-COMPARED_IN_TABLE = 3
+COMPARED_PER_TABLE = 3
 """Combinations of process and law in a table."""
 STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
 BROUGHT = ("loads", "water", "motions")
-LOST = (
-    "friction",
-    "impacts",
-    "yielding",
-    "damping",
-    "boundary",
-    "removed",
-    "numerical",
-)
+LOST = ("friction", "impacts", "yielding", "damping", "boundary", "removed", "numerical")
 """Entries of the energy ledger that lines of the report show."""
 
 
@@ -40,41 +31,40 @@ def print_run(
     run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool, verbose: bool
 ) -> None:
     """Print how a run ended and how far it is from its references, as tables or JSON."""
-    points = {name: _last_of(run, name) for name in run.model.measured_points.name}
+    points = {}
+    for name in run.model.measured_points.name:
+        history = run.history(name)
+        points[name] = {
+            "displacement": history.displacement[-1].tolist(),
+            "velocity": history.velocity[-1].tolist(),
+            "rotation": float(history.rotation[-1]),
+        }
+    report = run.report
     if as_json:
         content = {"title": run.model.title, "output": str(run.output), "time": run.state.time}
         known = {"measured_points": points, "references": [one.as_dict() for one in deviations]}
-        print_json({**content, **run.report.as_dict(), **known})
-    elif not quiet:
-        report = run.report
-        wall = f"; {report.wall_seconds:.3g} s of wall time"
-        rows = {
-            "outcome": report.outcome,
-            "simulated time": f"{run.state.time:.6g} s in {report.steps} steps{wall}",
-            **_notes_rows(report.notes),
-        }
-        print_table(two_columns(run.model.title, rows))
-        print_stages(run.stages)
-        print_points(points)
-        for one in deviations:
-            source = f" ({one.source})" if one.source else ""
-            tell(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
-        if verbose:
-            print_table(statistics_table(run))
-        tell(f"results: {run.output}")
-
-
-def _last_of(run: Run, name: str) -> dict[str, Any]:
-    """Return where a measured point is at the end of a run."""
-    history = run.history(name)
-    return {
-        "displacement": history.displacement[-1].tolist(),
-        "velocity": history.velocity[-1].tolist(),
-        "rotation": float(history.rotation[-1]),
+        print_json({**content, **report.as_dict(), **known})
+        return
+    if quiet:
+        return
+    wall = f"; {report.wall_seconds:.3g} s of wall time"
+    rows = {
+        "outcome": report.outcome,
+        "simulated time": f"{run.state.time:.6g} s in {report.steps} steps{wall}",
+        "chosen by clast": "\n".join(report.notes),
     }
+    print_table(two_columns(run.model.title, rows))
+    print_stages(run.stages)
+    print_points(points)
+    for one in deviations:
+        source = f" ({one.source})" if one.source else ""
+        tell(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
+    if verbose:
+        print_table(_statistics_table(run))
+    tell(f"results: {run.output}")
 
 
-def statistics_table(run: Run) -> Table:
+def _statistics_table(run: Run) -> Table:
     """Return steps, energies and times of the solver, as a table."""
     report, ledger = run.report, run.report.ledger
     sizes = run.step_sizes
@@ -82,17 +72,24 @@ def statistics_table(run: Run) -> Table:
     compiling = stages.pop("compilation", 0.0)
     speed = run.state.time / report.wall_seconds if report.wall_seconds > 0.0 else 0.0
     times = ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages.items())
+    count = max(1, report.steps)
+    counts = [f"{report.steps}, {report.cut_steps} cut"]
+    for name, number in {"passes": report.passes, **report.counts}.items():
+        # the number per step where it is not a whole one
+        share = f" ({number / count:.3g} a step)" if number % count else ""
+        counts.append(f"{number} {COUNTED.get(name, name)}{share}")
+    lost = _entries_text(ledger, LOST)
     rows = {
         "speed": f"{speed:.3g} s per s of wall time",
-        "steps": f"{report.steps}, {report.cut_steps} cut; {_counts_text(report)}",
+        "steps": "; ".join([counts[0], ", ".join(counts[1:])]),
         "step size": f"{sizes.min():.3g} to {sizes.max():.3g} s" if len(sizes) else "",
         "contacts": f"at most {report.largest_contacts}",
         "penetration": f"at most {report.largest_penetration:.3g} m",
         "energy": _entries_text(ledger, STORED),
-        **({"brought in": _entries_text(ledger, BROUGHT)} if ledger.brought else {}),
-        "dissipated": _entries_text(ledger, LOST) + f", unaccounted {ledger.unaccounted:.2g} J/m",
+        "brought in": _entries_text(ledger, BROUGHT) if ledger.brought else "",
+        "dissipated": f"{lost}, unaccounted {ledger.unaccounted:.2g} J/m",
         "wall time": f"{report.wall_seconds:.3g} s: {times}",
-        **({"compilation": f"{compiling:.3g} s, once; not in the wall time"} if compiling else {}),
+        "compilation": f"{compiling:.3g} s, once; not in the wall time" if compiling else "",
     }
     return two_columns("solver", rows)
 
@@ -107,32 +104,12 @@ def _entries_text(ledger: Ledger, names: Sequence[str]) -> str:
     return ", ".join(texts) + " J/m"
 
 
-def _counts_text(report: Report) -> str:
-    """Return the counts of the process, with the number per step where it is not a whole one."""
-    steps = max(1, report.steps)
-    texts = []
-    for name, number in {"passes": report.passes, **report.counts}.items():
-        share = f" ({number / steps:.3g} a step)" if number % steps else ""
-        texts.append(f"{number} {COUNTED.get(name, name)}{share}")
-    return ", ".join(texts)
-
-
 COUNTED = {
     "line_search": "steps of the line search",
     "interior": "minimisations by the interior point method",
     "local": "iterations of few blocks by themselves",
 }
 """Names of the counts of the report."""
-
-
-def _notes_rows(notes: Sequence[str]) -> dict[str, str]:
-    """Return the choices that clast made by itself as a row of a table, or none."""
-    return {"chosen by clast": "\n".join(notes)} if notes else {}
-
-
-def repair_rows(repairs: Sequence[Repair]) -> dict[str, str]:
-    """Return the repairs of blocks as a row of a table, or none."""
-    return {"repairs": "\n".join(map(str, repairs))} if repairs else {}
 
 
 def print_points(points: dict[str, dict[str, Any]]) -> None:
@@ -183,13 +160,13 @@ def sanity_table(sanity: CaseSummary) -> Table:
         "contacts at the start": f"{sanity.contacts} in {sanity.touching_pairs} pairs",
         "unsupported blocks": f"{len(sanity.unsupported)} {f'({names})' if names else ''}".strip(),
         "steps": f"{sanity.steps}",
-        **({"stages": ", ".join(sanity.stages)} if sanity.stages else {}),
+        "stages": ", ".join(sanity.stages),
         "max_displacement": f"{sanity.max_displacement:.4g} m",
         "critdis": f"{sanity.critdis:.4g} m",
         "p h2/m": f"{sanity.stability_number:.4g} "
         f"(without passes at most {sanity.stability_limit:g})",
-        **repair_rows(sanity.repairs),
-        **_notes_rows(sanity.notes),
+        "repairs": "\n".join(map(str, sanity.repairs)),
+        "chosen by clast": "\n".join(sanity.notes),
     }
     return two_columns(sanity.title, rows)
 
@@ -216,8 +193,8 @@ def print_comparison(comparison: ComparedMethods) -> None:
 
     heads = headings(comparison)
     columns = [cells(comparison, row) for row in comparison.rows]
-    for first in range(0, len(columns), COMPARED_IN_TABLE):
-        some = columns[first : first + COMPARED_IN_TABLE]
+    for first in range(0, len(columns), COMPARED_PER_TABLE):
+        some = columns[first : first + COMPARED_PER_TABLE]
         rows = zip(heads[2:], *(column[2:] for column in some), strict=True)
         names = [" ".join(column[:2]) for column in some]
         print_table(table_of("" if first else comparison.title, ("", *names), rows))
@@ -240,23 +217,23 @@ FINDINGS = {
 """Finding of the report -> its name in the table."""
 
 
-def cut_content(found: CutCase) -> dict[str, Any]:
+def cut_content(result: CutCase) -> dict[str, Any]:
     """Return the report of a cut for JSON."""
     return {
-        **found.cut.report.as_dict(),
-        "fixed_blocks": int(found.fixed.sum()),
-        "rocks": {name: found.rocks.count(name) for name in found.cut.rock_names},
-        "notes": list(found.notes),
-        "warnings": list(found.warnings),
+        **result.cut.report.as_dict(),
+        "fixed_blocks": int(result.fixed.sum()),
+        "rocks": {name: result.rocks.count(name) for name in result.cut.rock_names},
+        "notes": list(result.notes),
+        "warnings": list(result.warnings),
     }
 
 
-def cut_table(found: CutCase, title: str) -> Table:
+def cut_table(result: CutCase, title: str) -> Table:
     """Return the number of blocks, and changes to lines and blocks with their first places."""
-    report = found.cut.report
+    report = result.cut.report
     rows = {
-        "blocks": f"{report.blocks} ({int(found.fixed.sum())} fixed)",
-        "rocks": ", ".join(f"{name} {found.rocks.count(name)}" for name in found.cut.rock_names),
+        "blocks": f"{report.blocks} ({int(result.fixed.sum())} fixed)",
+        "rocks": ", ".join(f"{name} {result.rocks.count(name)}" for name in result.cut.rock_names),
         "area": f"{report.area:.6g} m2, of the domain {report.domain_area:.6g} m2: "
         f"relative error {abs(report.area_error):.1e}",
         "areas of blocks": _sizes(report.block_area, "m2"),
@@ -291,13 +268,7 @@ def _finding(finding: Finding, tolerance: float) -> str:
     return f"{text}: {places}" if places else text
 
 
-HEADINGS = (
-    *("set", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m", "persistence", "asked"),
-    "became edges",
-)
-
-
-def sets_table(found: CutCase) -> Table:
+def sets_table(result: CutCase) -> Table:
     """Return the statistics of each joint set."""
     rows = [
         (
@@ -306,6 +277,7 @@ def sets_table(found: CutCase) -> Table:
             *(f"{one.p10:.4g}", f"{one.persistence:.3g}", f"{one.persistence_asked:.3g}"),
             f"{100.0 * one.kept:.3g} %",
         )
-        for one in found.cut.report.sets
+        for one in result.cut.report.sets
     ]
-    return table_of("joint sets", HEADINGS, rows)
+    lines = ("set", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m", "persistence", "asked")
+    return table_of("joint sets", (*lines, "became edges"), rows)

@@ -10,7 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from clast import spelling
+import numpy as np
+
 from clast.case.case_file import Case
 from clast.errors import CaseError, RunStopped
 from clast.inputs.declaring.alternatives import Chosen, GivenObject
@@ -18,7 +19,7 @@ from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
 from clast.results.frames import absent_in_frame
-from clast.studies.references import Deviation, Vector, deviations
+from clast.spelling import require_known
 
 if TYPE_CHECKING:
     from clast.run.schedule import Progress
@@ -30,14 +31,86 @@ SHARED = ("normal_stiffness", "shear_stiffness")
 """Numbers of a contact law that describe the joint; they hold for every law compared."""
 
 
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """How far a measured point is from where a reference has it."""
+
+    point: str
+    time: float
+    """Time of the reference, s."""
+    reference: Vector
+    """Displacement (u, v) of the reference, m."""
+    computed: Vector | None
+    """Displacement (u, v) of the run at that time, m; None where the run ended before."""
+    source: str
+
+    @property
+    def distance(self) -> float | None:
+        """Distance between computed and reference, m."""
+        if self.computed is None:
+            return None
+        return float(np.hypot(*np.subtract(self.computed, self.reference)))
+
+    @property
+    def relative(self) -> float | None:
+        """Distance over the length of the reference, -; None for a reference of zero."""
+        length = float(np.hypot(*self.reference))
+        if self.distance is None or length == 0.0:
+            return None
+        return self.distance / length
+
+    def as_text(self) -> str:
+        """Return the error in words: in % of the reference, or in m where that is zero."""
+        if self.distance is None:
+            return "not reached"
+        if self.relative is None:
+            return f"{self.distance:.3g} m"
+        return f"{100.0 * self.relative:.3g} %"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the deviation as plain numbers and texts, ready for JSON."""
+        computed = None if self.computed is None else list(self.computed)
+        return {
+            "point": self.point,
+            "time": self.time,
+            "reference": list(self.reference),
+            "computed": computed,
+            "distance": self.distance,
+            "relative": self.relative,
+            "source": self.source,
+        }
+
+
+def deviations(case: Case, run: Run) -> tuple[Deviation, ...]:
+    """Return how far a run of a case is from each of its references, linear between steps."""
+    listed = []
+    for one in case.reference:
+        time, history = one.time or case.time.end, run.history(one.point)
+        computed = None
+        if history.time[-1] >= time * (1.0 - 1e-9):
+            u, v = (float(np.interp(time, history.time, each)) for each in history.displacement.T)
+            computed = u, v
+        listed.append(
+            Deviation(
+                point=one.point,
+                time=time,
+                reference=one.displacement,
+                computed=computed,
+                source=one.source,
+            )
+        )
+    return tuple(listed)
+
+
 @dataclass(frozen=True)
 class Combination:
     """A process and a contact law, by their names in case files or as objects of a script."""
 
     process: str
-    """Process of a step."""
     law: str
-    """Contact law."""
     process_object: Any = None
     """The process itself, where it is an object; ``process`` is its name in tables."""
     law_object: Any = None
@@ -69,9 +142,7 @@ class ComparedRun:
     """The result of one combination; n blocks, nv vertices."""
 
     combination: Combination
-    """Process and law."""
     report: Report
-    """How the run went."""
     time: float
     """When the run ended, s."""
     displacement: dict[str, Vector]
@@ -144,11 +215,9 @@ class ComparedMethods:
     name: str
     """Name of the case: its file without the ending."""
     title: str
-    """Title of the case."""
     end: float
     """Time at which a run reaches its end, s."""
     rows: tuple[ComparedRun, ...]
-    """The result of each combination."""
     start: Floats = field(repr=False)
     """Vertices at the start, m, shape (nv, 2)."""
     block_start: Ints = field(repr=False)
@@ -203,14 +272,16 @@ def compare(
         name=case.name,
         title=case.title or case.name,
         end=case.time.end,
-        rows=tuple(row_of(case, combination, watch) for combination in wanted),
+        rows=tuple(run_combination(case, combination, watch) for combination in wanted),
         start=model.vertices + model.origin,
         block_start=model.block_start,
         fixed=model.fixed,
     )
 
 
-def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> ComparedRun:
+def run_combination(
+    case: Case, combination: Combination, watch: Watch | None = None
+) -> ComparedRun:
     """Run a case with one combination; interrupting it interrupts the comparison."""
     applied = combination.applied_to(case)
 
@@ -225,10 +296,6 @@ def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> 
     else:
         if not run.report.finished:
             raise KeyboardInterrupt
-    return _row(applied, combination, run)
-
-
-def _row(case: Case, combination: Combination, run: Run) -> ComparedRun:
     names = run.model.measured_points.name
     ends = {name: run.history(name).displacement[-1] for name in names}
     return ComparedRun(
@@ -236,12 +303,12 @@ def _row(case: Case, combination: Combination, run: Run) -> ComparedRun:
         report=replace(run.report, seconds=dict(run.report.seconds)),
         time=run.state.time,
         displacement={name: (float(u), float(v)) for name, (u, v) in ends.items()},
-        deviations=deviations(case, run),
+        deviations=deviations(applied, run),
         vertices=run.final.vertices,
         absent=absent_in_frame(run, len(run.times) - 1),
         penetration=max(0.0, -float(run.state.memory.gap.min(initial=0.0))),
         normal_force=float(run.state.memory.normal_force.sum()),
-        stiffness=float(case.method(run.model).contact_law.normal_stiffness),
+        stiffness=float(applied.method(run.model).contact_law.normal_stiffness),
     )
 
 
@@ -262,10 +329,8 @@ def _names_of(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[st
     if isinstance(given, str):
         raise CaseError(f"'{given}' is not a list", remedy=f'give one: ["{given}"]')
     for name in given:
-        if isinstance(name, str) and name not in known:
-            raise CaseError(
-                f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind)
-            )
+        if isinstance(name, str):
+            require_known(name, known, kind=kind)
     classes = [one if isinstance(one, str) else type(one).__name__ for one in given]
     alike = {name for name in classes if classes.count(name) > 1}
     called = [

@@ -1,4 +1,4 @@
-"""A comparison as a table of texts, and as files: Markdown, HTML with its picture, JSON, PNG."""
+"""A comparison as a table of texts, and as files: a page with its picture, JSON, PNG."""
 
 from __future__ import annotations
 
@@ -10,40 +10,33 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
 from clast.studies.comparing import ComparedMethods, ComparedRun
 
-PAGE = "comparison"
-"""Name of the files, without their endings."""
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:75rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;font-size:13px}td,th{border:1px solid #ccc;padding:3px 9px;"
     "text-align:right}td:nth-child(-n+2),td:last-child,th:nth-child(-n+2),th:last-child{text-align:left}"
     "img{max-width:100%}.stopped{background:#f6c7b6}"
 )
-
-
 POINT_COLUMNS_MAX = 4
 """Measured points that get a column of their own, at most; JSON has all."""
 
 
 def write_comparison(comparison: ComparedMethods, directory: Path) -> list[Path]:
-    """Write comparison.md, .html, .json and .png into a directory; return their paths."""
+    """Write comparison.html, .json and .png into a directory; return their paths."""
     directory.mkdir(parents=True, exist_ok=True)
-    picture = draw(comparison, directory / f"{PAGE}.png")
+    page, table, picture = (directory / f"comparison.{end}" for end in ("html", "json", "png"))
+    draw(comparison, picture)
+    page.write_text(html(comparison, picture.read_bytes()), encoding="utf-8")
     content = json.dumps(finite(comparison.as_dict()), indent=2, ensure_ascii=False)
-    texts = {
-        ".md": markdown(comparison, picture.name),
-        ".html": html(comparison, picture.read_bytes()),
-        ".json": content + "\n",
-    }
-    for suffix, text in texts.items():
-        (directory / f"{PAGE}{suffix}").write_text(text, encoding="utf-8")
-    return [*(directory / f"{PAGE}{suffix}" for suffix in texts), picture]
+    table.write_text(f"{content}\n", encoding="utf-8")
+    return [page, table, picture]
 
 
 def draw(comparison: ComparedMethods, path: Path) -> Path:
     """Draw the end states, processes side by side and laws below each other."""
+    from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
+
     processes = list(dict.fromkeys(row.combination.process for row in comparison.rows))
     laws = [row.combination.law for row in comparison.rows]
     rows = sorted(comparison.rows, key=lambda row: laws.index(row.combination.law))
@@ -66,26 +59,6 @@ def draw(comparison: ComparedMethods, path: Path) -> Path:
         columns=len(processes),
     )
     return draw_side_by_side(scene, path)
-
-
-def markdown(comparison: ComparedMethods, picture: str) -> str:
-    """Return the comparison as a Markdown page; ``picture`` is the picture's address."""
-    lines = [f"# {comparison.title}", ""]
-    lines += markdown_table(headings(comparison), [cells(comparison, r) for r in comparison.rows])
-    lines += ["", *(f"- {text}" for text in remarks(comparison))]
-    lines += ["", f"![End states side by side]({picture})"]
-    return "\n".join(lines) + "\n"
-
-
-def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of a Markdown table: words to the left, numbers to the right."""
-    columns = zip(*rows, strict=True)
-    numbers = (all(text[:1] in "-0123456789" for text in column) for column in columns)
-    under = ["---:" if is_number else "---" for is_number in numbers]
-    return [
-        "| " + " | ".join(text.replace("|", "\\|") for text in line) + " |"
-        for line in (heads, under, *rows)
-    ]
 
 
 def html(comparison: ComparedMethods, picture: bytes) -> str:

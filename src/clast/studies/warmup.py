@@ -25,12 +25,12 @@ from multiprocessing import get_context
 from clast.compute.jit import PACKAGE
 from clast.compute.roots import Root, TypingError, listed, statements
 
-Watch = Callable[[str, float], None]
-"""Called with the kernel that has been compiled last, and the share of all that is done, 0 to 1."""
+Watch = Callable[[str, int, int], None]
+"""Called with the kernel that has been compiled last, and how many statements of how many are."""
 
 
 def warm_up(
-    watch: Watch = lambda _text, _share: None,
+    watch: Watch = lambda _text, _done, _of: None,
     *,
     workers: int | None = None,
     of: Sequence[str] = ("first", "others"),
@@ -42,23 +42,20 @@ def warm_up(
     """
     compileall.compile_dir(PACKAGE, quiet=2)  # where it may not write there is no bytecode
     roots = listed()
-    jobs = shared_out([root for part in of for root in roots[part]], workers or cores())
-    whole, over = sum(job.weight for job in jobs), 0
+    try:
+        cores = len(os.sched_getaffinity(0))
+    except AttributeError:  # not everywhere
+        cores = os.cpu_count() or 1
+    jobs = share_out([root for part in of for root in roots[part]], workers or cores)
+    whole, done = sum(job.weight for job in jobs), 0
     # a forked process would have the threads of this one, but not their locks
-    with ProcessPoolExecutor(workers or cores(), mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(workers or cores, mp_context=get_context("spawn")) as pool:
         going_on = {pool.submit(job.compile): job for job in jobs}
         for ended in as_completed(going_on):
             ended.result()
-            over += going_on[ended].weight
-            watch(going_on[ended].title, over / whole)
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not everywhere
-        return os.cpu_count() or 1
+            done += going_on[ended].weight
+            module = going_on[ended].roots[0].module
+            watch(module.removeprefix("clast.").replace(".", "/"), done, whole)
 
 
 @dataclass(frozen=True)
@@ -66,27 +63,17 @@ class CompileJob:
     """Kernels that one process compiles."""
 
     roots: tuple[Root, ...]
-    """The kernels."""
     weight: int
     """Statements that are compiled."""
 
-    @property
-    def title(self) -> str:
-        """Their purpose."""
-        return self.roots[0].module.removeprefix("clast.").replace(".", "/")
-
     def compile(self) -> None:
-        """Compile them, or find them on disk.
-
-        One that the list has wrong, after a change of its arguments, is compiled when it is
-        first needed.
-        """
+        """Compile them; one that the list has wrong is compiled when it is first needed."""
         for root in self.roots:
             with suppress(LookupError, TypeError, TypingError):
                 root.compile()
 
 
-def shared_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
+def share_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
     """Return the groups of kernels that are compiled together, the largest first.
 
     A file that has more than half of the work of a process is taken apart.
@@ -95,10 +82,10 @@ def shared_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
     files: dict[str, list[tuple[Root, int]]] = defaultdict(list)
     for root, weight in zip(known, statements(*(one.kernel() for one in known)), strict=True):
         files[root.module].append((root, weight))
-    fair = sum(weight for own in files.values() for _, weight in own) / (2 * workers)
+    fair = sum(weight for file in files.values() for _, weight in file) / (2 * workers)
     jobs = []
-    for own in files.values():
-        whole = sum(weight for _, weight in own)
-        parts = [[one] for one in own] if whole > fair else [own]
+    for file in files.values():
+        whole = sum(weight for _, weight in file)
+        parts = [[one] for one in file] if whole > fair else [file]
         jobs += [CompileJob(tuple(r for r, _ in part), sum(w for _, w in part)) for part in parts]
     return sorted(jobs, key=lambda job: -job.weight)
