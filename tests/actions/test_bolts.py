@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.bolts import Bolting, BoltStates
+from clast.actions.bolts import (
+    Bolting,
+    BoltStates,
+    lengths,
+    ruptured,
+    stretched,
+    taken_up,
+)
+from scenes.ledgers import assert_closed
 
 STIFFNESS = 2e6  # N/m per m
 MASS = 2500.0
@@ -41,17 +49,6 @@ def states_of(run: clast.Run) -> BoltStates:
 def height(run: clast.Run) -> float:
     """How far the box has moved up, m."""
     return float(run.final.vertices[4:, 1].mean())
-
-
-def assert_closed(run: clast.Run, share: float = 1e-6) -> None:
-    """The ledger explains all but a share of the energy that went through it."""
-    energy = run.energy
-    stored = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts")
-    lost = ("friction", "impacts", "yielding", "removed", "numerical")
-    total = sum(energy[name] for name in stored + lost) - energy["loads"]
-    turned_over = max(np.abs(energy[name]).max() for name in stored + lost + ("loads",))
-    assert np.abs(total - total[0]).max() < share * turned_over
-    assert np.abs(energy["unaccounted"]).max() < share * turned_over
 
 
 def law(name: str, stiffness: float) -> dict[str, Any]:
@@ -209,8 +206,6 @@ def test_installed_after_settling_it_carries_nothing():
     own = states_of(before)
     assert np.isnan(own.rest).all() and own.force[0] == 0.0
     points = before.state.points[waiting.point_slices.bolts]
-    from clast.actions.bolts import lengths, stretched, taken_up
-
     length = lengths(model, points)
     begun = taken_up(model, own, length)
     assert stretched(model.bolts, begun, length, 0.0).force[0] == 0.0
@@ -222,8 +217,6 @@ def test_installed_after_settling_it_carries_nothing():
 def test_a_jacked_bolt_goes_on_from_its_force_when_locked():
     """Locked at any length it has T0 there, and s more by metre from then on."""
     model = with_bolt(hung(pretension=3e4), pretension_is="jacked").build()
-    from clast.actions.bolts import stretched, taken_up
-
     bolts, own = model.bolts, Bolting().begin(model)
     own = stretched(bolts, taken_up(model, own, np.array([1.0])), np.array([0.9]), 0.1)
     assert own.force[0] == 3e4 and not own.locked[0]
@@ -280,3 +273,53 @@ def test_a_cable_bears_no_compression_a_bar_does(process: str, stiffness: float)
         expected = 0.5 * 2e4 / MASS * 0.02**2 if way is None else way
         assert height(run) == pytest.approx(expected, rel=1e-4)  # the first step holds the cable
         assert_closed(run)
+
+
+# --- the force by the length: elastic, yielding, unloading, broken
+
+STRENGTH, PRETENSION = 3e4, 5e3
+
+
+def bar(**kind: Any) -> Any:
+    """Return the model of the box on a bar that yields."""
+    given = {"yield_force": STRENGTH, "pretension": PRETENSION, **kind}
+    return with_bolt(hung(**given)).build()
+
+
+def forces(model: Any, *stretches: float) -> list[float]:
+    """Return the forces, N/m, of the bolt at one stretch, m, after the other."""
+    own = Bolting().begin(model)
+    found = []
+    for stretch in stretches:
+        own = stretched(model.bolts, own, np.array([1.0 + stretch]), 0.0)
+        own = ruptured(model.bolts, own, 0.0)
+        found.append(float(own.force[0]))
+    return found
+
+
+def test_it_is_elastic_below_its_yield_force():
+    expected = [PRETENSION + STIFFNESS * x for x in (0.0, 0.005, 0.01, 0.002)]
+    assert forces(bar(), 0.0, 0.005, 0.01, 0.002) == pytest.approx(expected)
+
+
+def test_it_yields_and_unloads_along_the_elastic_line():
+    """Yields at 0.0125 m; stretched to 0.02 m it keeps 0.0075 m."""
+    found = forces(bar(), 0.01, 0.02, 0.015, 0.02, 0.025, 0.02)
+    lasting = 0.0075
+    expected = [
+        PRETENSION + STIFFNESS * 0.01,
+        STRENGTH,
+        PRETENSION + STIFFNESS * (0.015 - lasting),
+        STRENGTH,
+        STRENGTH,
+        PRETENSION + STIFFNESS * (0.02 - lasting - 0.005),
+    ]
+    assert found == pytest.approx(expected)
+
+
+def test_it_goes_slack_and_bears_again():
+    assert forces(bar(), -0.01, 0.0) == pytest.approx([0.0, PRETENSION])
+
+
+def test_broken_it_bears_nothing_for_good():
+    assert forces(bar(rupture_elongation=0.03), 0.02, 0.05, 0.0)[1:] == [0.0, 0.0]

@@ -7,8 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import clast
+from clast.actions.in_situ import tractions
 from clast.actions.loads import pressure_forces
 from clast.model.model import Floats
+from scenes.ledgers import assert_closed
 
 WAYS = [
     (process, law)
@@ -35,16 +37,6 @@ def turned_square(angle: float) -> list[tuple[float, float]]:
 
 def run_of(builder: clast.ModelBuilder, way: tuple[str, str], **keys: float) -> clast.Run:
     return clast.simulate(builder, process=way[0], contact_law=way[1], **keys)
-
-
-def assert_closed(run: clast.Run) -> None:
-    """All energy is explained."""
-    energy = run.energy
-    turned_over = max(np.abs(energy["kinetic"]).max(), np.abs(energy["loads"]).max())
-    assert np.abs(energy["unaccounted"]).max() < 1e-6 * turned_over
-    total = sum(energy[k] for k in ("kinetic", "elastic", "contact", "fixed_points", "numerical"))
-    total = total + energy["gravity"] + energy["friction"] + energy["impacts"] - energy["loads"]
-    assert np.abs(total - total[0]).max() < 1e-6 * turned_over
 
 
 def by_quadrature(ends: Floats, pressure: Floats) -> Floats:
@@ -205,3 +197,15 @@ def test_a_line_that_leaves_the_edges_is_noted():
     (note,) = builder.build().notes
     assert "pressure 1 is 4 m long" in note
     assert "only 1 m" in note
+
+
+def test_tractions_in_situ_are_stress_times_normal():
+    """Those of Cauchy: sigma n."""
+    random = np.random.default_rng(3)
+    stress = random.normal(size=(20, 3))
+    angle = random.uniform(0.0, 2.0 * np.pi, 20)
+    normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    exact = [
+        np.array([[xx, xy], [xy, yy]]) @ n for (xx, yy, xy), n in zip(stress, normal, strict=True)
+    ]
+    np.testing.assert_allclose(tractions(stress, normal), exact, rtol=1e-14)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -13,6 +11,7 @@ from clast.actions.viscous_edges import BoundaryDashpots
 from clast.block.inertia import block_frames
 from clast.errors import ModelError
 from clast.model.state import initial_state
+from scenes.ledgers import assert_closed
 
 WAYS = [
     (process, law)
@@ -36,13 +35,6 @@ def column(builder: clast.ModelBuilder, count: int = 2) -> clast.ModelBuilder:
         corners = [(0, k), (2, k), (2, k + 1), (0, k + 1)]
         builder.block(name=f"b{k}", vertices=corners)
     return builder
-
-
-def assert_closed(run: clast.Run) -> None:
-    """All energy is explained."""
-    energy = run.energy
-    turned_over = sum(np.abs(energy[key]).max() for key in ("kinetic", "gravity", "boundary"))
-    assert np.abs(energy["unaccounted"]).max() <= 1e-6 * turned_over
 
 
 @pytest.mark.parametrize(
@@ -155,36 +147,6 @@ def two_columns() -> clast.ModelBuilder:
     for x in (0.0, 1.0):
         builder.block(name=f"at {x:g}", vertices=[(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)])
     return builder
-
-
-REFUSED: dict[str, tuple[Callable[[clast.ModelBuilder], None], str]] = {
-    "nowhere": (lambda b: b.viscous_boundary(), "by nothing"),
-    "twice": (lambda b: b.viscous_boundary(side="left", edges=[]), "edges and side"),
-    "no side": (lambda b: b.viscous_boundary(side="below"), "'below' is not known here"),
-    "within": (
-        lambda b: b.viscous_boundary(edges=[((1, 0), (1, 1))]),
-        "borders on another block",
-    ),
-    "no edge": (lambda b: b.viscous_boundary(edges=[((5, 0), (6, 0))]), "no edge lies on"),
-    "no length": (lambda b: b.viscous_boundary(edges=[((0, 0), (0, 0))]), "no length"),
-    "empty polygon": (
-        lambda b: b.viscous_boundary(polygon=[(0.9, 0.1), (1.1, 0.1), (1.1, 0.9), (0.9, 0.9)]),
-        "no edge on the outline",
-    ),
-    "crossed polygon": (
-        lambda b: b.viscous_boundary(polygon=[(0, 0), (1, 1), (1, 0), (0, 1)]),
-        "crosses itself",
-    ),
-    "negative": (lambda b: b.viscous_boundary(side="left", normal=-1.0), "must be 0 or more"),
-    "free": (lambda b: b.viscous_boundary(side="left", normal=0, tangential=0), "free edge"),
-    "static": (lambda b: b.viscous_boundary(side="left", static="held"), "'held'"),
-    "two of one": (
-        lambda b: (
-            (b.viscous_boundary(side="left"), b.viscous_boundary(edges=[((0, 1), (0, 0))])) and None
-        ),
-        "is an edge of viscous boundary 1, too",
-    ),
-}
 
 
 def test_fixed_blocks_and_corners_have_no_viscous_edges():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from clast.contact.corner_rules import Bisector, EntranceLines
 from clast.errors import StepRejected
 from clast.step.convex import Convex
 from clast.step.modified import Modified
@@ -13,12 +14,11 @@ from scenes.systems import (
     voussoirs,
 )
 
-NOISE = (0.0, 1e-9, 1e-6)
 
-
-@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("rule", [Bisector(), EntranceLines()], ids=["bisector", "shi"])
+@pytest.mark.parametrize("noise", (0.0, 1e-9, 1e-6))
 @pytest.mark.parametrize("name", SYSTEMS)
-def test_every_joint_is_held_at_both_ends(name, noise):
+def test_every_joint_is_held_at_both_ends(name, noise, rule):
     """Whatever round-off or settling does to the corners, up to a micrometre either way."""
     outlines = SYSTEMS[name]
     faces = list(faces_in_common(outlines))
@@ -29,7 +29,7 @@ def test_every_joint_is_held_at_both_ends(name, noise):
             one + rng.uniform(-noise, noise, one.shape) + rng.uniform(-noise, noise, 2)
             for one in outlines
         ]
-        touches = touches_of(moved)
+        touches = touches_of(moved, rule=rule)
         for i, j, *ends in faces:
             for end in ends:
                 assert held(moved, i, j, end, touches)

@@ -107,12 +107,6 @@ def test_vertex_slides_across_a_flat_corner(angle, depth):
             assert found == [2 if x > 1.0 else 3]
 
 
-def test_exactly_on_a_flat_corner_one_edge_is_taken_whatever_is_remembered():
-    for edge in (2, 3):
-        outlines = [kinked(0.0), needle([1.0, 1.0 - 1e-6], [0.0, 1.0])]
-        assert len(edges_of_tip(outlines, memory=remembering(edge))) == 1
-
-
 @pytest.mark.parametrize("depth", [1e-6, 1e-3])
 def test_vertex_slides_round_a_convex_corner(depth):
     """Along the inside of the corner there is one contact at every place; the edge changes once."""

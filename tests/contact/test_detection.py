@@ -212,78 +212,62 @@ def closed_between(outlines, block, other):
     }
 
 
+NOTCH = [[0, 0], [4, 0], [4, 2], [3, 2], [2, 1], [1, 2], [0, 2]]
+STEP = [[0, 0], [3, 0], [3, 2], [2, 2], [2, 1], [0, 1]]
+STAIR = [[0, 0], [3, 0], [3, 1.002], [1.5, 1.002], [1.5, 1.0], [0, 1.0]]
+FORK = [[0, 0], [1, 0], [1, 0.008], [0.2, 0.008], [0.2, 0.016], [1, 0.016], [1, 0.024], [0, 0.024]]
+HEXAGON = [[-1, -1], [1, -1], [1, 0], [0.5, 0.866], [-0.5, 0.866], [-1, 0]]
+DIAGONAL = -1e-4 * np.sqrt(0.5)
+HAND = {
+    "a tip at the bottom of a notch rests on both walls: both feet lie beyond the edges' ends": (
+        (NOTCH, [[2, 1 - 1e-4], [2.5, 2.5], [1.5, 2.5]]),
+        {(0, 3): DIAGONAL, (0, 4): DIAGONAL},
+    ),
+    "so does a corner in a right-angled notch": (
+        (STEP, box(1.0 + 1e-6, 1.0 - 2e-6)),
+        {(0, 4): -2e-6, (1, 4): -2e-6, (1, 3): -1e-6, (2, 3): -1e-6},
+    ),
+    "a vertex on a tread is not held by the tread below: that needs the riser too": (
+        (STAIR, [[1.51, 1.002 - 3e-3], [1.6, 1.5], [1.4, 1.5]]),
+        {(0, 2): -3e-3},
+    ),
+    "a flat vertex in the top of a brick does not rest on the top of the next one": (
+        (box(1.0, 0.0), [[0, -1e-4], [1, -1e-4], [1, 0.9999], [0.997, 0.9999], [0, 0.9999]]),
+        {},
+    ),
+    "a flat vertex rests on a face": (
+        (box(0.2, 0.0, 0.6), [[0, 0.9999], [0.5, 0.9999], [1, 0.9999], [1, 2], [0, 2]]),
+        {(1, 2): -1e-4},
+    ),
+    "a prong of a fork does not reach through its slot": (
+        (FORK, [[0.5, 0.0085], [0.9, 0.0095], [0.9, 0.012]]),
+        {},
+    ),
+    "but is touched from within the slot": (
+        (FORK, [[0.5, 0.0078], [0.9, 0.0088], [0.9, 0.0113]]),
+        {(0, 2): -2e-4},
+    ),
+    "a vertex below a wedge is not lifted by its top": (
+        ([[0.0, 0.0], [1.0, -0.577], [1.0, 0.0]], [[0.02, -0.019], [-0.5, 0.01], [-0.52, -0.01]]),
+        {},
+    ),
+    "inside an obtuse corner the face counts that the vertex came through": (
+        (HEXAGON, [[0.503, 0.851], [0.103, 1.187], [0.003, 0.985]]),
+        {(0, 3): -0.015},
+    ),
+    "a plate thinner than the reach holds a vertex on the side that it came from": (
+        (box(0.0, 0.0, 2.0, 0.02), [[1.0, 0.016], [1.3, 1.0], [0.7, 1.0]]),
+        {(0, 2): -0.004},
+    ),
+}
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
-def test_tip_at_the_bottom_of_a_notch_rests_on_both_walls(angle):
-    """Behind a re-entrant corner both feet lie beyond the edges' ends."""
-    notch = np.array([[0, 0], [4, 0], [4, 2], [3, 2], [2, 1], [1, 2], [0, 2]], float)
-    tip = np.array([[2, 1 - 1e-4], [2.5, 2.5], [1.5, 2.5]])
-    outlines = [turned(notch, angle), turned(tip, angle)]
-    closed = closed_between(outlines, 1, 0)
-    assert set(closed) == {(0, 3), (0, 4)}
-    assert list(closed.values()) == pytest.approx([-1e-4 * np.sqrt(0.5)] * 2, rel=1e-9)
-
-
-def test_corner_in_a_right_angled_notch_rests_on_both_walls():
-    step = np.array([[0, 0], [3, 0], [3, 2], [2, 2], [2, 1], [0, 1]], float)
-    outlines = [step, box(1.0 + 1e-6, 1.0 - 2e-6)]
-    closed = closed_between(outlines, 1, 0)
-    assert closed[1, 4] == pytest.approx(-2e-6)
-    assert closed[1, 3] == pytest.approx(-1e-6)
-    assert set(closed) == {(0, 4), (1, 4), (1, 3), (2, 3)}
-
-
-def test_vertex_on_a_tread_is_not_held_by_the_tread_below():
-    """The lower tread is lengthened only for a vertex that touches the riser too."""
-    stair = np.array([[0, 0], [3, 0], [3, 1.002], [1.5, 1.002], [1.5, 1.0], [0, 1.0]])
-    tip = np.array([[1.51, 1.002 - 3e-3], [1.6, 1.5], [1.4, 1.5]])
-    closed = closed_between([stair, tip], 1, 0)
-    assert closed == {(0, 2): pytest.approx(-3e-3)}
-
-
-def test_flat_vertex_is_not_held_by_the_neighbour_in_line():
-    """A vertex in the top of a brick, near its end, does not rest on the top of the next one."""
-    left = np.array([[0, 0], [1, 0], [1, 1], [0.997, 1], [0, 1]]) - [0.0, 1e-4]
-    assert closed_between([left, box(1.0, 0.0)], 0, 1) == {}
-
-
-def test_flat_vertex_rests_on_a_face():
-    slab = np.array([[0, 1], [0.5, 1], [1, 1], [1, 2], [0, 2]]) - [0.0, 1e-4]
-    closed = closed_between([box(0.2, 0.0, 0.6), slab], 1, 0)
-    assert closed == {(1, 2): pytest.approx(-1e-4)}
-
-
-def test_prong_of_a_fork_does_not_reach_through_the_slot():
-    """In a slot of 8 mm the vertex is behind the far side of the other prong, by 15 mm."""
-    fork = np.array(
-        [[0, 0], [1, 0], [1, 0.008], [0.2, 0.008], [0.2, 0.016], [1, 0.016], [1, 0.024], [0, 0.024]]
-    )
-    sliver = np.array([[0.5, 0.0085], [0.9, 0.0095], [0.9, 0.012]])
-    assert closed_between([fork, sliver], 1, 0) == {}
-    lower = sliver - [0.0, 7e-4]
-    assert closed_between([fork, lower], 1, 0) == {(0, 2): pytest.approx(-2e-4)}
-
-
-def test_vertex_below_a_wedge_is_not_lifted_by_its_top():
-    wedge = np.array([[0.0, 0.0], [1.0, -0.577], [1.0, 0.0]])
-    shard = np.array([[0.02, -0.019], [-0.5, 0.01], [-0.52, -0.01]])
-    assert closed_between([wedge, shard], 1, 0) == {}
-
-
-def test_vertex_inside_an_obtuse_corner_keeps_the_face_it_came_through():
-    """Its foot lies beyond the end of that face, and it cannot have come through the other one."""
-    hexagon = np.array([[-1, -1], [1, -1], [1, 0], [0.5, 0.866], [-0.5, 0.866], [-1, 0]], float)
-    tip = np.array([0.503, 0.866 - 0.015])
-    blade = tip + np.array([[0.0, 0.0], [-0.4, 0.336], [-0.5, 0.134]])
-    assert shapely.Polygon(hexagon).contains(shapely.Point(tip))
-    closed = closed_between([hexagon, blade], 1, 0)
-    assert closed == {(0, 3): pytest.approx(-0.015)}
-
-
-def test_plate_holds_a_vertex_on_the_side_that_it_came_from():
-    """Both faces of a plate thinner than the reach are candidates; the nearer one is kept."""
-    plate = box(0.0, 0.0, 2.0, 0.02)
-    tip = np.array([[1.0, 0.016], [1.3, 1.0], [0.7, 1.0]])
-    assert closed_between([plate, tip], 1, 0) == {(0, 2): pytest.approx(-0.004)}
+@pytest.mark.parametrize("name", HAND)
+def test_contacts_by_hand(name, angle):
+    outlines, wanted = HAND[name]
+    closed = closed_between([turned(np.array(one, float), angle) for one in outlines], 1, 0)
+    assert closed == pytest.approx(wanted, rel=1e-7)
 
 
 def test_truncated_wedge_holds_a_needle_on_one_side():

@@ -9,8 +9,8 @@ import shapely
 from clast.block import polygon
 from clast.contact import detection, edge_intersections
 from clast.contact.edge_intersections import SHALLOW_CROSSING, with_crossings
-from clast.model.state import ContactMemory
 from clast.run.overlap import unseen_overlaps
+from scenes.corners import memory_of
 from scenes.systems import (
     at_start,
     box,
@@ -163,25 +163,8 @@ def test_overlap_that_no_contact_knows_is_found():
 @pytest.mark.parametrize(("known", "seen"), [(0.1, True), (0.05, False)])
 def test_overlap_that_contacts_know_is_not_told(known, seen):
     model, state = sunk(0.1)
-    memory = ContactMemory(
-        vertex=np.array([4, 5]),
-        block=np.array([0, 0]),
-        edge=np.array([2, 2]),
-        gap=np.array([-known, -known]),
-        normal_force=np.ones(2),
-        shear_force=np.zeros(2),
-        multiplier=np.zeros(2),
-        rest_force=np.zeros(2),
-        slip=np.zeros(2),
-        slide_length=np.zeros(2),
-        slide=np.zeros(2),
-        slide_speed=np.zeros(2),
-        dilation=np.zeros(2),
-        mode=np.ones(2, np.int64),
-        bonded=np.zeros(2, np.bool_),
-        cohesive=np.zeros(2, np.bool_),
-        point=np.zeros(2, np.int64),
-    )
+    ends, gap = ([4, 5], [0, 0], [2, 2]), [-known, -known]
+    memory = memory_of(*ends, gap, normal_force=np.ones(2), mode=[1, 1])
     found = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     assert (not found) == seen
     # a spring that rests where it is knows nothing
@@ -217,30 +200,6 @@ def pressed_to_a_corner(give):
     return model, at_start(model, model.vertices + np.repeat(inwards, 4, axis=0))
 
 
-def closed(vertex, block, edge, gap):
-    """Return the memory of contacts (m,) that are closed."""
-    none, no = np.zeros(len(gap)), np.zeros(len(gap), np.bool_)
-    return ContactMemory(
-        vertex=vertex,
-        block=block,
-        edge=edge,
-        gap=gap,
-        normal_force=none,
-        shear_force=none,
-        multiplier=none,
-        rest_force=none,
-        slip=none,
-        slide_length=none,
-        slide=none,
-        slide_speed=none,
-        dilation=none,
-        mode=np.zeros(len(gap), np.int64),
-        bonded=no,
-        cohesive=no,
-        point=np.zeros(len(gap), np.int64),
-    )
-
-
 def across_the_corner(model, state):
     """Return the gaps of the contacts of the first box with the one across the corner, m."""
     found = contacts_of(model, state)
@@ -259,7 +218,7 @@ def test_a_contact_across_a_corner_goes_on_until_it_has_opened(share):
     model, state = pressed_to_a_corner(give)
     assert not len(across_the_corner(model, state))
     # the upper right corner of the first box and the lower side of the fourth
-    known = closed(*(np.array([one]) for one in (2, 3, 12, -give)))
+    known = memory_of([2], [3], [12], [-give])
     gap = across_the_corner(model, replace(state, memory=known))
     assert gap == pytest.approx([-give], rel=1e-6)
     _, apart = pressed_to_a_corner(-1e-9)
@@ -281,7 +240,7 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(give, share, to
     rows = np.flatnonzero(beside & (found.gap < 0.0))
     rows = rows[np.lexsort((found.edge[rows], found.edge_block[rows], found.vertex[rows]))]
     keys = found.vertex[rows], found.edge_block[rows], found.edge[rows]
-    memory = closed(*keys, share * found.gap[rows])
+    memory = memory_of(*keys, share * found.gap[rows])
     overlaps = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     across = {("1", "4"), ("2", "3")}
     assert across & {one.blocks for one in overlaps} == (across if told else set())

@@ -12,7 +12,6 @@ import shapely
 
 from clast.contact.corner_rules import Bisector, EntranceLines
 from scenes.corners import TOP, remembering
-from scenes.joints import SYSTEMS, faces_in_common, held
 from scenes.systems import REACH, box, contacts_of, system, touches_of
 
 RULES = {"bisector": Bisector(), "shi": EntranceLines()}
@@ -83,17 +82,6 @@ def test_rules_agree_where_corners_meet_at_an_angle():
 
 
 # --- walls and arches ------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-6])
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_every_joint_is_held_at_both_ends(name, noise):
-    outlines = SYSTEMS[name]
-    rng = np.random.default_rng(1)
-    moved = [one + rng.uniform(-noise, noise, one.shape) for one in outlines]
-    touches = touches_of(moved, rule=RULES["shi"])
-    for i, j, *ends in faces_in_common(outlines):
-        assert all(held(moved, i, j, end, touches) for end in ends)
 
 
 def test_coinciding_corners_make_one_contact_that_keeps_to_its_vertex():

@@ -140,15 +140,6 @@ def test_stiffnesses_are_the_derivatives():
     assert shear == pytest.approx(-here.shear_stiffness[smooth], abs=1e-3 * P)
 
 
-def test_without_any_strength_there_is_no_shear_stiffness():
-    """A frictionless contact must not be held by its shear spring, not even for one pass."""
-    some = contacts(3, friction=0.0)
-    found = LAW.respond(some, np.full(3, -1e-4), np.array([0.0, 1e-6, -1e-6]))
-    assert np.array_equal(found.shear_force, np.zeros(3))
-    assert np.array_equal(found.shear_stiffness, np.zeros(3))
-    assert np.array_equal(found.mode, np.full(3, SLIDE))
-
-
 @given(st.integers(0, 10**6))
 def test_friction_stays_in_its_cone(seed):
     some, gap, slip = random_contacts(seed, 60)
@@ -170,16 +161,6 @@ def test_friction_stays_in_its_cone(seed):
 def test_stiffnesses_are_above_zero(law, name, value):
     with pytest.raises(CaseError, match=f"{law.__name__}: {name} must be above 0, not"):
         law(**{name: value})
-
-
-def test_evaluating_a_law_changes_nothing():
-    some, gap, slip = random_contacts(1)
-    before = {name: np.array(value) for name, value in vars(some).items()}
-    first, second = LAW.respond(some, gap, slip), LAW.respond(some, gap, slip)
-    for name, value in before.items():
-        assert np.array_equal(getattr(some, name), value, equal_nan=value.dtype.kind == "f")
-    for name in vars(first):
-        assert np.array_equal(getattr(first, name), getattr(second, name))
 
 
 # --- energy --------------------------------------------------------------------------------
@@ -241,22 +222,6 @@ def test_tension_beyond_the_strength_ends_all_cohesion(residual):
     torn = without_bonds(one, answer)
     assert not torn.bonded[0] and not torn.cohesive[0]
     assert torn.cohesion[0] == torn.tensile_strength[0] == 0.0
-
-
-def test_tension_is_cut_off():
-    strength = 1e5 * 0.5
-    one = contacts(1, tensile_strength=1e5, bonded=True)
-    for share, intact in ((0.5, True), (0.999, True), (1.001, False), (3.0, False)):
-        answer = LAW.respond(one, np.array([share * strength / P]), np.zeros(1))
-        assert answer.bonded[0] == intact
-        assert answer.normal_force[0] == pytest.approx(-min(share, 1.0) * strength)
-
-
-def test_tension_lowers_the_shear_strength():
-    one = contacts(1, tensile_strength=1e5, cohesion=1e5, bonded=True)
-    answer = LAW.respond(one, np.array([2e4 / P]), np.array([1.0]))
-    assert answer.normal_force[0] == pytest.approx(-2e4)
-    assert -answer.shear_force[0] == pytest.approx(5e4 - 0.6 * 2e4)
 
 
 def test_cohesion_counts_where_the_joint_is_pressed():

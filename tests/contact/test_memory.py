@@ -10,41 +10,22 @@ from hypothesis import strategies as st
 from clast.contact.contacts import ContactResponse
 from clast.contact.joints.wear import at_rest
 from clast.contact.memory import first_rows, recall, renew
-from clast.model.state import ContactMemory
+from scenes.corners import memory_of
 from scenes.systems import at_start, box, contacts_of, march, method, system
 
 KEY = st.tuples(st.integers(0, 3), st.integers(0, 2))
 ROW = st.tuples(KEY, st.integers(0, 4))
 
 
-def memory_of(rows):
+def rows_of(rows):
     """Return the memory of {((vertex, block), edge)}, sorted as the state keeps it."""
     table = np.array([[*key, edge] for key, edge in sorted(rows)], np.int64).reshape(-1, 3)
-    zero = np.zeros(len(table))
-    return ContactMemory(
-        vertex=table[:, 0],
-        block=table[:, 1],
-        edge=table[:, 2],
-        gap=zero,
-        normal_force=zero,
-        shear_force=np.arange(len(table)) + 1.0,
-        multiplier=zero,
-        rest_force=zero,
-        slip=zero,
-        slide_length=zero,
-        slide=zero,
-        slide_speed=zero,
-        dilation=zero,
-        mode=zero.astype(np.int64),
-        bonded=zero.astype(np.bool_),
-        cohesive=zero.astype(np.bool_),
-        point=zero.astype(np.int64),
-    )
+    return memory_of(*table.T, np.zeros(len(table)), shear_force=np.arange(len(table)) + 1.0)
 
 
 @given(remembered=st.sets(ROW, max_size=14), found=st.sets(ROW, max_size=14), data=st.data())
 def test_rows_are_found_by_edge_first_then_by_key(remembered, found, data):
-    memory = memory_of(remembered)
+    memory = rows_of(remembered)
     keys = data.draw(st.permutations(sorted({key for key, _ in found})))
     # the contacts of one vertex and block stand together, in any order
     contacts = [one for key in keys for one in sorted(found) if one[0] == key]

@@ -109,7 +109,7 @@ def test_overlap_is_in_the_report_and_comes_back_from_it():
 class Blind:
     """A corner rule that keeps nothing."""
 
-    def choose(self, candidates, vertices):
+    def choose(self, candidates):
         """Return False for all."""
         return np.zeros(len(candidates.vertex), np.bool_)
 

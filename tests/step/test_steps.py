@@ -16,6 +16,7 @@ from clast.step.finish import reject_tunnelled
 from clast.step.integration import BackwardEuler, ConstantAcceleration
 from clast.step.modified import Modified, search_of_modified
 from clast.step.open_close import OpenClose
+from scenes.corners import memory_of
 from scenes.systems import (
     GRAVITY,
     at_start,
@@ -312,25 +313,7 @@ def sunk(depth):
 
 
 def remembered(depth, vertex=4):
-    return ContactMemory(
-        vertex=np.array([vertex]),
-        block=np.array([0]),
-        edge=np.array([2]),
-        gap=np.array([-depth]),
-        normal_force=np.ones(1),
-        shear_force=np.zeros(1),
-        multiplier=np.zeros(1),
-        rest_force=np.zeros(1),
-        slip=np.zeros(1),
-        slide_length=np.zeros(1),
-        slide=np.zeros(1),
-        slide_speed=np.zeros(1),
-        dilation=np.zeros(1),
-        mode=np.ones(1, np.int64),
-        bonded=np.zeros(1, np.bool_),
-        cohesive=np.zeros(1, np.bool_),
-        point=np.zeros(1, np.int64),
-    )
+    return memory_of([vertex], [0], [2], [-depth], normal_force=[1.0], mode=[1])
 
 
 def test_vertex_that_jumps_deeper_than_the_reach_has_tunnelled():
@@ -376,7 +359,7 @@ def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
 class Blind:
     """A corner rule that keeps nothing."""
 
-    def choose(self, candidates, vertices):
+    def choose(self, candidates):
         """Return False for all."""
         return np.zeros(len(candidates.vertex), np.bool_)
 

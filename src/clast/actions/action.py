@@ -8,10 +8,10 @@ to ``ModelBuilder.actions``, is one more (see the how-to page on actions).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -243,6 +243,9 @@ class Action(Protocol):
     of its forces comes from outside.
     """
 
+    entries: ClassVar[Mapping[str, float]] = {"loads": 1.0}
+    """Entries of the ledger that the work of its forces goes to, with their signs."""
+
     def begin(self, model: Model) -> Any:
         """Return the state of the action at the start of a run: any frozen data, or None."""
         return None
@@ -256,7 +259,12 @@ class Action(Protocol):
     ) -> ActionResult:
         """Return the result of the forces in a step that is solved."""
         work, _ = energy_of_linear(contribution, solution.displacement)
-        return ActionResult(work=work, ledger=Ledger(loads=work), state=state)
+        if contribution.acceleration is not None:
+            # strain and rotation move no centroid, so that m a.(u0, v0) is all of it
+            moved = start.model.mass @ solution.displacement[:, :2]
+            work += float(contribution.acceleration @ moved)
+        ledger = Ledger(**{name: sign * work for name, sign in self.entries.items()})
+        return ActionResult(work=work, ledger=ledger, state=state)
 
 
 @runtime_checkable

@@ -10,9 +10,8 @@ import numpy as np
 
 from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
 from clast.actions.bolts import Bolting
-from clast.actions.gravity import Gravity, GroundAcceleration
 from clast.actions.in_situ import InSituBoundary
-from clast.actions.loads import Loads, Pressures
+from clast.actions.loads import Gravity, GroundAcceleration, Loads, Pressures
 from clast.actions.relaxation import Relaxation
 from clast.actions.supports import Supports
 from clast.actions.viscous_edges import BoundaryDashpots
@@ -194,19 +193,14 @@ def contributions_of(
     actions: Sequence[Action], start: StepStart, states: Sequence[Any]
 ) -> tuple[Contribution, ...]:
     """Return the contribution of each action to the equations of a step."""
-    return tuple(
-        [
-            _contribution_of(action, start, mine)
-            for action, mine in zip(actions, states, strict=True)
-        ]
-    )
-
-
-def _contribution_of(action: Action, start: StepStart, state: Any) -> Contribution:
-    """Return the contribution of an action to a step, checked for an action of a script."""
-    if action.__class__.__module__.startswith("clast."):
-        return action.contribution(start, state)
-    return checked_contribution(action, answer(action, action.contribution, start, state), start)
+    contributions = []
+    for action, mine in zip(actions, states, strict=True):
+        if action.__class__.__module__.startswith("clast."):
+            contributions.append(action.contribution(start, mine))
+        else:  # of a script
+            one = answer(action, action.contribution, start, mine)
+            contributions.append(checked_contribution(action, one, start))
+    return tuple(contributions)
 
 
 def result_of(

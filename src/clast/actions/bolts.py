@@ -17,7 +17,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_springs,
+)
 from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
@@ -86,7 +93,7 @@ def untouched(count: int) -> BoltStates:
 
 
 @dataclass(frozen=True)
-class Bolting:
+class Bolting(Action):
     """The bolts of the model."""
 
     def begin(self, model: Model) -> BoltStates:

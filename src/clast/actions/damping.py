@@ -41,20 +41,20 @@ class DampingState:
     """Kinetic energy at the start of the last step, J/m; 0 after a stop."""
 
 
+Memory = DampingState | None
+"""None before the first step, and of damping that needs none."""
+
+
 @dataclass(frozen=True)
 class Undamped(Action):
     """No damping."""
 
-    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: Memory) -> Contribution:
         """Return nothing."""
         return NO_CONTRIBUTION
 
     def finish(
-        self,
-        start: StepStart,
-        state: DampingState | None,
-        contribution: Contribution,
-        solution: Solution,
+        self, start: StepStart, state: Memory, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return that nothing was done."""
         return NOTHING
@@ -73,7 +73,7 @@ class Rayleigh(Action):
     stiffness: float = 0.0
     """Damping by the elasticity of the blocks, s."""
 
-    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: Memory) -> Contribution:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
@@ -83,11 +83,7 @@ class Rayleigh(Action):
         return Contribution(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
     def finish(
-        self,
-        start: StepStart,
-        state: DampingState | None,
-        contribution: Contribution,
-        solution: Solution,
+        self, start: StepStart, state: Memory, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that damping has taken."""
         work, _ = energy_of_linear(contribution, solution.displacement)
@@ -106,17 +102,13 @@ class Adaptive(Action):
     ratio: float = 0.8
     """Damping ratio; 1 is critical."""
 
-    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: Memory) -> Contribution:
         """Return the share of the velocities that damping leaves."""
         frequency = 0.0 if state is None else state.frequency
         return Contribution(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
 
     def finish(
-        self,
-        start: StepStart,
-        state: DampingState | None,
-        contribution: Contribution,
-        solution: Solution,
+        self, start: StepStart, state: Memory, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
@@ -140,17 +132,13 @@ class Kinetic(Action):
     Between two stops nothing is damped.
     """
 
-    def contribution(self, start: StepStart, state: DampingState | None) -> Contribution:
+    def contribution(self, start: StepStart, state: Memory) -> Contribution:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
         passed = state is not None and start.state.ledger.kinetic < state.kinetic
         return Contribution(carried=0.0) if passed else Contribution()
 
     def finish(
-        self,
-        start: StepStart,
-        state: DampingState | None,
-        contribution: Contribution,
-        solution: Solution,
+        self, start: StepStart, state: Memory, contribution: Contribution, solution: Solution
     ) -> ActionResult:
         """Return the kinetic energy that a stop has taken."""
         kept = contribution.carried * start.state.ledger.kinetic

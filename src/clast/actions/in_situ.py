@@ -13,7 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
 from clast.block.displacement import basis
 from clast.model.edges import edges_of, outer_boundary, outline_edges
 from clast.model.model import Floats, Ints, Model
@@ -39,7 +46,7 @@ class LoadedEnds:
 
 
 @dataclass(frozen=True)
-class InSituBoundary:
+class InSituBoundary(Action):
     """Traction and springs along the outline of a model with in-situ stress."""
 
     stress: InSituStress

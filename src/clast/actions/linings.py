@@ -32,7 +32,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart
+from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
 from clast.actions.links import LinkRows, Links, LinkStates
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
@@ -201,7 +201,7 @@ class LiningContribution(Contribution):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Linings:
+class Linings(Action):
     """The linings of a case."""
 
     each: tuple[OneLining, ...]

@@ -33,11 +33,18 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_springs,
+)
 from clast.block import polygon
 from clast.block.displacement import movements
 from clast.block.rotation import turned_by
-from clast.contact.clipped_spring import Clipped, Springs, table
+from clast.contact.clipped_spring import Clipped, Springs, no_springs, table
 from clast.linear.system import stretches, with_ground
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
@@ -136,7 +143,7 @@ ROTATION = COMPONENTS.index("rotation")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Links:
+class Links(Action):
     """The links of a case."""
 
     rows: LinkRows
@@ -380,26 +387,21 @@ class Links:
         stretch, count = scale * free, len(row)
         each, kept = self._each_spring(start, active, scale, stretch)
         chosen = np.concatenate([np.flatnonzero(one) + k * count for k, one in enumerate(kept)])
-        normal = Clipped(
-            **{
-                name: np.concatenate([getattr(one, name) for one in each])[chosen]
-                for name in ("at_zero", "stiffness", "low", "high")
-            }
-        )
-        at = chosen % count
-        nothing = np.zeros(len(at))
-        found, order = table(
+        columns = zip(*(one.arrays for one in each), strict=True)
+        normal = Clipped(*(np.concatenate(column)[chosen] for column in columns))
+        at, nothing = chosen % count, no_springs(len(chosen))
+        springs, order = table(
             vertex_block=np.where(block == GROUND, ground, block)[at, 0],
             edge_block=np.where(block == GROUND, ground, block)[at, 1],
             arms=arms[at],
             gap=(stretch + away)[at],
-            slip=nothing,
+            slip=nothing.at_zero,
             normal=normal,
-            shear=Clipped(at_zero=nothing, stiffness=nothing, low=nothing, high=nothing),
+            shear=nothing,
         )
         places, before = np.full(3 * count, -1), np.empty(len(at))
         places[chosen], before[order] = order, stretch[at]
-        return replace(found, ground=ground if (block == GROUND).any() else -1), places, before
+        return replace(springs, ground=ground if (block == GROUND).any() else -1), places, before
 
     def _arms(self, active: _Active) -> tuple[Floats, Floats]:
         """Return direction and arms of the rows that act, (r, 6), and their scale, (r,).
@@ -434,15 +436,14 @@ class Links:
         place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
 
         def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:
-            held = Clipped(at_zero=stiffness * shift, stiffness=stiffness, low=low, high=high)
-            return held.taken_at(place, stretch)
+            return Clipped(stiffness * shift, stiffness, low, high).taken_at(place, stretch)
 
         drag = rows.damping[row] / scale**2 / start.step
         endless = np.full(len(row), np.inf)
         each = (
             springs(weakest, np.where(two_sided, strongest, 0.0), play),
             springs(none, np.where(two_sided, 0.0, strongest), -play),
-            Clipped(at_zero=drag * stretch, stiffness=drag, low=-endless, high=endless),
+            Clipped(drag * stretch, drag, -endless, endless),
         )
         return each, (np.ones(len(row), np.bool_), ~two_sided, rows.damping[row] > 0.0)
 

@@ -1,15 +1,19 @@
-"""Loads: at points, along lines and on edges, which move with their blocks, and moments.
+"""Loads: weight, motion of the ground, forces at points, along lines and on edges, and moments.
 
-Their work comes from outside.
+But for weight their work comes from outside; forces at points, lines and edges move with their
+blocks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from clast.actions.action import (
+    NO_CONTRIBUTION,
     Action,
     ActionResult,
     Contribution,
@@ -18,9 +22,46 @@ from clast.actions.action import (
     energy_of_linear,
     forces_at_points,
 )
-from clast.model.factors import factors_at
+from clast.model.factors import NO_FACTOR, factors_at
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
+
+
+def gravity_at(model: Model, time: float) -> Floats:
+    """Return the acceleration of gravity at a time, s, in m/s2, shape (2,)."""
+    if model.gravity_factor == NO_FACTOR:
+        return model.gravity
+    return model.factors[model.gravity_factor].at(time) * model.gravity
+
+
+@dataclass(frozen=True)
+class Gravity(Action):
+    """Weight: m g at the centroid of each block."""
+
+    def contribution(self, start: StepStart, state: None) -> Contribution:
+        """Return the acceleration of gravity at the end of the step."""
+        return Contribution(acceleration=gravity_at(start.model, start.time_of_forces))
+
+    def finish(
+        self, start: StepStart, state: None, contribution: Contribution, solution: Solution
+    ) -> ActionResult:
+        """Return the work of weight, which the potential energy of gravity has lost.
+
+        Weight that changes with time has no potential: its work is that of a load.
+        """
+        result = super().finish(start, state, contribution, solution)
+        if start.model.gravity_factor != NO_FACTOR:
+            return result
+        return ActionResult(work=result.work, ledger=Ledger(gravity=-result.work))
+
+
+@dataclass(frozen=True)
+class GroundAcceleration(Action):
+    """The body force -rho a of the model's ground motion, where that acts by one."""
+
+    def contribution(self, start: StepStart, state: None) -> Contribution:
+        """Return minus the mean acceleration of the ground in the step."""
+        return Contribution(acceleration=start.model.ground_motion.body_acceleration(*start.span))
 
 
 @dataclass(frozen=True)
@@ -122,3 +163,41 @@ class Pressures(Action):
             ends - midway.centroid[loads.block][:, None], factor[:, None] * loads.pressure
         )
         return Contribution(block=loads.block, force=force)
+
+
+@dataclass(frozen=True, eq=False)
+class HoldingForces(Action):
+    """Forces that lead a static run along its path of equilibria; other steps have their damping.
+
+    Where a static stage begins, the forces on each block have a sum that is not zero: weight,
+    stress and loads that have just begun to act, supports that have been taken away.  The negative
+    of that sum keeps every block where it is; a fraction of it lets the rest come on.  Where it is
+    known how movements add to the moments of forces, a step is made against the forces that are
+    still to come.  Both are dead: they stay with the centroids.
+
+    Forces in a block that turns by r add to the moment on it, with y the places where they act,
+
+        sum (R y) x f - sum y x f = -r sum y.f = -r A (s_xx + s_yy)
+
+    since the stress in balance with them is A s = sum of the symmetric part of y f.  In tension,
+    that is the stiffness of a rope: without it links that carry are swung about as if they were
+    slack.  In compression it is negative, and the equations of a step would have no minimum: its
+    effect comes with the next step.
+    """
+
+    force: Floats
+    """Generalised force on each block, N/m and N, shape (n, 6), or (0, 6) for none."""
+    entries: ClassVar[Mapping[str, float]] = {}
+    """None: their work is numerical, they are not forces of the system."""
+
+    def contribution(self, start: StepStart, state: Any) -> Contribution:
+        """Return the forces, and the stiffness against rotation of blocks in tension."""
+        tension = start.model.area * (start.state.stress[:, 0] + start.state.stress[:, 1])
+        on_all = len(self.force) == len(tension)
+        block = np.flatnonzero(on_all | (tension > 0.0))
+        if not len(block):
+            return NO_CONTRIBUTION
+        stiffness = np.zeros((len(block), 6, 6))
+        stiffness[:, 2, 2] = np.maximum(0.0, tension[block])
+        force = self.force if on_all else np.zeros((len(block), 6))
+        return Contribution(block=block, force=force, stiffness=stiffness)

@@ -26,6 +26,7 @@ from typing import ClassVar
 import numpy as np
 
 from clast.actions.action import (
+    Action,
     ActionResult,
     Contribution,
     Prescribed,
@@ -249,7 +250,7 @@ class MotionState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motions:
+class Motions(Action):
     """The prescribed motions of a case; k blocks in all."""
 
     each: tuple[OneMotion, ...]

@@ -15,6 +15,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from clast.actions.action import (
+    Action,
     ActionResult,
     Contribution,
     Solution,
@@ -114,7 +115,7 @@ def released(
 
 
 @dataclass(frozen=True)
-class Relaxation:
+class Relaxation(Action):
     """The forces of excavated blocks on those that are left."""
 
     def begin(self, model: Model) -> SupportForces:

@@ -20,7 +20,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
 from clast.block.displacement import basis
 from clast.model.ground_motion import Still
 from clast.model.model import Bools, Floats, Model
@@ -31,7 +38,7 @@ ANCHOR_TOLERANCE = 1e-13
 
 
 @dataclass(frozen=True)
-class Supports:
+class Supports(Action):
     """The fixed points of the model."""
 
     stiffness: float

@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.actions.action import ActionResult, Contribution, Solution, StepStart
+from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
 from clast.block.displacement import basis
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
@@ -59,7 +59,7 @@ class _Active:
 
 
 @dataclass(frozen=True)
-class BoundaryDashpots:
+class BoundaryDashpots(Action):
     """The viscous edges of the model."""
 
     stiffness: float

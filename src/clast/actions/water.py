@@ -9,22 +9,15 @@ beside it are the effective stress.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from clast.actions.action import (
-    Action,
-    ActionResult,
-    Contribution,
-    Solution,
-    StepStart,
-    energy_of_linear,
-)
+from clast.actions.action import Action, Contribution, StepStart
 from clast.actions.loads import pressure_forces
 from clast.model.model import Floats, Ints
-from clast.model.state import Ledger
 from clast.model.water import (
     Water,
     ends_of_faces,
@@ -90,6 +83,8 @@ def pressed_by(water: Water, model: Any, vertices: Floats, time: float) -> Press
 class WaterPressure(Action):
     """The water of the model."""
 
+    entries: ClassVar[Mapping[str, float]] = {"water": 1.0}
+
     def contribution(self, start: StepStart, state: None) -> Contribution:
         """Return the sum of the generalised forces of all water on each block."""
         model, midway = start.model, start.midway
@@ -105,20 +100,10 @@ class WaterPressure(Action):
             force += [left, right[paired]]
         if not block:
             return Contribution()
-        return _summed(np.concatenate(block), np.concatenate(force), model.block_count)
-
-    def finish(
-        self, start: StepStart, state: None, contribution: Contribution, solution: Solution
-    ) -> ActionResult:
-        """Return the work of the water, which comes from outside."""
-        work, _ = energy_of_linear(contribution, solution.displacement)
-        return ActionResult(work=work, ledger=Ledger(water=work))
-
-
-def _summed(block: Ints, force: Floats, count: int) -> Contribution:
-    """Return one force for each block, in the order of the parts: fewer to be added up later."""
-    sums: Floats = np.stack(
-        [np.bincount(block, column, count).astype(float) for column in force.T], axis=1
-    )
-    some = np.flatnonzero(sums.any(axis=1))
-    return Contribution(block=some, force=sums[some])
+        # one force for each block, in the order of the parts: fewer to be added up later
+        blocks, forces = np.concatenate(block), np.concatenate(force)
+        sums: Floats = np.stack(
+            [np.bincount(blocks, one, model.block_count).astype(float) for one in forces.T], axis=1
+        )
+        some = np.flatnonzero(sums.any(axis=1))
+        return Contribution(block=some, force=sums[some])

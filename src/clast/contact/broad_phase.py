@@ -5,9 +5,7 @@ larger than the block, and looks for partners in its own and all coarser levels.
 thousand times different in size cost no more than equal ones.  The cells are kept in a hash table,
 so that empty ones cost nothing.
 
-Pairs of blocks that are near each other, from one step to the next.
-
-To find them anew in every step would cost as much as a fifth of a step in which most blocks rest
+To find pairs anew in every step would cost as much as a fifth of a step in which most blocks rest
 or fly.  So they are found with boxes wider than asked for and kept (a neighbour list; Verlet 1967).
 As long as each box that is asked about lies within the one it had then, its pairs are among those
 that are kept, and a look at these tells which.  The answer is that of a new search, to the pair.
@@ -15,14 +13,11 @@ that are kept, and a look at these tells which.  The answer is that of a new sea
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from clast.block import polygon
 from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, CONTACTS, EACH, shared
-from clast.contact import broad_phase
 from clast.model.model import Bools, Floats, Ints
 
 LEVELS = 48
@@ -46,7 +41,15 @@ def overlapping_pairs(box: Floats, fixed: Bools) -> Ints:
     _file(level, cell, slots, order)
     filed = box[order], fixed[order], level[order], cell[order], order
     occupied = np.bincount(level, minlength=LEVELS) > 0
-    pairs = _collected(filed, slots, origin, occupied)
+    counts = np.zeros(-(-count // PART), np.int64)
+    most = 8 * min(PART, count) + 64
+    while True:
+        room = np.empty((len(counts), most, 2), np.int64)
+        _collect_parts(len(counts), filed, slots, origin, occupied, room, counts)
+        if counts.max() <= most:
+            break
+        most = int(counts.max())
+    pairs = np.concatenate([one[:number] for one, number in zip(room, counts, strict=True)])
     for side in (1, 0):
         unsorted, pairs = pairs, np.empty_like(pairs)
         _sort_by(unsorted, side, np.zeros(count + 1, np.int64), pairs)
@@ -130,7 +133,7 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
     """
     box, fixed, level, cell, order = filed
     smallest, xmin, ymin = origin
-    mask, found = len(slots) - 2, 0
+    mask, count = len(slots) - 2, 0
     for b in range(first, last):
         for k in range(level[b], LEVELS):
             if not occupied[k]:
@@ -151,37 +154,19 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
                             continue
                         if (fixed[b] and fixed[other]) or not _overlap(box, b, other):
                             continue
-                        if found < len(pairs):
-                            pairs[found, 0] = min(order[b], order[other])
-                            pairs[found, 1] = max(order[b], order[other])
-                        found += 1
-    return found
+                        if count < len(pairs):
+                            pairs[count, 0] = min(order[b], order[other])
+                            pairs[count, 1] = max(order[b], order[other])
+                        count += 1
+    return count
 
 
 @shared(EACH)
-def _collect_parts(first, last, filed, slots, origin, occupied, room, found):
+def _collect_parts(first, last, filed, slots, origin, occupied, room, counts):
     """Fill the rooms of parts ``first`` to ``last`` - 1 with pairs; write how many there are."""
     for part in range(first, last):
         low, high = part * PART, min((part + 1) * PART, len(filed[0]))
-        found[part] = _collect(low, high, filed, slots, origin, occupied, room[part])
-
-
-def _collected(
-    filed: tuple[Floats, Bools, Ints, Ints, Ints],
-    slots: Ints,
-    origin: tuple[float, float, float],
-    occupied: Bools,
-) -> Ints:
-    """Return the pairs of overlapping boxes in the order in which they are filed, shape (m, 2)."""
-    count = len(filed[0])
-    found = np.zeros(-(-count // PART), np.int64)
-    most = 8 * min(PART, count) + 64
-    while True:
-        room = np.empty((len(found), most, 2), np.int64)
-        _collect_parts(len(found), filed, slots, origin, occupied, room, found)
-        if found.max() <= most:
-            return np.concatenate([one[:number] for one, number in zip(room, found, strict=True)])
-        most = int(found.max())
+        counts[part] = _collect(low, high, filed, slots, origin, occupied, room[part])
 
 
 @kernel()
@@ -223,11 +208,6 @@ def all_within(box, wide):
     return True
 
 
-def overlapping_of(pairs: Ints, box: Floats) -> Ints:
-    """Return which of the ``pairs`` (q, 2) of boxes (n, 4) overlap, in their order."""
-    return pairs.compress(_overlapping(pairs, box), axis=0)
-
-
 @kernel()
 def _overlapping(pairs, box):
     """Return whether pairs (q, 2) of boxes (n, 4) overlap, (q,)."""
@@ -243,43 +223,11 @@ def _look_at_pairs(first, last, pairs, box, overlap):
         overlap[q] = _overlap(box, pairs[q, 0], pairs[q, 1])
 
 
-SPARE = 8.0
+SPARE_WIDENINGS = 8.0
 """By how much boxes are wider than asked for, in units of their least widening: the steps, more or
 less, that a moving block takes before pairs must be found again."""
-WIDEST = 0.25
+SPARE_SIDES_MAX = 0.25
 """And in units of the mean side of the box itself at most, so that few pairs are kept in vain."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Neighbourhood:
-    """The pairs of all blocks whose wide boxes overlap."""
-
-    block_start: Ints
-    """First vertex of each block, shape (n + 1,)."""
-    fixed: Bools
-    """Blocks that cannot move, pairs of which do not count, shape (n,)."""
-    absent: Bools | None
-    """Blocks that are near none, shape (n,)."""
-    box: Floats
-    """The wide boxes, (xmin, ymin, xmax, ymax), m, shape (n, 4)."""
-    pairs: Ints
-    """Pairs (lower, higher) of them that overlap, sorted, shape (q, 2)."""
-
-
-def neighbourhood_of(
-    block_start: Ints, fixed: Bools, box: Floats, half: Floats, absent: Bools | None = None
-) -> Neighbourhood:
-    """Return the neighbourhood of boxes (n, 4) that have been widened by ``half`` (n,), m.
-
-    Blocks that are ``absent`` (n,) are near none.
-    """
-    sides = 0.5 * (box[:, 2] - box[:, 0] + box[:, 3] - box[:, 1]) - 2.0 * half
-    spare = np.minimum(SPARE * half, WIDEST * sides)
-    wide = box + spare[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
-    pairs = broad_phase.overlapping_pairs(wide, fixed)
-    if absent is not None and absent.any():
-        pairs = np.ascontiguousarray(pairs[~absent[pairs].any(axis=1)])
-    return Neighbourhood(block_start=block_start, fixed=fixed, absent=absent, box=wide, pairs=pairs)
 
 
 class VerletList:
@@ -290,7 +238,9 @@ class VerletList:
     """
 
     def __init__(self) -> None:
-        self._last: Neighbourhood | None = None
+        self._blocks: tuple[Ints | None, Bools | None, Bools | None] = None, None, None
+        self._box: Floats = np.zeros((0, 4))
+        self._pairs: Ints = np.zeros((0, 2), np.int64)
         self.searches = 0
 
     def near_pairs(
@@ -301,22 +251,24 @@ class VerletList:
         fixed: Bools,
         absent: Bools | None = None,
     ) -> Ints:
-        """Return the pairs (q, 2) of blocks whose boxes, widened by ``half`` (n,), m, overlap."""
+        """Return the pairs (q, 2) of blocks whose boxes, widened by ``half`` (n,), m, overlap.
+
+        Blocks that are ``absent`` (n,) are near none.
+        """
         box = polygon.boxes(vertices, block_start)
-        broad_phase.widen(box, half)
-        last = self._last
-        if last is None or last.absent is not absent or not serves(last, block_start, fixed, box):
-            last = neighbourhood_of(block_start, fixed, box, half, absent)
-            self._last = last
+        widen(box, half)
+        blocks = block_start, fixed, absent
+        same = all(one is other for one, other in zip(blocks, self._blocks, strict=True))
+        if not (same and all_within(box, self._box)):
+            sides = 0.5 * (box[:, 2] - box[:, 0] + box[:, 3] - box[:, 1]) - 2.0 * half
+            spare = np.minimum(SPARE_WIDENINGS * half, SPARE_SIDES_MAX * sides)
+            wide = box + spare[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
+            pairs = overlapping_pairs(wide, fixed)
+            if absent is not None and absent.any():
+                pairs = np.ascontiguousarray(pairs[~absent[pairs].any(axis=1)])
+            self._blocks, self._box, self._pairs = blocks, wide, pairs
             self.searches += 1
-        return broad_phase.overlapping_of(last.pairs, box)
-
-
-def serves(last: Neighbourhood, block_start: Ints, fixed: Bools, box: Floats) -> bool:
-    """Return whether all that boxes (n, 4) of these blocks overlap is known already."""
-    if last.block_start is not block_start or last.fixed is not fixed:
-        return False
-    return bool(broad_phase.all_within(box, last.box))
+        return self._pairs.compress(_overlapping(self._pairs, box), axis=0)
 
 
 def near_pairs(

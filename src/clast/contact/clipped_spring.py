@@ -56,7 +56,7 @@ Rows = Ints | slice
 # --- all springs ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Clipped:
     """Springs f = clip(f0 - k x, low, high), one for each link."""
 
@@ -87,7 +87,7 @@ class Clipped:
         result = [one.copy() for one in self.arrays]
         for into, values in zip(result, others.arrays, strict=True):
             into[rows] = values
-        return clipped_from(*result)
+        return Clipped(*result)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -155,9 +155,10 @@ class Springs:
         return float(energies(len(self), gap, slip, self.arrays))
 
 
-def clipped_from(at_zero: Floats, stiffness: Floats, low: Floats, high: Floats) -> Clipped:
-    """Return springs of their arrays (m,)."""
-    return Clipped(at_zero=at_zero, stiffness=stiffness, low=low, high=high)
+def no_springs(count: int) -> Clipped:
+    """Return so many springs without force."""
+    none = np.zeros(count)
+    return Clipped(none, none, none, none)
 
 
 NO_COUPLING: Floats = np.zeros(0)
@@ -211,16 +212,15 @@ def table(
         pairs=pairs,
         gap=gap[order],
         slip=slip[order],
-        normal=clipped_from(*(one[order] for one in normal.arrays)),
-        shear=clipped_from(*(one[order] for one in shear.arrays)),
+        normal=Clipped(*(one[order] for one in normal.arrays)),
+        shear=Clipped(*(one[order] for one in shear.arrays)),
     )
     return springs, rows
 
 
 def springs_of(contacts: Contacts) -> Springs:
     """Return the links of the contacts as a table, with no springs in them yet."""
-    none = np.zeros(len(contacts.gap))
-    nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
+    nothing = no_springs(len(contacts))
     return Springs(
         vertex_block=contacts.vertex_block,
         edge_block=contacts.edge_block,
@@ -228,7 +228,7 @@ def springs_of(contacts: Contacts) -> Springs:
         pair=contacts.pair,
         pairs=contacts.pairs,
         gap=contacts.gap,
-        slip=none,
+        slip=nothing.at_zero,
         normal=nothing,
         shear=nothing,
     )
@@ -248,7 +248,7 @@ def merged(first: Springs, others: Sequence[Springs]) -> tuple[Springs, tuple[Ro
 
     def joined_springs(kind: str) -> Clipped:
         each = [getattr(one, kind).arrays for one in every]
-        return clipped_from(*(np.concatenate(column) for column in zip(*each, strict=True)))
+        return Clipped(*(np.concatenate(column) for column in zip(*each, strict=True)))
 
     names = ("vertex_block", "edge_block", "arms", "gap", "slip")
     springs, rows = table(

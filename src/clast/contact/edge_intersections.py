@@ -97,14 +97,14 @@ def with_crossings(
     lost = lost_contacts(memory, rows, vertex, vertex_block.take(edge))
     if is_any(lost):
         key = pair_keys(vertex_block[memory.vertex[lost]], memory.block[lost], width)
-        carried = np.isin(pair_keys(*pairs.T, width), key)
+        carried = np.isin(pair_keys(pairs[:, 0], pairs[:, 1], width), key)
     floor = SHALLOW_CROSSING * critdis
     crossings = unseen(polygons, box, pairs, chosen, (PENETRATION_UNDONE, floor), carried)
     if not len(crossings[0]):
         return chosen
     which, of_pair = np.unique(crossings[3], return_inverse=True)
     key = pair_keys(vertex_block[memory.vertex], memory.block, width)
-    keys = pair_keys(*pairs[which].T, width)
+    keys = pair_keys(pairs[which, 0], pairs[which, 1], width)
     at = np.minimum(np.searchsorted(keys, key), len(which) - 1)
     closed = (keys[at] == key) & (memory.gap < 0.0)
     depth = np.zeros(len(which))

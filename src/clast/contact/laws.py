@@ -321,19 +321,11 @@ def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
     limits = law.limits(contacts)
-    normal = Clipped(
-        at_zero=contacts.rest_force + contacts.multiplier,
-        stiffness=limits.normal_stiffness,
-        low=-limits.tension,
-        high=limits.tension + np.inf,  # an array of infinities by one call
+    at_zero, endless = contacts.rest_force + contacts.multiplier, limits.tension + np.inf
+    return (
+        Clipped(at_zero, limits.normal_stiffness, -limits.tension, endless),
+        Clipped(contacts.shear_force, limits.shear_stiffness, -limits.strength, limits.strength),
     )
-    shear = Clipped(
-        at_zero=contacts.shear_force,
-        stiffness=limits.shear_stiffness,
-        low=-limits.strength,
-        high=limits.strength,
-    )
-    return normal, shear
 
 
 CONTACTS_OF_A_BLOCK = 4.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.contact.clipped_spring import Forces, Rows, Springs, clipped_from
+from clast.contact.clipped_spring import Clipped, Forces, Rows, Springs
 from clast.linear.system import DiagonalTerms, contact_motions
 from clast.minimise.islands import islands_of, put_back, taken_out
 from clast.minimise.potential import Point, Potential
@@ -67,8 +67,8 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         pairs=pairs,
         gap=gap,
         slip=slip,
-        normal=clipped_from(*both[:4]),
-        shear=clipped_from(*both[4:]),
+        normal=Clipped(*both[:4]),
+        shear=Clipped(*both[4:]),
     )
     opened, slipped = contact_motions(springs, unknowns)
     springs = changed(springs, gap=gap - opened, slip=slip - slipped)

@@ -121,14 +121,6 @@ def test_a_section_yields_on_its_curve_and_goes_to_the_ledger(tmp_path: Path):
     assert "largest utilisation: 1" in picture
 
 
-def test_other_processes_are_warned_of_static_motions():
-    builder = beam(end="free")
-    builder.motion(name="push", block="beam/20", y=-0.01)
-    given = {**STATIC, "end": 0.1, "process": "open-close"}
-    said = " ".join(clast.simulate(builder.build(), **given).report.warnings)
-    assert "motions are prescribed in a static run" in said
-
-
 @pytest.mark.parametrize("process", ["open-close", "modified"])
 @pytest.mark.parametrize(
     ("turned", "mirrored", "push"), [(0.0, False, {"y": -0.1}), (90.0, True, {"x": -0.1})]
@@ -265,21 +257,10 @@ def test_a_lining_there_from_the_start_bears_its_share_of_the_stress_in_situ(tur
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
-    "rock": ({"opening": "hole"}, "lies in rock: block 'core'"),
-    "opening": ({"opening": "hol", "stage": "line"}, "there is no opening 'hol'"),
-    "joint": ({"polyline": [(8.0, 8.0), (9.0, 8.0)], "joint": "bnd"}, "there is no joint 'bnd'"),
     "crossing": ({"polyline": [(0.0, -2.0), (0.0, 2.0)], "stage": "line"}, "crosses lining"),
     "itself": (
         {"polyline": [(4.0, 4.0), (6.0, 4.0), (6.0, 6.0), (5.0, 6.0), (5.0, 3.5)]},
         "crosses itself",
-    ),
-    "curvature": (
-        {"polyline": [(8.0, 8.0), (9.0, 8.0), (9.0, 8.05), (8.0, 8.05)]},
-        "beyond the radius of curvature",
-    ),
-    "corner": (
-        {"polyline": [(8.0, 8.0), (8.05, 8.0), (8.05, 9.0)], "thickness": 0.12},
-        "beyond the radius of curvature",
     ),
     "name": ({"opening": "hole", "stage": "line", "name": "shell"}, "two linings with that name"),
     "part": (

@@ -30,7 +30,7 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.contact.clipped_spring import Clipped, Rows, Springs, table
+from clast.contact.clipped_spring import Clipped, Rows, Springs, no_springs, table
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.barton_bandis import mobilised, rough_contacts, stress_on
 from clast.contact.laws import SpringLaw, clipped
@@ -123,12 +123,9 @@ class Asperities:
         begun = np.where(keeps, t + kappa * n, np.clip(begun, -np.abs(t), np.abs(t)))
         return Pair(
             flank=Clipped(
-                at_zero=n - lifts * begun,
-                stiffness=k * p / whole,
-                low=low - lifts * side,
-                high=np.full(len(rows), np.inf),
+                n - lifts * begun, k * p / whole, low - lifts * side, np.full(len(rows), np.inf)
             ),
-            slider=Clipped(at_zero=begun, stiffness=whole, low=least, high=most),
+            slider=Clipped(begun, whole, least, most),
             lifts=lifts,
             slips=k / whole,
             keeps=keeps,
@@ -138,18 +135,17 @@ class Asperities:
 
     def links(self, contacts: Contacts) -> Springs:
         """Return links for flanks or for sliders (k,), without springs yet."""
-        none = np.zeros(len(self.rows))
-        nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
-        found, _ = table(
+        nothing = no_springs(len(self.rows))
+        links, _ = table(
             vertex_block=contacts.vertex_block[self.rows],
             edge_block=contacts.edge_block[self.rows],
             arms=contacts.arms[self.rows],
-            gap=none,
-            slip=none,
+            gap=nothing.at_zero,
+            slip=nothing.at_zero,
             normal=nothing,
             shear=nothing,
         )
-        return found
+        return links
 
     def put(
         self, springs: Springs, among: Rows, both: tuple[Clipped, Clipped], contacts: Contacts
@@ -159,8 +155,7 @@ class Asperities:
         ``both`` are normal and shear springs (m,).
         """
         rows, kappa, pair = self.rows, self.slope[self.rows, None], self.pair(both, contacts)
-        none = np.zeros(len(rows))
-        nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
+        nothing = no_springs(len(rows))
         normal = contacts.arms[rows, :2]
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         flank = normal - kappa * along
@@ -188,9 +183,9 @@ class Asperities:
         rows, pair = self.rows, self.pair(clipped(self.law, contacts), contacts)
         flank = forces[0][self.flanks] / np.hypot(1.0, self.slope[rows])
         slider = forces[1][self.sliders] / np.hypot(pair.lifts, pair.slips)
-        found = forces[0][among].copy()
-        found[rows] = flank + pair.lifts * slider
-        return found
+        normal = forces[0][among].copy()
+        normal[rows] = flank + pair.lifts * slider
+        return normal
 
     # --- the law
 
@@ -267,12 +262,8 @@ class Asperities:
 
 def _along(spring: Clipped, size: Floats) -> Clipped:
     """Return a spring along unit vectors that acts along others of a ``size`` (k,)."""
-    return Clipped(
-        at_zero=size * spring.at_zero,
-        stiffness=size**2 * spring.stiffness,
-        low=size * spring.low,
-        high=size * spring.high,
-    )
+    at_zero, stiffness, low, high = spring.arrays
+    return Clipped(size * at_zero, size**2 * stiffness, size * low, size * high)
 
 
 def as_pressed(joints: JointTable, contacts: Contacts) -> Contacts:

@@ -31,7 +31,7 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.actions.holding_forces import HoldingForces
+from clast.actions.loads import HoldingForces
 from clast.contact.laws import carried_over
 from clast.model.model import Bools, Floats, Model
 from clast.model.stage_records import Mechanism, Mover
