@@ -14,7 +14,7 @@ from clast.errors import CaseError
 
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
-    from clast.study.collapsing.trial import Trial
+    from clast.study.collapsing.search import Trial
     from clast.study.fitting.fitting import Fit
     from clast.study.folder import StudyFolder
     from clast.study.statistics import Sensitivities, StudyResults

@@ -218,7 +218,7 @@ class Description:
         if self.fit is not None:
             content["fit"] = vars(self.fit)
             content["observe"] = [one.row() for one in self.observe]
-        empty = ("", {}, [])
+        empty: tuple[Any, ...] = ("", {}, [])
         return case_text.to_toml({key: one for key, one in content.items() if one not in empty})
 
     @cached_property

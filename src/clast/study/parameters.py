@@ -126,7 +126,7 @@ def _check_default(
         if not rest or isinstance(default, BaseModel | str):
             return
         # as a case file writes it, by the value that it has where it is left out
-        kinds = {tuple: f"'{key}'", list: f"[[{key}]]", dict: f"[{key}.NAME]"}
+        kinds: dict[type, str] = {tuple: f"'{key}'", list: f"[[{key}]]", dict: f"[{key}.NAME]"}
         what = kinds.get(type(default), f"[{key}]")
     elif here:
         remedy = advice(key, [str(one) for one in here], kind="key")

@@ -33,7 +33,7 @@ from clast.study.folder import StudyFolder, writing
 from clast.study.parameters import given_case
 from clast.study.statistics import columns_of
 from clast.study.trial_table import TrialTable
-from clast.study.work import check_study, keep_worst
+from clast.study.work import Bench, check_study, keep_worst
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,7 +185,7 @@ def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
         with writing(folder.path):
             folder.tidy()
             left, total = sum(1 for _ in mine()), len(range(first, study.n + 1, count))
-            driver = Driver(folder, ThisProcess.of(folder), how.watch)
+            driver = Driver(folder, ThisProcess(Bench.of(folder)), how.watch)
             driver.make(_forget(folder, mine()), left, total)
         return
     with folder.driven(), workers_of(folder, how.executor, how.workers, how.scheduler) as workers:

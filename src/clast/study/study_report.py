@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,7 @@ def write_report(folder: StudyFolder) -> Path:
         page.head("How failure depends on the parameters")
         path = page.pictures / "failure-tornado.png"
         label = "share of the runs that fail"
-        page.figures(lambda: _tornado(columns, units, share, label, path))
+        page.figures(partial(_tornado, columns, units, share, label, path))
         _influence(page, columns, units, share)
     if study.kind == SWEEP:
         _write_sweep(page, folder, columns, units)
@@ -125,7 +126,7 @@ def _write_sweep(page: Page, folder: StudyFolder, columns: StudyResults, units: 
             page.head(f"Influence of the parameters on {name}")
             label = f"mean of {_labelled(study, name)}"
             path = page.pictures / f"{file_stem(name)}-tornado.png"
-            page.figures(lambda v=values, a=label, p=path: _tornado(columns, units, v, a, p))
+            page.figures(partial(_tornado, columns, units, values, label, path))
             _influence(page, columns, units, values)
     write_runs(page, folder, columns, units)
 
@@ -180,11 +181,15 @@ def write_curves(page: Page, columns: StudyResults, units: Units, name: str) -> 
         path = page.pictures / f"{file_stem(name or 'failure')}-sweep-{k}.png"
         caption = f"{grid.label} against {', '.join(one.label for one in grid.axes)}"
         kind = "figures wide" if len(grid.axes) > 2 else "figures"
-        page.figures(lambda g=grid, p=path, c=caption: [(draw_sweep(g, p), c)], kind)
+        page.figures(partial(_sweep, grid, path, caption), kind)
         count = panels_in(grid)
         if count > MOST_PANELS:
             shown = f"The first {MOST_PANELS} of {count} matrices"
             page.remark(f"{shown}; all runs are in {trial_table.CSV}.")
+
+
+def _sweep(grid: SweepGrid, path: Path, caption: str) -> list[tuple[Path, str]]:
+    return [(draw_sweep(grid, path), caption)]
 
 
 def write_runs(page: Page, folder: StudyFolder, columns: StudyResults, units: Units) -> None:
@@ -216,7 +221,7 @@ def _write_montecarlo(page: Page, columns: StudyResults, units: Units) -> None:
             page.say("No run has a value of it.")
         else:
             page.table(spread.HEADS, [spread.row])
-        page.figures(lambda name=name: _figures(page, columns, units, name))
+        page.figures(partial(_figures, page, columns, units, name))
         _influence(page, columns, units, values)
         try:
             indices = sensitivities(columns, values)

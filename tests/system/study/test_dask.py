@@ -127,7 +127,7 @@ def test_an_executor_of_a_local_cluster_gives_the_same_table(slab, tmp_path):
 
 def test_a_scheduler_without_workers_is_said(slab, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(executors, "BEGINS", 1)
+    monkeypatch.setattr(executors, "WORKER_TIMEOUT", 1)
     study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"})
     with cluster(tmp_path, workers=0) as (address, _), pytest.raises(CaseError, match="no worker"):
         study.run(tmp_path / "part", n=2, scheduler=address)

@@ -202,8 +202,8 @@ def test_a_study_goes_on_with_the_trials_that_are_there(slab, tmp_path, monkeypa
     with pytest.raises(KeyboardInterrupt):
         clast.factor_of_safety(slab.file, folder=tmp_path / "part", watch=interrupted)
     counted = []
-    real = module.tried
-    monkeypatch.setattr(module, "tried", lambda *given: counted.append(1) or real(*given))
+    real = module.run_trial
+    monkeypatch.setattr(module, "run_trial", lambda *given: counted.append(1) or real(*given))
     found = clast.factor_of_safety(slab.file, folder=tmp_path / "part")
     assert found.trials == whole.trials
     assert len(counted) == len(whole.trials) - 4
@@ -241,13 +241,13 @@ def test_undecided_is_only_what_a_longer_trial_leaves_undecided(slab, monkeypatc
     """Short trials of the modified process, which has not come to its end near the limit."""
     by = reduction.ScaledStrength()
     settings = ["method.process=modified", "time.end=0.05"]
-    start = trial.standing(clast.Case.from_toml(slab.file, settings), by)
+    start = trial.settle_standing(clast.Case.from_toml(slab.file, settings), by)
     found = {}
     for steps in (30, 60):
-        monkeypatch.setattr(reduction, "STATIC_STEPS", steps)
+        monkeypatch.setattr(reduction, "STATIC_STEPS_MIN", steps)
         start.trials.clear()
         for share in (-0.1, -0.01, -1e-3, 1e-3, 0.01, 0.1):
-            one, _ = trial.tried(start, by, float(slab.factor()) * (1.0 + share))
+            one = trial.run_trial(start, by, float(slab.factor()) * (1.0 + share))
             truth = trial.STANDS if share < 0.0 else trial.FAILED
             assert one.verdict in (truth, trial.UNDECIDED), (steps, share)
             found[steps, share] = one

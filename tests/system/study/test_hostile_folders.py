@@ -340,7 +340,7 @@ def ended_process() -> int:
 def test_folders_of_killed_array_tasks_are_tidied(tmp_path):
     study().run(tmp_path / "s", how=HowMade(array=(2, 3)))
     shard, host = tmp_path / "s/runs/0000", socket.gethostname()
-    old = time.time() - 2 * folders.STALE
+    old = time.time() - 2 * folders.STALE_AFTER
     for number, machine, process, age in [
         (1, host, ended_process(), None),  # nobody goes on with it
         (3, host, ended_process(), None),

@@ -11,8 +11,8 @@ import clast
 from clast.results import read_results
 from clast.study.collapsing import trial
 from clast.study.collapsing.collapse_report import write_collapse
+from clast.study.collapsing.reduction import reduction
 from clast.study.folder import RUN_FILE, StudyFolder
-from clast.study.report_page import FIGURES, REPORT
 
 
 @pytest.fixture
@@ -45,12 +45,12 @@ def test_an_undecided_trial_keeps_its_run_and_draws_its_curves(
     assert found.undecided and not found.is_settled
     folder = StudyFolder.opened(tmp_path / "out")
     text = write_collapse(folder, found).read_text(encoding="utf-8")
-    assert (tmp_path / "out" / REPORT).exists()
+    assert (tmp_path / "out" / "report.html").exists()
     for factor in found.undecided:
         number = next(k for k, one in enumerate(found.trials, 1) if one.factor == factor)
         assert found.trials[number - 1].longer
         assert f"Trial {number}, F = {factor:.6g}: undecided" in text
-        assert (tmp_path / "out" / FIGURES / f"undecided-{number}.png").stat().st_size > 5000
+        assert (tmp_path / "out" / "figures" / f"undecided-{number}.png").stat().st_size > 5000
         steps = read_results(folder.place(number) / RUN_FILE).steps
         assert len(steps["travel"]) >= found.trials[number - 1].steps > 0
     assert "nothing is known of it" in text
@@ -71,5 +71,5 @@ def test_a_trial_is_repeated_by_its_case(column: Path, tmp_path: Path) -> None:
 
 def test_a_smaller_step_of_the_case_is_kept(column: Path) -> None:
     case = clast.Case.from_toml(column, ["time.max_displacement=2e-5"])
-    content = trial.in_short_steps(trial.content_of(case), case.model())
-    assert content["time"]["max_displacement"] == 2e-5
+    start = trial.settle_standing(case, reduction("strength"))
+    assert start.content["time"]["max_displacement"] == 2e-5

@@ -132,9 +132,9 @@ def go_on(folder: StudyFolder, made: HowMade = USUAL, watch: Watch | None = None
         workers_of(folder, made.executor, made.workers, made.scheduler) as workers,
     ):
         if made.retry:
-            for result in folder.results():
-                if result["status"] != DONE:
-                    folder.forget(result["run"])
+            for one in folder.results():
+                if one["status"] != DONE:
+                    folder.forget(one["run"])
         fitting = Fitting(
             scales=tuple(map(ParameterScale.of, study.vary)),
             observations=study.observe,
