@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import shapely
@@ -26,59 +25,43 @@ from clast.rockmass.tidying import (
     straighten,
 )
 
-SHORT = 4.0
-"""Edges shorter than this many cells are collapsed whatever is asked for: rounding."""
-THIN = 4.0
-"""Blocks thinner than this many cells are merged whatever is asked for: they are rounding."""
+CELLS_OF_ROUNDING = 4.0
+"""Shorter edges are collapsed, and thinner blocks merged, whatever is asked for."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Anchors:
-    """Nodes that lie on outlines, and the points of the exact outlines that they stand for."""
+def anchors(
+    net: Noded, used: Ints, rank: Ints, ends: Floats, on_grid: tuple[Floats, float]
+) -> tuple[Ints, tuple[Floats, ...]]:
+    """Return the constraint of each node (nn,), and where each may be, m, (nn, 2), the best first.
 
-    held: Ints
-    """Constraint of each node:  FREE, ON_OUTLINE or CORNER, shape (nn,)."""
-    places: tuple[Floats, ...]
-    """Where each node may be, m, shapes (nn, 2), the best first: at corners and crossings of the
-    exact outlines, anywhere on them, on the grid."""
-
-
-def anchors(found: Noded, used: Ints, rank: Ints, ends: Floats, grid: Floats) -> Anchors:
-    """Return which nodes outlines hold, and where these are exactly.
-
+    Places are corners and crossings of the exact outlines, anywhere on them, and on the grid.
     ``used`` are the nodes that edges have left: where an outline is sharp, its corner and the first
     node beside it may have fallen together.  ``rank`` (n,) is 0 for lines that are not outlines, 1
     for those between rock and rock, 2 for those of the rock itself: where more outlines than two
-    fall together, nodes are on these.  ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the
-    nodes on the grid, in m.
+    fall together, nodes are on these.  ``ends`` (n, 2, 2) are all lines, ``on_grid`` the nodes on
+    the grid (nn, 2) and the size of a cell, in m.
     """
-    count = len(found.xy)
-    piece, line = found.of[rank[found.of[:, 1]] > 0].T
-    node = np.unique(np.stack([found.edge[piece].reshape(-1), np.repeat(line, 2)], axis=1), axis=0)
+    grid, cell = on_grid
+    piece, line = net.of[rank[net.of[:, 1]] > 0].T
+    node = np.unique(np.stack([net.edge[piece].reshape(-1), np.repeat(line, 2)], axis=1), axis=0)
     node = node[np.isin(node[:, 0], used)]
     # Of the outlines of a node the one of the highest rank is the last.
     node, line = node[np.lexsort((node[:, 1], rank[node[:, 1]], node[:, 0]))].T
-    start, way = ends[line, 0], ends[line, 1] - ends[line, 0]
-    share = ((grid[node] - start) * way).sum(axis=1) / (way**2).sum(axis=1)
+    start, along = ends[line, 0], ends[line, 1] - ends[line, 0]
+    share = ((grid[node] - start) * along).sum(axis=1) / (along**2).sum(axis=1)
     beside = grid.copy()
-    beside[node] = start + np.clip(share, 0.0, 1.0)[:, None] * way
+    beside[node] = start + np.clip(share, 0.0, 1.0)[:, None] * along
     exact = beside.copy()
-    held = np.where(np.bincount(node, minlength=count) > 0, ON_OUTLINE, FREE)
+    held = np.where(np.bincount(node, minlength=len(net.xy)) > 0, ON_OUTLINE, FREE)
     # Of the nodes that two outlines share one is their crossing; the others may move onto it.
     held[_cross(exact, node, line, (ends, rank))] = CORNER
     # A node next to an end of an outline's line is its corner.
     for end in (0, 1):
         corner = ends[line, end]
-        near = np.abs(corner - grid[node]).max(axis=1) <= 0.5001 * _cell(found, grid)
+        near = np.abs(corner - grid[node]).max(axis=1) <= 0.5001 * cell
         exact[node[near]] = corner[near]
         held[node[near]] = CORNER
-    return Anchors(held=held, places=(exact, beside, grid))
-
-
-def _cell(found: Noded, grid: Floats) -> float:
-    """Return the size of a cell, m."""
-    cells = np.ptp(found.xy, axis=0).max()
-    return float(np.ptp(grid, axis=0).max() / cells) if cells else 1.0
+    return held, (exact, beside, grid)
 
 
 def _cross(exact: Floats, node: Ints, line: Ints, lines: tuple[Floats, Ints]) -> Ints:
@@ -88,28 +71,23 @@ def _cross(exact: Floats, node: Ints, line: Ints, lines: tuple[Floats, Ints]) ->
     """
     ends, rank = lines
     nearest: dict[tuple[int, int], tuple[float, int, Floats]] = {}
-    for k, other_k in _pairs_of_one(node):
-        pair = int(line[k]), int(line[other_k])
-        (a, b), (c, d) = ends[pair[0]], ends[pair[1]]
-        one, other = b - a, d - c
-        cross = one[0] * other[1] - one[1] * other[0]
-        if abs(cross) > 1e-6 * np.hypot(*one) * np.hypot(*other):
-            share = ((c[0] - a[0]) * other[1] - (c[1] - a[1]) * other[0]) / cross
-            crossing = a + share * one
-            gap = float(np.hypot(*(crossing - exact[node[k]])))
-            nearest[pair] = min(nearest.get(pair, (np.inf, 0, crossing)), (gap, node[k], crossing))
+    start = np.flatnonzero(np.r_[True, node[1:] != node[:-1]][: len(node)])
+    for first, last in pairwise([*start, len(node)]):
+        for k, other_k in combinations(range(first, last), 2):
+            pair = int(line[k]), int(line[other_k])
+            (a, b), (c, d) = ends[pair[0]], ends[pair[1]]
+            one, other = b - a, d - c
+            cross = one[0] * other[1] - one[1] * other[0]
+            if abs(cross) > 1e-6 * np.hypot(*one) * np.hypot(*other):
+                share = ((c[0] - a[0]) * other[1] - (c[1] - a[1]) * other[0]) / cross
+                crossing = a + share * one
+                gap = float(np.hypot(*(crossing - exact[node[k]])))
+                before = nearest.get(pair, (np.inf, 0, crossing))
+                nearest[pair] = min(before, (gap, node[k], crossing))
     for pair in sorted(nearest, key=lambda both: (rank[both[0]] + rank[both[1]], both)):
         _, where, crossing = nearest[pair]
         exact[where] = crossing
     return np.array([where for _, where, _ in nearest.values()], np.int64)
-
-
-def _pairs_of_one(node: Ints) -> Iterator[tuple[int, int]]:
-    """Yield all pairs of entries with the same node; ``node`` (k,) is in order."""
-    start = np.flatnonzero(np.r_[True, node[1:] != node[:-1]][: len(node)])
-    end = np.r_[start[1:], len(node)]
-    for first, last in zip(start, end, strict=True):
-        yield from combinations(range(first, last), 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,13 +117,27 @@ def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: fl
 
     ``held`` (nn,) is the constraint of each node, ``joint`` (n,) the joint of each line.
     """
-    tiling, size2, half = _tiling(graph, held)
-    shortest = max(shortest, SHORT)
-    thin = max(0.5 * shortest, THIN)
+    faces = loops_of(graph)
+    node = faces.nodes(graph).tolist()
+    side = faces.sides(graph)
+    blocks = np.flatnonzero((side != NOTHING) & (faces.area2 > 0))
+    edges = [tuple(pair) for pair in np.sort(graph.edge, axis=1).tolist()]
+    tiling = Tiling(
+        xy=[tuple(at) for at in graph.xy.tolist()],
+        held=held.tolist(),
+        loops=[node[faces.start[b] : faces.start[b + 1]] for b in blocks],
+        group=side[blocks].tolist(),
+        line=dict(zip(edges, graph.line.tolist(), strict=True)),
+        outline={e for e, barrier in zip(edges, graph.barrier.tolist(), strict=True) if barrier},
+    )
+    shortest = max(shortest, CELLS_OF_ROUNDING)
+    thin = max(0.5 * shortest, CELLS_OF_ROUNDING)
     smallest2 = max(smallest2, 1.0)
     short = np.sort(graph.edge[graph.lengths < shortest], axis=1)
     left = collapse(tiling, [(a, b) for a, b in short.tolist()], shortest)
     # A block is no narrower than half its area over half its perimeter.
+    half = 0.5 * np.add.reduceat(graph.lengths[faces.half >> 1], faces.start[:-1])[blocks]
+    size2 = faces.area2[blocks]
     small = np.flatnonzero((size2 < smallest2) | (0.25 * size2 < thin * half))
     kept = merge(tiling, {*small.tolist(), *tiling.changed}, smallest2, thin)
     near = {edge for b in tiling.changed for edge in edges_of(tiling.loops[b])}
@@ -153,38 +145,16 @@ def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: fl
     kept = merge(tiling, tiling.changed | kept, smallest2, thin)
     straighten(tiling, [*joint.tolist(), WELD])
     loops = [loop for loop in tiling.loops if loop]
-    node = np.array([n for loop in loops for n in loop], np.int64)
-    after = np.array([n for loop in loops for n in [*loop[1:], loop[0]]], np.int64)
-    low, high = np.minimum(node, after).tolist(), np.maximum(node, after).tolist()
     return Tidied(
         start=np.cumsum([0, *(len(loop) for loop in loops)]),
-        node=node,
-        line=np.array([tiling.line[edge] for edge in zip(low, high, strict=True)], np.int64),
+        node=np.array([n for loop in loops for n in loop], np.int64),
+        line=np.array([tiling.line[edge] for loop in loops for edge in edges_of(loop)], np.int64),
         group=np.array([g for g, loop in zip(tiling.group, tiling.loops, strict=True) if loop]),
         collapsed=np.array(tiling.collapsed, np.int64).reshape(-1, 2),
         merged=np.array(tiling.merged, np.int64).reshape(-1, 2),
         short_edges=len(left),
         small_blocks=len(kept),
     )
-
-
-def _tiling(graph: Graph, held: Ints) -> tuple[Tiling, Ints, Floats]:
-    """Return the blocks of a graph, twice their areas, cells2, and half their perimeters, cells."""
-    loops = loops_of(graph)
-    half = 0.5 * np.add.reduceat(graph.lengths[loops.half >> 1], loops.start[:-1])
-    node = loops.nodes(graph).tolist()
-    side = graph.side[loops.half >> 1, loops.half & 1][loops.start[:-1]]
-    blocks = np.flatnonzero((side != NOTHING) & (loops.area2 > 0))
-    edges = [tuple(pair) for pair in np.sort(graph.edge, axis=1).tolist()]
-    tiling = Tiling(
-        xy=[tuple(at) for at in graph.xy.tolist()],
-        held=held.tolist(),
-        loops=[node[loops.start[b] : loops.start[b + 1]] for b in blocks],
-        group=side[blocks].tolist(),
-        line=dict(zip(edges, graph.line.tolist(), strict=True)),
-        outline={e for e, barrier in zip(edges, graph.barrier.tolist(), strict=True) if barrier},
-    )
-    return tiling, loops.area2[blocks], half[blocks]
 
 
 def sound(vertices: Floats, start: Ints) -> Bools:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,9 @@ from clast.errors import ModelError
 from clast.model.arrays import areas, following, polygons_of
 from clast.model.model import Floats, Ints
 from clast.rockmass.block_loops import Tidied
-from clast.rockmass.cut_lines import PLACES, LineTable, SetLines, Site
-from clast.rockmass.estimate import SizeLimits
+from clast.rockmass.cut_lines import PLACES_NAMED, LineTable, SetLines, Site
 from clast.rockmass.faces import Whole
-from clast.rockmass.noding import SHORT_OF, Noded
+from clast.rockmass.noding import CELLS_SHORT_OF, Noded
 from clast.rockmass.planar import Graph
 
 
@@ -35,7 +35,7 @@ class Finding:
 
 def finding(places: Floats, count: int | None = None, length: float = 0.0) -> Finding:
     """Return a finding with its first places (k, 2), m."""
-    some = np.asarray(places, float).reshape(-1, 2)[:PLACES]
+    some = np.asarray(places, float).reshape(-1, 2)[:PLACES_NAMED]
     return Finding(
         count=len(places) if count is None else count,
         places=tuple((float(x), float(y)) for x, y in some),
@@ -147,38 +147,44 @@ class CutReport:
         return asdict(self)
 
 
-WRONG_AREA = 1e-9
-"""Sums of areas that differ by more than this share from the domain are said to."""
-
-
 @dataclass(frozen=True, kw_only=True)
-class Before:
-    """Numbers known before the cut."""
+class CutLines:
+    """All lines before they meet, and what is known of them."""
 
+    site: Site
+    """The domain to cut."""
     lines: Sequence[SetLines]
     """Joint sets, then drawn traces."""
-    limits: SizeLimits
-    """Smallest edges and blocks."""
+    tables: Sequence[LineTable]
+    """Tables of all lines, the boundary last."""
+    smallest_edge: float
+    """Shorter edges are collapsed, m."""
+    smallest_block: float
+    """Smaller blocks are merged, m2."""
     estimate: int
-    """Blocks that were expected."""
+    """Blocks that are expected."""
     snapped: Floats
     """Points that were moved to others, m, shape (k, 2)."""
     notes: tuple[str, ...]
     """Other changes to the input, and omissions."""
+
+    @cached_property
+    def ends(self) -> Floats:
+        """Ends of all lines, m, about the origin of the cut, shape (n, 2, 2)."""
+        return np.concatenate([one.ends for one in self.tables])
+
+    @cached_property
+    def table(self) -> Ints:
+        """Table of each line, shape (n,)."""
+        return np.repeat(np.arange(len(self.tables)), [len(one.ends) for one in self.tables])
 
 
 @dataclass(frozen=True, kw_only=True)
 class CutRecord:
     """All that a cut went through."""
 
-    site: Site
-    """The domain and its lines."""
-    before: Before
-    """Numbers known before the cut."""
-    tables: Sequence[LineTable]
-    """Tables of lines, the boundary last."""
-    table: Ints
-    """Table of each line, shape (n,)."""
+    lines: CutLines
+    """Its lines."""
     joint: Ints
     """Joint of each table."""
     net: Noded
@@ -197,11 +203,11 @@ class CutRecord:
 
 def report_of(work: CutRecord) -> CutReport:
     """Return the report of a cut."""
-    at, blocks = work.site, work.blocks
+    lines, at, blocks = work.lines, work.lines.site, work.blocks
     area = areas(work.vertices, blocks.start)
-    after = following(blocks.start)
-    edge = np.hypot(*(work.vertices[after] - work.vertices).T)
-    domain_area = _rock_area(at)
+    edge = np.hypot(*(work.vertices[following(blocks.start)] - work.vertices).T)
+    voids = shapely.unary_union([one.polygon for one in at.openings if one.given.excavated])
+    domain_area = at.window.area - float(shapely.intersection(voids, at.window.polygon).area)
     total = float(np.sum(area))
     error = (total - domain_area) / domain_area
 
@@ -212,7 +218,7 @@ def report_of(work: CutRecord) -> CutReport:
     loose = finding(place(work.loose))
     return CutReport(
         blocks=len(area),
-        estimate=work.before.estimate,
+        estimate=lines.estimate,
         domain_area=domain_area,
         area=total,
         area_error=error,
@@ -220,8 +226,8 @@ def report_of(work: CutRecord) -> CutReport:
         edge_length=sizes(edge),
         aspect=sizes(_aspects(work)),
         tolerance=at.grid,
-        smallest_edge=work.before.limits.smallest_edge,
-        smallest_block=work.before.limits.smallest_block,
+        smallest_edge=lines.smallest_edge,
+        smallest_block=lines.smallest_block,
         sets=_sets(work),
         dangling=finding(
             place(work.dangling.middles), length=float(work.dangling.lengths.sum()) * at.grid
@@ -231,36 +237,35 @@ def report_of(work: CutRecord) -> CutReport:
         merged=finding(place(merged), count=work.whole.island_blocks + len(blocks.merged)),
         rings=finding(place(work.whole.split)),
         coincident=_coincident(work),
-        snapped=finding(work.before.snapped),
+        snapped=finding(lines.snapped),
         short_edges=blocks.short_edges,
         small_blocks=blocks.small_blocks,
-        notes=(*work.before.notes, *_checked(error, at)),
+        notes=(*lines.notes, *_area_note(error, at)),
         warnings=_loose_ends(loose, at.grid),
     )
 
 
-def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
+def _loose_ends(loose: Finding, grid: float) -> tuple[str, ...]:
     """Warn of ends that stop just short of another line: blocks are one that should be two."""
-    if found.count == 0:
+    if loose.count == 0:
         return ()
-    places = ", ".join(place_text(at, grid) for at in found.places)
-    more = f" and {found.count - len(found.places)} more" if found.count > PLACES else ""
-    ends = "an end of a line stops" if found.count == 1 else f"{found.count} ends of lines stop"
+    places = ", ".join(place_text(at, grid) for at in loose.places)
+    rest = loose.count - len(loose.places)
+    more = f" and {rest} more" if rest else ""
+    ends = "an end of a line stops" if loose.count == 1 else f"{loose.count} ends of lines stop"
     return (
-        f"cut: {ends} less than {SHORT_OF * grid:.3g} m short of another line and cut nothing "
-        f"there, so that blocks stay in one piece: {places}{more}. Draw lines so that they meet "
-        "where they should, or raise"
-        f" domain.tolerance ({grid:.3g} m): ends within it join",
+        f"cut: {ends} less than {CELLS_SHORT_OF * grid:.3g} m short of another line and cut "
+        f"nothing there, so that blocks stay in one piece: {places}{more}. Draw lines so that they "
+        f"meet where they should, or raise domain.tolerance ({grid:.3g} m): ends within it join",
     )
 
 
-def _checked(error: float, at: Site) -> tuple[str, ...]:
+def _area_note(error: float, at: Site) -> tuple[str, ...]:
     """Return a note where areas differ by no more than the grid explains; ModelError for more."""
-    if abs(error) <= WRONG_AREA:
+    if abs(error) <= 1e-9:
         return ()
-    outlines = [at.window.polygon, *at.polygons(at.opening_outlines)]
-    rounding = at.grid * sum(one.length for one in outlines) / at.window.area
-    if abs(error) > rounding:
+    length = at.window.polygon.length + sum(one.polygon.length for one in at.openings)
+    if abs(error) > at.grid * length / at.window.area:
         raise ModelError(
             f"the areas of the blocks differ from that of the domain by {error:+.2g} of it",
             where="domain",
@@ -273,23 +278,12 @@ def _checked(error: float, at: Site) -> tuple[str, ...]:
     )
 
 
-def _rock_area(at: Site) -> float:
-    """Return the area of the domain without voids, m2."""
-    voids = [
-        polygon
-        for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True)
-        if one.excavated
-    ]
-    if not voids:
-        return at.window.area
-    inside = shapely.intersection(shapely.unary_union(voids), at.window.polygon)
-    return at.window.area - float(inside.area)
-
-
 def _aspects(work: CutRecord) -> Floats:
     """Return longer over shorter side of the smallest rectangle about each block, shape (nb,)."""
     start = work.blocks.start
-    boxes = shapely.minimum_rotated_rectangle(polygons_of(work.vertices - work.site.origin, start))
+    boxes = shapely.minimum_rotated_rectangle(
+        polygons_of(work.vertices - work.lines.site.origin, start)
+    )
     at, of = shapely.get_coordinates(boxes, return_index=True)
     first = np.searchsorted(of, np.arange(len(start) - 1))
     one, other = (np.hypot(*(at[first + k + 1] - at[first + k]).T) for k in (0, 1))
@@ -306,26 +300,27 @@ def _sets(work: CutRecord) -> tuple[SetReport, ...]:
     here = work.blocks.node
     once = (here < after) & (work.blocks.line >= 0)
     length = np.hypot(*(work.net.xy[after[once]] - work.net.xy[here[once]]).T.astype(float))
-    kept = np.zeros(len(work.tables))
-    np.add.at(kept, work.table[work.blocks.line[once]], length)
-    found = [_set(one, [one], kept, work) for one in work.before.lines if one.plan is not None]
-    traces: dict[str, list[SetLines]] = {}
-    for one in work.before.lines:
-        if one.plan is None:
-            traces.setdefault(one.name, []).append(one)
-    found += [_set(some[0], some, kept, work) for some in traces.values()]
-    return tuple(found)
+    kept = np.zeros(len(work.lines.tables))
+    np.add.at(kept, work.lines.table[work.blocks.line[once]], length)
+    # Joint sets one by one, and drawn traces of one name together.
+    groups: dict[tuple[str, bool], list[int]] = {}
+    for k, one in enumerate(work.lines.lines):
+        groups.setdefault((one.name, one.plan is None), []).append(k)
+    ordered = sorted(groups.items(), key=lambda group: group[0][1])
+    return tuple(
+        _set([work.lines.lines[k] for k in some], sum(kept[some].tolist()) * work.lines.site.grid)
+        for _, some in ordered
+    )
 
 
-def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: CutRecord) -> SetReport:
-    plan, area = first.plan, first.window.area
+def _set(some: Sequence[SetLines], kept: float) -> SetReport:
+    """Return the statistics of one set, of whose lines the length ``kept``, m, became edges."""
+    plan, area = some[0].plan, some[0].window.area
     ends = np.concatenate([one.ends for one in some])
-    lengths = _lengths(ends)
-    total = float(lengths.sum())
-    carried = float(_lengths(first.carriers).sum())
-    left = sum(float(kept[one.table]) for one in some) * work.site.grid
+    total = float(_lengths(ends).sum())
+    carried = float(_lengths(some[0].carriers).sum())
     return SetReport(
-        name=first.name,
+        name=some[0].name,
         lines=len(ends),
         length=total,
         p21=total / area,
@@ -333,7 +328,7 @@ def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: CutRecor
         p10=frequency(ends, mean_normal(ends), area),
         persistence=total / carried if carried > 0.0 else 1.0,
         persistence_asked=1.0 if plan is None else float(plan.persistence),
-        kept=min(left / total, 1.0),
+        kept=min(kept / total, 1.0),
     )
 
 
@@ -342,8 +337,8 @@ def mean_normal(ends: Floats) -> Floats:
 
     Lines have no sense of direction: angles are doubled before their mean is taken.
     """
-    way = ends[:, 1] - ends[:, 0]
-    double = 2.0 * np.arctan2(way[:, 1], way[:, 0])
+    along = ends[:, 1] - ends[:, 0]
+    double = 2.0 * np.arctan2(along[:, 1], along[:, 0])
     length = _lengths(ends)
     angle = 0.5 * np.arctan2((length * np.sin(double)).sum(), (length * np.cos(double)).sum())
     return np.array([-np.sin(angle), np.cos(angle)])
@@ -355,21 +350,21 @@ def frequency(ends: Floats, scanline: Floats, area: float) -> float:
     All parallel scanlines over ``area`` together meet a line over its width across them:
     P10 = sum |l x m| / A (Crofton; for isotropic lines 2 P21/pi).
     """
-    way = ends[:, 1] - ends[:, 0]
-    return float(np.abs(way[:, 0] * scanline[1] - way[:, 1] * scanline[0]).sum() / area)
+    along = ends[:, 1] - ends[:, 0]
+    return float(np.abs(along[:, 0] * scanline[1] - along[:, 1] * scanline[0]).sum() / area)
 
 
 def _coincident(work: CutRecord) -> Finding:
     """Return the edges on which lines of different joints coincide, boundaries not counted."""
-    table = work.table[work.net.of[:, 1]]
-    inner = np.array([one.joint is not None for one in work.tables])[table]
+    at, table = work.lines.site, work.lines.table[work.net.of[:, 1]]
+    inner = np.array([one.joint is not None for one in work.lines.tables])[table]
     piece, joint = work.net.of[inner, 0], work.joint[table[inner]]
     low = np.full(len(work.net.edge), np.iinfo(np.int64).max)
     high = np.full(len(work.net.edge), -1)
     np.minimum.at(low, piece, joint)
     np.maximum.at(high, piece, joint)
     both = np.flatnonzero((high >= 0) & (low != high))
-    ends = work.net.xy[work.net.edge[both]] * work.site.grid
+    ends = work.net.xy[work.net.edge[both]] * at.grid
     middle = ends.mean(axis=1)
-    inside = shapely.contains_xy(work.site.window.polygon, middle[:, 0], middle[:, 1])
-    return finding(middle[inside] + work.site.origin, length=float(_lengths(ends[inside]).sum()))
+    inside = shapely.contains_xy(at.window.polygon, middle[:, 0], middle[:, 1])
+    return finding(middle[inside] + at.origin, length=float(_lengths(ends[inside]).sum()))

@@ -5,8 +5,8 @@
     domain = Domain(boundary=[(0, 0), (10, 0), (10, 8), (0, 8)], rock="granite")
     bedding = JointSet(name="bedding", angle=30.0, spacing=1.3, joint="bedding")
     cross = JointSet(name="cross", angle=115.0, spacing=0.9, origin=(0.2, 0.1))
-    found = cut(domain, [bedding, cross])
-    print(found.report.blocks)
+    blocks = cut(domain, [bedding, cross])
+    print(blocks.report.blocks)
 
 Lines are drawn, clipped and met on a grid; edges that border no face are taken out; the remaining
 faces are tidied on shared nodes, so that neighbours agree and nothing is lost.
@@ -26,10 +26,9 @@ from clast.model.arrays import following, owners, polygons_of
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass import block_loops as block_loops
 from clast.rockmass.cut_lines import (
-    OVER,
-    TOGETHER,
+    CELLS_BEYOND,
+    CELLS_TOGETHER,
     WELDED,
-    LineTable,
     Site,
     joints_of,
     plan_of,
@@ -37,18 +36,17 @@ from clast.rockmass.cut_lines import (
     site,
     tables,
     trace_lines,
+    turned,
 )
-from clast.rockmass.cut_report import Before, CutRecord, CutReport, report_of
+from clast.rockmass.cut_report import CutLines, CutRecord, CutReport, report_of
 from clast.rockmass.domain import Domain, Opening, Region, Trace
-from clast.rockmass.estimate import SizeLimits, check_counted, check_expected, limits_of
-from clast.rockmass.faces import NOTHING, FaceOutlines, Whole, sided, without_holes
+from clast.rockmass.estimate import check_counted, check_expected, limits_of
+from clast.rockmass.faces import NOTHING, ROCK, Whole, sided, without_holes
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE
 from clast.rockmass.noding import Noded, Snapped, loose_ends, noded, snapped
 from clast.rockmass.planar import Graph, bordering, straightened
-
-MOST_REVERTS = 20
 
 Stages = Callable[[str], AbstractContextManager[None]]
 """Returns the context of a stage of the cut, by its name: entered at its start, left at its end."""
@@ -118,66 +116,30 @@ def cut(
     not finite, sets that cut nothing, more blocks than ``Domain.most_blocks``.
     """
     with stages("lines"):
-        at = site(domain, openings, regions)
-        found, before = _drawn(at, sets, traces, seed, patterns)
-    return _cut(at, found, before, stages)
-
-
-def _drawn(
-    at: Site,
-    sets: Sequence[JointSet],
-    traces: Sequence[Trace],
-    seed: int,
-    patterns: Sequence[BlockPattern],
-) -> tuple[list[LineTable], Before]:
-    """Return all lines by their tables, and the numbers known before they meet."""
-    for one in sets:
-        one.check()
-    most_blocks = at.domain.most_blocks
-    check_expected(sets, [plan_of(at, one, NONE) for one in sets], patterns, most_blocks)
-    drawn = trace_lines(at, traces, len(sets))
-    lines = [*set_lines(at, sets, drawn.lines, seed), *drawn.lines]
-    found = tables(at, sets, lines, traces, patterns)
-    estimate = check_counted(found, sets, most_blocks)
-    return found, Before(
-        lines=lines,
-        limits=limits_of(at, lines, patterns),
-        estimate=estimate,
-        snapped=np.concatenate([at.snapped, drawn.snapped]),
-        notes=(*at.turned, *drawn.notes),
-    )
-
-
-def _cut(at: Site, found: Sequence[LineTable], before: Before, stages: Stages) -> Cut:
-    ends = np.concatenate([one.ends for one in found])
-    table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
-    names, joint = joints_of(found)
-    rank = _ranks(at, found)[table]
+        lines = _drawn(site(domain, openings, regions), sets, traces, seed, patterns)
+    at, ends = lines.site, lines.ends
+    names, joint = joints_of(lines.tables)
+    rank = _ranks(lines)
     with stages("noding"):
         met = _met(at, ends, int((rank == 0).sum()))
         net = noded(met.ends, met.carrier, met.on)
-        graph = _graph(net, joint[table], rank > 0)
+        graph = _graph(net, joint[lines.table], rank > 0)
         graph = graph.only(~_in_one_block(at, graph))
+    smallest2 = 2.0 * lines.smallest_block / at.grid**2
     with stages("faces"):
-        whole, dangling = _faces(at, graph, before.limits)
-        _check_left(at, whole)
+        whole, dangling = _faces(at, graph, smallest2)
     with stages("tidying"):
-        grid = on_grid(net.xy, at)
-        held = block_loops.anchors(net, np.unique(whole.graph.edge), rank, ends + at.origin, grid)
+        on_grid = _on_grid(net.xy, at), at.grid
+        held, places = block_loops.anchors(
+            net, np.unique(whole.graph.edge), rank, ends + at.origin, on_grid
+        )
         blocks = block_loops.tidied(
-            whole.graph,
-            held.held,
-            joint[table],
-            before.limits.smallest_edge / at.grid,
-            2.0 * before.limits.smallest_block / at.grid**2,
+            whole.graph, held, joint[lines.table], lines.smallest_edge / at.grid, smallest2
         )
     with stages("vertices"):
-        vertices = _vertices(blocks, held.places, at.grid)
+        vertices = _vertices(blocks, places, at.grid)
     work = CutRecord(
-        site=at,
-        before=before,
-        tables=found,
-        table=table,
+        lines=lines,
         joint=joint,
         net=net,
         whole=whole,
@@ -189,6 +151,35 @@ def _cut(at: Site, found: Sequence[LineTable], before: Before, stages: Stages) -
     return _assembled(work, names, stages)
 
 
+def _drawn(
+    at: Site,
+    sets: Sequence[JointSet],
+    traces: Sequence[Trace],
+    seed: int,
+    patterns: Sequence[BlockPattern],
+) -> CutLines:
+    """Return all lines by their tables, and the numbers known before they meet."""
+    for one in sets:
+        one.check()
+    most_blocks = at.domain.most_blocks
+    check_expected(sets, [plan_of(at, one, NONE) for one in sets], patterns, most_blocks)
+    drawn, moved, notes = trace_lines(at, traces)
+    lines = [*set_lines(at, sets, drawn, seed), *drawn]
+    by_table = tables(at, sets, lines, traces, patterns)
+    estimate = check_counted(by_table, sets, most_blocks)
+    smallest_edge, smallest_block = limits_of(at, lines, patterns)
+    return CutLines(
+        site=at,
+        lines=lines,
+        tables=by_table,
+        smallest_edge=smallest_edge,
+        smallest_block=smallest_block,
+        estimate=estimate,
+        snapped=np.concatenate([at.snapped, moved]),
+        notes=(*turned(at), *notes),
+    )
+
+
 def _met(at: Site, ends: Floats, free: int) -> Snapped:
     """Return all lines (n, 2, 2), in cells, with their ends on the lines that they end at.
 
@@ -198,14 +189,15 @@ def _met(at: Site, ends: Floats, free: int) -> Snapped:
     lines = ends / at.grid
     x, y = ends[:free].reshape(-1, 2).T
     outer = ~shapely.contains_xy(at.window.polygon, x, y).reshape(-1, 2)
-    found = snapped(lines[:free], lines[free:], 1.0, outer)
-    return replace(found, ends=np.concatenate([found.ends, lines[free:]]))
+    met = snapped(lines[:free], lines[free:], 1.0, outer)
+    return replace(met, ends=np.concatenate([met.ends, lines[free:]]))
 
 
-def _ranks(at: Site, found: Sequence[LineTable]) -> Ints:
-    """Return 2 for tables that are outlines of the rock, 1 for those of openings in it, else 0."""
-    cut = [1 + one.excavated for one in at.openings if one.cut]
-    return np.array([*[0] * (len(found) - len(cut) - 1), *cut, 2], np.int64)
+def _ranks(lines: CutLines) -> Ints:
+    """Return 2 for lines that are outlines of the rock, 1 for those of openings in it, else 0."""
+    cut = [1 + one.given.excavated for one in lines.site.openings if one.given.cut]
+    before = len(lines.tables) - len(cut) - 1
+    return np.array([*[0] * before, *cut, 2], np.int64)[lines.table]
 
 
 def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
@@ -229,44 +221,41 @@ def _in_one_block(at: Site, graph: Graph) -> Bools:
     """Return which edges lie inside of regions that are one block, outlines left out, (ne,)."""
     inside = np.zeros(len(graph.edge), np.bool_)
     x, y = graph.middles.T
-    for one, polygon in zip(at.regions, at.polygons(at.region_outlines), strict=True):
-        if one.one_block:
-            # What is nearer to the outline than its own pieces may be is one of them.
-            inside |= shapely.contains_xy(_in_cells(at, polygon).buffer(-TOGETHER), x, y)
+    for one in at.regions:
+        if one.given.one_block:
+            # What is nearer to the outline than its pieces may be is one of them.
+            inner = _in_cells(at, one.polygon).buffer(-CELLS_TOGETHER)
+            inside |= shapely.contains_xy(inner, x, y)
     return inside & ~graph.barrier
 
 
-def _faces(at: Site, graph: Graph, limits: SizeLimits) -> tuple[Whole, Graph]:
+def _faces(at: Site, graph: Graph, smallest2: float) -> tuple[Whole, Graph]:
     """Return the faces without holes, and the edges that border nothing, which are taken out."""
-    place = FaceOutlines(
-        domain=_in_cells(at, at.window.polygon),
-        openings=[_in_cells(at, one) for one in at.polygons(at.opening_outlines)],
-        excavated=[one.excavated for one in at.openings],
-        cut=[one.cut for one in at.openings],
-    )
+    # Later openings go before earlier ones, and voids before all.
+    kinds = [
+        (NOTHING if one.given.excavated else number, _in_cells(at, one.polygon))
+        for number, one in enumerate(at.openings)
+        if one.given.cut
+    ]
+    kinds.sort(key=lambda kind: kind[0] == NOTHING)
+    kinds.insert(0, (ROCK, _in_cells(at, at.window.polygon)))
     border = bordering(graph)
     dangling = graph.only(~border)
-    graph = sided(graph.only(border), place)
+    graph = sided(graph.only(border), kinds)
     graph = straightened(graph.only((graph.side != NOTHING).any(axis=1)))
     # Edges that fell together enclose nothing any more.
     while not (border := bordering(graph)).all():
         graph = straightened(graph.only(border))
-    graph = sided(graph, place)
-    smallest2 = 2.0 * limits.smallest_block / at.grid**2
-    return without_holes(graph, smallest2), _inside(at, dangling)
-
-
-def _check_left(at: Site, whole: Whole) -> None:
-    """Refuse openings that leave nothing of the domain."""
-    if (whole.graph.side != NOTHING).any():
-        return
-    voids = [one.where for one in at.openings if one.excavated]
-    raise ModelError(
-        "nothing is left of the domain",
-        where=voids[0] if len(voids) == 1 else "openings that are void from the start",
-        remedy="make it smaller, or the domain larger; or let a stage excavate it: excavated = "
-        "false",
-    )
+    whole = without_holes(sided(graph, kinds), smallest2)
+    if not (whole.graph.side != NOTHING).any():
+        voids = [one.given.where for one in at.openings if one.given.excavated]
+        raise ModelError(
+            "nothing is left of the domain",
+            where=voids[0] if len(voids) == 1 else "openings that are void from the start",
+            remedy="make it smaller, or the domain larger; or let a stage excavate it: excavated = "
+            "false",
+        )
+    return whole, _inside(at, dangling)
 
 
 def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:
@@ -280,14 +269,14 @@ def _inside(at: Site, dangling: Graph) -> Graph:
     short as that are of clast's own making.
     """
     x, y = (dangling.middles * at.grid).T
-    inside = shapely.contains_xy(at.window.polygon, x, y) & (dangling.lengths > OVER + 2.0)
-    for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True):
-        if one.excavated:
-            inside &= ~shapely.contains_xy(polygon, x, y)
+    inside = shapely.contains_xy(at.window.polygon, x, y) & (dangling.lengths > CELLS_BEYOND + 2.0)
+    for one in at.openings:
+        if one.given.excavated:
+            inside &= ~shapely.contains_xy(one.polygon, x, y)
     return dangling.only(inside)
 
 
-def on_grid(xy: Ints, at: Site) -> Floats:
+def _on_grid(xy: Ints, at: Site) -> Floats:
     """Return nodes (nn, 2) in m: dividing by a whole number keeps decimals exact."""
     inverse = round(1.0 / at.grid)
     whole = inverse > 0 and abs(inverse * at.grid - 1.0) < 1e-12
@@ -304,13 +293,13 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
     worst = len(places) - 1
     owner = owners(blocks.start)
     after = following(blocks.start)
-    for _ in range(MOST_REVERTS):
+    for _ in range(20):
         vertices = at[choice[blocks.node], blocks.node]
         bad = ~block_loops.sound(vertices, blocks.start)
         movable = bad[owner] & (choice[blocks.node] < worst)
         if not movable.any():
             return vertices
-        short = np.hypot(*(vertices[after] - vertices).T) < block_loops.SHORT * grid
+        short = np.hypot(*(vertices[after] - vertices).T) < block_loops.CELLS_OF_ROUNDING * grid
         short[after] |= short.copy()
         first = movable & short
         # Blocks without short edges that can give way do so with all their nodes.
@@ -321,16 +310,21 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
 
 def _assembled(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
     """Return the blocks with rocks, joints and openings, as frozen arrays."""
-    blocks, at = work.blocks, work.site
+    blocks, at = work.blocks, work.lines.site
     with stages("blocks"):
-        rocks, rock = _rocks(work)
-        opening = np.where(blocks.group >= 0, blocks.group, _uncut_openings(work))
+        given = [at.domain.rock if o.given.rock is None else o.given.rock for o in at.regions]
+        rocks = tuple(dict.fromkeys([at.domain.rock, *given]))
+        rock = np.array([rocks.index(name) for name in (*given, at.domain.rock)], np.int64)
+        uncut = [k for k, one in enumerate(at.openings) if not one.given.cut]
+        lies_in = _owners(work, [at.openings[k].polygon for k in uncut])
         arrays = {
             "vertices": work.vertices,
             "block_start": blocks.start,
-            "rock": rock,
+            "rock": rock[_owners(work, [one.polygon for one in at.regions])],
             "edge_joint": _edge_joints(work, names),
-            "opening": opening,
+            "opening": np.where(
+                blocks.group >= 0, blocks.group, np.array([*uncut, -1], np.int64)[lies_in]
+            ),
         }
     for name, array in arrays.items():
         arrays[name] = np.ascontiguousarray(array)
@@ -341,7 +335,7 @@ def _assembled(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
         **arrays,
         rock_names=rocks,
         joint_names=names,
-        opening_names=tuple(one.name for one in at.openings),
+        opening_names=tuple(one.given.name for one in at.openings),
         report=report,
     )
 
@@ -352,26 +346,8 @@ def _edge_joints(work: CutRecord, names: tuple[str, ...]) -> Ints:
     here, there = blocks.node, blocks.node[following(blocks.start)]
     count = np.int64(here.max() + 1)
     shared = np.isin(here * count + there, there * count + here)
-    joint = np.append(work.joint[work.table], names.index(WELDED))[blocks.line]
+    joint = np.append(work.joint[work.lines.table], names.index(WELDED))[blocks.line]
     return np.where(shared, joint, -1)
-
-
-def _rocks(work: CutRecord) -> tuple[tuple[str, ...], Ints]:
-    """Return the names of all rocks, and the rock of each block (nb,): that of most of it."""
-    at = work.site
-    given = [at.domain.rock if one.rock is None else one.rock for one in at.regions]
-    names = tuple(dict.fromkeys([at.domain.rock, *given]))
-    owner = _owners(work, at.polygons(at.region_outlines))
-    index = np.array([names.index(name) for name in (*given, at.domain.rock)], np.int64)
-    return names, index[owner]
-
-
-def _uncut_openings(work: CutRecord) -> Ints:
-    """Return for each block the opening without cut outline that it lies in, -1, shape (nb,)."""
-    at = work.site
-    some = [k for k, one in enumerate(at.openings) if not one.cut]
-    polygons = at.polygons([at.opening_outlines[k] for k in some])
-    return np.array([*some, -1], np.int64)[_owners(work, polygons)]
 
 
 def _owners(work: CutRecord, polygons: Sequence[shapely.Polygon]) -> Ints:
@@ -380,16 +356,16 @@ def _owners(work: CutRecord, polygons: Sequence[shapely.Polygon]) -> Ints:
     count = len(blocks.group)
     if not polygons:
         return np.full(count, -1, np.int64)
-    shapes = polygons_of(work.vertices - work.site.origin, blocks.start)
+    shapes = polygons_of(work.vertices - work.lines.site.origin, blocks.start)
     area = shapely.area(shapes)
     number, block = shapely.STRtree(shapes).query(polygons, predicate="intersects")
     common = np.zeros(len(block))
     for k, polygon in enumerate(polygons):
-        own = np.flatnonzero(number == k)
+        near = np.flatnonzero(number == k)
         shapely.prepare(polygon)
-        inside = shapely.contains(polygon, shapes[block[own]])
-        common[own[inside]] = area[block[own[inside]]]
-        rest = own[~inside]
+        inside = shapely.contains(polygon, shapes[block[near]])
+        common[near[inside]] = area[block[near[inside]]]
+        rest = near[~inside]
         common[rest] = shapely.area(shapely.intersection(shapes[block[rest]], polygon))
     # Later regions go before earlier ones where both hold most of a block.
     best = np.full(count, -1, np.int64)

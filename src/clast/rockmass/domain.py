@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import shapely
 
 from clast.errors import ModelError, shortened
 from clast.model import ranges
-from clast.model.model import Bools, Floats
-
-FINEST = 1e-8
-"""Smallest tolerance as a share of the domain's diagonal: areas stay exact whole numbers."""
-COARSEST = 1e-3
-"""Largest tolerance as a share of the domain's diagonal."""
-
-MOST_CHORDS = 10_000
-"""Most straight edges of a circle."""
+from clast.model.model import Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,11 +49,12 @@ class Domain:
             # A power of ten leaves coordinates with few decimals what they are.
             return 10.0 ** math.floor(math.log10(1e-6 * diagonal) + 1e-9)
         share = _number(self.tolerance, "domain, tolerance") / diagonal
-        if not FINEST <= share <= COARSEST:
+        # Finer ones would leave areas that are no exact whole numbers.
+        if not 1e-8 <= share <= 1e-3:
             raise ModelError(
                 f"{self.tolerance:g} m is {share:.3g} times the diagonal of the domain",
                 where="domain, tolerance",
-                remedy=f"give {FINEST * diagonal:.3g} to {COARSEST * diagonal:.3g} m, or leave it "
+                remedy=f"give {1e-8 * diagonal:.3g} to {1e-3 * diagonal:.3g} m, or leave it "
                 f"out for {1e-6 * diagonal:.3g} m",
             )
         return float(self.tolerance)
@@ -147,14 +139,6 @@ class Trace:
         return np.stack([points[:-1], points[1:]], axis=1)
 
 
-class Shape(Protocol):
-    """The outline of an opening."""
-
-    def corners(self, where: str) -> Floats:
-        """Return its corners, m, shape (k, 2); ModelError where its numbers make no outline."""
-        ...
-
-
 def _positive(value: Any, where: str) -> float:
     number = _number(value, where)
     if number <= 0.0:
@@ -163,12 +147,16 @@ def _positive(value: Any, where: str) -> float:
     return number
 
 
+CHORDS_MAX = 10_000
+"""Most straight edges of a circle."""
+
+
 def _chords(value: int, where: str, least: int) -> int:
-    if not isinstance(value, int | np.integer) or not least <= value <= MOST_CHORDS:
+    if not isinstance(value, int | np.integer) or not least <= value <= CHORDS_MAX:
         raise ModelError(
             f"{value!r} is not a valid number of chords",
             where=where,
-            remedy=f"give {least} to {MOST_CHORDS}",
+            remedy=f"give {least} to {CHORDS_MAX}",
         )
     return int(value)
 
@@ -269,8 +257,7 @@ class Opening:
 
     name: str
     """Name."""
-    shape: Shape
-    """Circle, Horseshoe, Box or Polygon."""
+    shape: Circle | Horseshoe | Box | Polygon
     excavated: bool = False
     """True: void from the start; its outline is cut."""
     construction_joint: bool = True
@@ -292,11 +279,8 @@ class Opening:
         return outline(self.shape.corners(self.where), self.where)
 
 
-Points = Sequence[Sequence[float]] | Floats
-"""Points (k, 2), m."""
-
 STRAIGHT = 1e-13
-"""Corners that lie this near to a straight line, as a share of the outline's size, are none."""
+"""Corners that lie this near to a straight line, over the outline's size, are none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -350,12 +334,19 @@ def outline(points: Any, where: str) -> Outline:
     apart = np.hypot(*(corners - np.roll(corners, 1, axis=0)).T) > STRAIGHT * size
     corners = corners[apart]
     if len(corners) >= 3:
-        corners = corners[~_straight(corners, size)]
+        before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+        one, other = corners - before, after - corners
+        cross = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+        chord = np.maximum(np.hypot(*(after - before).T), STRAIGHT * size)
+        straight = (cross <= STRAIGHT * size * chord) & ((one * other).sum(axis=1) > 0.0)
+        corners = corners[~straight]
     middle = corners.mean(axis=0) if len(corners) else np.zeros(2)
     polygon = shapely.Polygon(corners - middle) if len(corners) >= 3 else shapely.Polygon()
     if not shapely.is_valid(polygon):
+        place = re.search(r"\[(\S+) (\S+)\]", str(shapely.is_valid_reason(polygon)))
+        x, y = np.array(place.groups() if place else (0, 0), float) + middle
         raise ModelError(
-            f"crosses or touches itself{_place(polygon, middle)}",
+            "crosses or touches itself" + (f" at ({x:.9g}, {y:.9g})" if place else ""),
             where=where,
             remedy="order the points along the outline, each once",
         )
@@ -367,22 +358,3 @@ def outline(points: Any, where: str) -> Outline:
         )
     turned = not shapely.is_ccw(polygon.exterior)
     return Outline(corners=corners[::-1].copy() if turned else corners, turned=turned)
-
-
-def _straight(corners: Floats, size: float) -> Bools:
-    """Return True for corners between their neighbours on a straight line, shape (k,)."""
-    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
-    one, other = corners - before, after - corners
-    cross = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
-    chord = np.maximum(np.hypot(*(after - before).T), STRAIGHT * size)
-    straight: Bools = (cross <= STRAIGHT * size * chord) & ((one * other).sum(axis=1) > 0.0)
-    return straight
-
-
-def _place(polygon: Any, middle: Floats) -> str:
-    """Return where a polygon crosses itself, as words."""
-    found = re.search(r"\[(\S+) (\S+)\]", str(shapely.is_valid_reason(polygon)))
-    if found is None:
-        return ""
-    x, y = float(found[1]) + middle[0], float(found[2]) + middle[1]
-    return f" at ({x:.9g}, {y:.9g})"

@@ -4,48 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
 from clast.errors import ModelError
 from clast.model.arrays import connected
-from clast.model.model import Bools, Floats, Ints
+from clast.model.model import Floats, Ints
 from clast.rockmass.cut_lines import LineTable, SetLines, Site
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import Plan
-from clast.rockmass.joints.spacing_distributions import distribution
+from clast.rockmass.joints.spacing_distributions import number_or
 
-ROUGH = 3.0
+ROUGHLY = 3.0
 """Numbers that are only expected must exceed the limit this often before lines are drawn."""
-QUICK = 100_000.0
+LINES_AT_ONCE = 100_000.0
 """So many lines and crossings are drawn and counted at once, whatever the limit is."""
-BRUTE = 3000
-"""Up to this many lines all pairs are tried for crossings."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Expected:
-    """Blocks that lines make: those that grow with their number, and with its square."""
-
-    lines: float
-    """Lines, or cells."""
-    crossings: float
-    """Crossings between them."""
-
-    @property
-    def total(self) -> float:
-        """Blocks."""
-        return 1.0 + self.lines + self.crossings
-
-    def times(self, most: int) -> float:
-        """Return by which factor all spacings must grow for ``most`` blocks."""
-        # lines/k + crossings/k2 = most - 1
-        room = max(most - 1.0, 1.0)
-        root = math.sqrt(self.lines**2 + 4.0 * room * self.crossings)
-        return (self.lines + root) / (2.0 * room)
 
 
 def check_expected(
@@ -57,15 +32,11 @@ def check_expected(
     """
     for pattern in patterns:
         bricks = float(np.prod(pattern.bricks()))
-        if bricks > max(ROUGH * most, QUICK):
+        if bricks > max(ROUGHLY * most, LINES_AT_ONCE):
             times = math.sqrt(bricks / most)
-            raise ModelError(
-                f"about {bricks:.3g} blocks are expected, more than the {most:g} allowed",
-                where=f"{pattern.where}, brick",
-                remedy=f"give bricks {times:.3g} times as long and as high, or raise "
-                "domain.most_blocks",
-            )
-    lines = [one.model.blocks(plan) for one, plan in zip(sets, plans, strict=True)]
+            advice = f"give bricks {times:.3g} times as long and as high, or raise"
+            raise _too_many(bricks, most, f"{pattern.where}, brick", advice)
+    lines = float(sum(one.model.blocks(plan) for one, plan in zip(sets, plans, strict=True)))
     crossings = 0.0
     for k, one in enumerate(plans):
         for other in plans[: k + 1]:
@@ -75,10 +46,9 @@ def check_expected(
             share = 0.5 if one is other else 1.0
             area = min(one.window.area, other.window.area)
             crossings += share * turn * area * one.density * other.density
-    expected = _Expected(lines=float(sum(lines)), crossings=crossings)
-    if not expected.total <= max(ROUGH * most, QUICK):
-        where = sets[int(np.argmax([plan.density for plan in plans]))]
-        raise _too_many(expected, most, where)
+    if not 1.0 + lines + crossings <= max(ROUGHLY * most, LINES_AT_ONCE):
+        densest = sets[int(np.argmax([plan.density for plan in plans]))]
+        raise _too_dense(lines, crossings, most, densest)
 
 
 def check_counted(tables: Sequence[LineTable], sets: Sequence[JointSet], most: int) -> int:
@@ -91,35 +61,39 @@ def check_counted(tables: Sequence[LineTable], sets: Sequence[JointSet], most: i
     """
     # The last table is the boundary, which cuts nothing.
     inner, boundary = tables[:-1], tables[-1]
-    faces = sum(one.faces for one in inner)
-    total = 1 + round(faces) + _of_lines(inner, boundary)
+    total = 1 + round(sum(one.faces for one in inner)) + _of_lines(inner, boundary)
     if total > most:
         size = [len(one.ends) for one in inner]
         which = int(np.argmax(size))
-        where = sets[which] if which < len(sets) else inner[which].name
+        if which >= len(sets):
+            raise _too_many(total, most, f"'{inner[which].name}'", "remove lines; or raise")
         lines = float(min(sum(size), total - 1))
-        raise _too_many(_Expected(lines=lines, crossings=total - 1 - lines), most, where)
+        raise _too_dense(lines, total - 1 - lines, most, sets[which])
     return total
 
 
-def _too_many(expected: _Expected, most: int, where: JointSet | str) -> ModelError:
-    times = expected.times(most)
-    label, advice = f"'{where}'", "remove lines"
-    if isinstance(where, JointSet):
-        label = where.where
-        if where.intensity is not None:
-            advice = f"intensities of at most 1/{times:.3g} of those given ("
-            advice += f"{where.intensity / times:.3g} m/m2 for this set) would do"
-        else:
-            mean = None if where.spacing is None else distribution(where.spacing).mean
-            advice = f"spacings {times:.3g} times as large"
-            advice += f" ({mean * times:.3g} m for this set)" if mean else ""
-            advice += " would do"
+def _too_many(blocks: float, most: int, where: str, advice: str) -> ModelError:
     return ModelError(
-        f"about {expected.total:.3g} blocks are expected, more than the {most:g} allowed",
-        where=f"{label}, spacing" if isinstance(where, JointSet) else label,
-        remedy=f"{advice}; or raise domain.most_blocks",
+        f"about {blocks:.3g} blocks are expected, more than the {most:g} allowed",
+        where=where,
+        remedy=f"{advice} domain.most_blocks",
     )
+
+
+def _too_dense(lines: float, crossings: float, most: int, densest: JointSet) -> ModelError:
+    """Return the error of sets whose lines and crossings make more than ``most`` blocks."""
+    # Spacings k times as large do: lines/k + crossings/k2 = most - 1.
+    room = max(most - 1.0, 1.0)
+    times = (lines + math.sqrt(lines**2 + 4.0 * room * crossings)) / (2.0 * room)
+    if densest.intensity is not None:
+        advice = f"intensities of at most 1/{times:.3g} of those given ("
+        advice += f"{densest.intensity / times:.3g} m/m2 for this set)"
+    else:
+        spacing = number_or(densest.spacing)
+        advice = f"spacings {times:.3g} times as large"
+        advice += f" ({spacing.mean * times:.3g} m for this set)" if spacing else ""
+    where = f"{densest.where}, spacing"
+    return _too_many(1.0 + lines + crossings, most, where, f"{advice} would do; or raise")
 
 
 def _of_lines(tables: Sequence[LineTable], boundary: LineTable) -> int:
@@ -139,92 +113,62 @@ def _of_lines(tables: Sequence[LineTable], boundary: LineTable) -> int:
     # Lines that end at the boundary reach a little beyond it.
     domain = shapely.polygons(boundary.ends[:, 0])
     outer = ~shapely.contains_xy(domain, ends[free].reshape(-1, 2)).reshape(-1, 2)
-    parts = _hanging_on_nothing(
-        first, second, whole, np.isin(np.arange(len(ends)), free[outer.any(axis=1)])
-    )
+    # Parts that touch no boundary, outline, cell or course hang on nothing: the others on one more.
+    held = np.flatnonzero(whole | np.isin(np.arange(len(ends)), free[outer.any(axis=1)]))
+    one = np.concatenate([first, held])
+    other = np.concatenate([second, np.full(len(held), len(ends))])
+    parts = int(connected(one, other, len(ends) + 1).max())
     return int((~inside).sum()) + int(outer.sum()) - len(free) + parts
 
 
 def _pairs(ends: Floats) -> tuple[Ints, Ints]:
     """Return the pairs of lines (n, 2, 2) that meet, the lower number first, (k,) each."""
-    if len(ends) <= BRUTE:
-        first, second = np.triu_indices(len(ends), 1)
-        meet = _meeting(ends, first, second)
-        return first[meet], second[meet]
-    lines = shapely.linestrings(ends)
-    first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
-    once = first < second
-    return first[once], second[once]
-
-
-def _hanging_on_nothing(first: Ints, second: Ints, whole: Bools, at_rim: Bools) -> int:
-    """Return how many parts pairs of lines make that touch no boundary, outline, cell or course.
-
-    ``whole`` and ``at_rim`` (n,) mark the lines of those, and the lines that end at the boundary.
-    """
-    count = len(whole)
-    held = np.flatnonzero(whole | at_rim)
-    one, other = np.concatenate([first, held]), np.concatenate([second, np.full(len(held), count)])
-    return int(connected(one, other, count + 1).max())
-
-
-def _meeting(ends: Floats, first: Ints, second: Ints) -> Bools:
-    """Return whether lines (n, 2, 2) of pairs (k,) cross, shape (k,)."""
-    a, b = ends[first], ends[second]
+    if len(ends) > 3000:
+        lines = shapely.linestrings(ends)
+        first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
+        once = first < second
+        return first[once], second[once]
 
     def turn(line: Floats, at: Floats) -> Floats:
-        way, to = line[:, 1] - line[:, 0], at - line[:, 0]
-        return way[:, 0] * to[:, 1] - way[:, 1] * to[:, 0]
+        along, to = line[:, 1] - line[:, 0], at - line[:, 0]
+        return along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]
 
-    return (turn(a, b[:, 0]) * turn(a, b[:, 1]) <= 0.0) & (
-        turn(b, a[:, 0]) * turn(b, a[:, 1]) <= 0.0
-    )
-
-
-SHARE = 0.01
-"""Smallest edge as a share of the median spacing, where none is given."""
+    first, second = np.triu_indices(len(ends), 1)
+    a, b = ends[first], ends[second]
+    meet = turn(a, b[:, 0]) * turn(a, b[:, 1]) <= 0.0
+    meet &= turn(b, a[:, 0]) * turn(b, a[:, 1]) <= 0.0
+    return first[meet], second[meet]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SizeLimits:
-    """Smallest edges and blocks."""
+def limits_of(
+    at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]
+) -> tuple[float, float]:
+    """Return the smallest edge, m, and block, m2: those given, else by the spacing of the sets.
 
-    smallest_edge: float
-    """Shorter edges are collapsed, m."""
-    smallest_block: float
-    """Smaller blocks are merged, m2."""
-
-
-def limits_of(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> SizeLimits:
-    """Return the limits of a domain: those given, else by the median spacing of its sets.
-
-    Where only traces are drawn, their spacing is the area over their length.
+    An edge is a hundredth of their median; where only traces are drawn, their spacing is the area
+    over their length.
     """
-    domain = at.domain
-    edge, block = domain.smallest_edge, domain.smallest_block
+    edge, block = at.domain.smallest_edge, at.domain.smallest_block
     if edge is None:
-        edge = SHARE * _spacing(at, lines, patterns)
+        edge = 0.01 * _spacing(at, lines, patterns)
         if block is not None:
             edge = min(edge, 0.5 * math.sqrt(block))
-    if block is None:
-        block = (2.0 * edge) ** 2
-    return SizeLimits(smallest_edge=float(edge), smallest_block=float(block))
+    return float(edge), float((2.0 * edge) ** 2 if block is None else block)
 
 
 def _spacing(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> float:
-    found, traced = [], 0.0
+    spacings, traced = [], 0.0
     for one in lines:
         if one.plan is None:
             traced += float(np.hypot(*(one.ends[:, 1] - one.ends[:, 0]).T).sum())
         elif one.plan.spacing is not None:
-            found.append(one.plan.spacing.mean)
+            spacings.append(one.plan.spacing.mean)
         elif one.plan.intensity is not None:
-            found.append(1.0 / one.plan.intensity)
+            spacings.append(1.0 / one.plan.intensity)
         else:
-            found.append(math.sqrt(one.window.area / max(len(one.ends) / 3.0, 1.0)))
-    found += [float(np.min(one.brick)) for one in patterns]
-    if traced > 0.0 and not found:
-        area = at.window.area
-        found.append(min(area / traced, math.sqrt(area)))
+            spacings.append(math.sqrt(one.window.area / max(len(one.ends) / 3.0, 1.0)))
+    spacings += [float(np.min(one.brick)) for one in patterns]
+    if traced > 0.0 and not spacings:
+        spacings.append(min(at.window.area / traced, math.sqrt(at.window.area)))
     # Nothing cuts the domain but its openings: these have edges as short as they are meant.
-    return float(np.median(found)) if found else 0.0
+    return float(np.median(spacings)) if spacings else 0.0

@@ -20,7 +20,7 @@ from clast.model.arrays import connected, entries
 from clast.model.model import Floats, Ints
 from clast.rockmass.planar import WELD, Graph, Loops, loops_of, parts_of
 
-MOST_ROUNDS = 100
+ROUNDS_MAX = 100
 """Every round joins each hole to another loop at least; few rounds are ever needed."""
 
 
@@ -32,20 +32,6 @@ class NodeRing:
     """Nodes, shape (k,); where it touches the rest of the face, it does so with the first."""
     touching: bool
     """Whether it hangs on the rest of the face by one node."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FaceWithHoles:
-    """A face that is more than one simple loop."""
-
-    side: int
-    """Its kind: rock or the number of an opening."""
-    edges: Ints
-    """All its edges as pairs of nodes, shape (k, 2)."""
-    closing: Ints
-    """Those that have the face on one side only, shape (k, 2)."""
-    rings: Sequence[NodeRing]
-    """Loops that must be joined to the rest of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,15 +51,22 @@ class Whole:
 def without_holes(graph: Graph, smallest2: float) -> Whole:
     """Return the graph with welds; islands of less than ``smallest2`` (2 areas) are taken out."""
     graph, islands, blocks = _without_small_islands(graph, smallest2)
-    split: list[Ints] = []
-    for _ in range(MOST_ROUNDS):
-        faces = list(_faces_to_split(graph))
-        if not faces:
+    split: list[int] = []
+    for _ in range(ROUNDS_MAX):
+        before = len(split)
+        welds = _welds(graph, split)
+        if len(split) == before:
             at = graph.xy[np.array(split, np.int64)].astype(float).reshape(-1, 2)
             return Whole(graph=graph, islands=islands, island_blocks=blocks, split=at)
-        for face in faces:
-            split.extend(ring.nodes[0] for ring in face.rings)
-        graph = _with_welds(graph, faces)
+        count = len(welds)
+        graph = replace(
+            graph,
+            edge=np.concatenate([graph.edge, welds[:, :2]]),
+            line=np.append(graph.line, np.full(count, WELD)),
+            joint=np.append(graph.joint, np.full(count, WELD)),
+            barrier=np.append(graph.barrier, np.zeros(count, np.bool_)),
+            side=np.concatenate([graph.side, welds[:, [2, 2]]]),
+        )
     where = graph.xy[split[-1]]
     raise ModelError(
         f"the ring near cell ({where[0]}, {where[1]}) cannot be split into blocks",
@@ -99,91 +92,73 @@ def _without_small_islands(graph: Graph, smallest2: float) -> tuple[Graph, Float
     return graph.only(~loose), np.array(middles), int(blocks.sum())
 
 
-def _faces_to_split(graph: Graph) -> Iterator[FaceWithHoles]:
+def _welds(graph: Graph, split: list[int]) -> Ints:
+    """Return welds from all rings: both nodes, and the kind of their face, shape (k, 3).
+
+    A node of each ring is added to ``split``.
+    """
     loops = loops_of(graph)
     node = loops.nodes(graph)
-    side = graph.side[loops.half >> 1, loops.half & 1][loops.start[:-1]]
+    side = loops.sides(graph)
     owner = np.repeat(np.arange(len(side)), np.diff(loops.start))
     order = np.lexsort((node, owner))
     again = (np.diff(node[order]) == 0) & (np.diff(owner[order]) == 0)
     pinched = np.unique(owner[order[1:]][again])
     holder = holders(graph, loops)
     hole = np.flatnonzero((loops.area2 <= 0) & (holder >= 0))
-    split = np.union1d(holder[hole], pinched[loops.area2[pinched] > 0])
-    for shell in split[side[split] != NOTHING]:
+    shells = np.union1d(holder[hole], pinched[loops.area2[pinched] > 0])
+    welds: list[tuple[int, int, int]] = []
+    for shell in shells[side[shells] != NOTHING]:
         inner = hole[holder[hole] == shell]
-        yield _face(graph, loops, node, shell, inner)
+        entry = entries(loops.start, np.array([shell, *inner]))[0]
+        edge, count = np.unique(loops.half[entry] >> 1, return_counts=True)
+        # The closing edges of the face have it on one side only.
+        edges, closing = graph.edge[edge], graph.edge[edge[count == 1]]
+        for ring in _rings(graph, loops, node, shell, inner):
+            split.append(int(ring.nodes[0]))
+            for weld in _welds_of(ring, edges, closing, graph.xy):
+                welds.append((*weld, int(side[shell])))
+                edges = np.concatenate([edges, [weld]])
+    return np.array(welds, np.int64).reshape(-1, 3)
 
 
-def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> FaceWithHoles:
-    """Return one face by its outer loop and the loops of its holes."""
+def _rings(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> list[NodeRing]:
+    """Return the rings of a face that must be joined to the rest of it."""
 
-    def entries(loop: int) -> Ints:
-        return np.arange(loops.start[loop], loops.start[loop + 1])
+    def nodes(loop: int) -> Ints:
+        return node[loops.start[loop] : loops.start[loop + 1]]
 
-    loop = node[entries(shell)]
+    def area2(loop: Ints) -> int:
+        x, y = graph.xy[loop].T
+        return int((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+
+    loop = nodes(shell)
     # From its lowest node on, what is left at last is the outer loop, or hangs by its first node.
     lowest = int(np.lexsort(graph.xy[loop].T)[0])
     parts = [one for one in _simple(np.roll(loop, -lowest)) if len(one) > 2]
-    rings = [NodeRing(nodes=one, touching=True) for one in parts]
     # The outer one of the touching loops has the area; the others hang on it.
-    rings.pop(int(np.argmax([_area2(graph.xy[ring.nodes]) for ring in rings])))
+    parts.pop(int(np.argmax([area2(one) for one in parts])))
+    rings = [NodeRing(nodes=one, touching=True) for one in parts]
     for hole in inner:
-        rings.extend(NodeRing(nodes=one, touching=False) for one in _simple(node[entries(hole)]))
-    half = np.concatenate([loops.half[entries(loop)] for loop in (shell, *inner)])
-    first = loops.half[loops.start[shell]]
-    edge, count = np.unique(half >> 1, return_counts=True)
-    return FaceWithHoles(
-        side=int(graph.side[first >> 1, first & 1]),
-        edges=graph.edge[edge],
-        closing=graph.edge[edge[count == 1]],
-        rings=rings,
-    )
+        rings.extend(NodeRing(nodes=one, touching=False) for one in _simple(nodes(hole)))
+    return rings
 
 
 def _simple(loop: Ints) -> list[Ints]:
     """Return the simple loops that a loop of nodes (k,) is made of where it touches itself."""
-    found: list[Ints] = []
+    loops: list[Ints] = []
     path: list[int] = []
     place: dict[int, int] = {}
     for node in loop.tolist():
         if node in place:
-            cut = place[node]
-            found.append(np.array(path[cut:], np.int64))
-            for loose in path[cut:]:
+            first = place[node]
+            loops.append(np.array(path[first:], np.int64))
+            for loose in path[first:]:
                 del place[loose]
-            del path[cut:]
+            del path[first:]
         place[node] = len(path)
         path.append(node)
-    found.append(np.array(path, np.int64))
-    return found
-
-
-def _area2(xy: Ints) -> int:
-    after = np.roll(xy, -1, axis=0)
-    return int((xy[:, 0] * after[:, 1] - xy[:, 1] * after[:, 0]).sum())
-
-
-def _with_welds(graph: Graph, faces: Sequence[FaceWithHoles]) -> Graph:
-    """Return the graph with welds from every ring of the faces."""
-    welds: list[tuple[int, int]] = []
-    sides: list[int] = []
-    for face in faces:
-        edges = face.edges
-        for ring in face.rings:
-            for weld in _welds_of(ring, edges, face.closing, graph.xy):
-                welds.append(weld)
-                sides.append(face.side)
-                edges = np.concatenate([edges, [weld]])
-    count = len(welds)
-    return replace(
-        graph,
-        edge=np.concatenate([graph.edge, np.array(welds, np.int64).reshape(-1, 2)]),
-        line=np.concatenate([graph.line, np.full(count, WELD, np.int64)]),
-        joint=np.concatenate([graph.joint, np.full(count, WELD, np.int64)]),
-        barrier=np.concatenate([graph.barrier, np.zeros(count, np.bool_)]),
-        side=np.concatenate([graph.side, np.repeat(np.array(sides, np.int64), 2).reshape(-1, 2)]),
-    )
+    return [*loops, np.array(path, np.int64)]
 
 
 def _welds_of(ring: NodeRing, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tuple[int, int]]:
@@ -284,34 +259,6 @@ NOTHING = -2
 ROCK = -1
 """Side of an edge where rock is that belongs to no opening."""
 
-Geometries = NDArray[Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class FaceOutlines:
-    """The outlines that decide the kind of a face, as shapely polygons in cells."""
-
-    domain: Any
-    """The domain."""
-    openings: Sequence[Any]
-    """All openings; later ones go before earlier ones."""
-    excavated: Sequence[bool]
-    """Whether each of them is void from the start."""
-    cut: Sequence[bool]
-    """Whether the outline of each is cut."""
-
-    def side(self, point: Any) -> int:
-        """Return the kind of a point: nothing, rock, or the number of an opening."""
-        if not shapely.contains(self.domain, point):
-            return NOTHING
-        found = ROCK
-        for number, polygon in enumerate(self.openings):
-            if self.cut[number] and shapely.contains(polygon, point):
-                if self.excavated[number]:
-                    return NOTHING
-                found = number
-        return found
-
 
 def holders(graph: Graph, loops: Loops) -> Ints:
     """Return the loop around the face of each loop: itself, for a hole the one about it, or -1.
@@ -338,7 +285,7 @@ def holders(graph: Graph, loops: Loops) -> Ints:
     return holder
 
 
-def polygons(graph: Graph, loops: Loops, which: Ints) -> Geometries:
+def polygons(graph: Graph, loops: Loops, which: Ints) -> NDArray[Any]:
     """Return loops (k,) as shapely polygons without holes, in cells, shape (k,)."""
     entry, loop = entries(loops.start, which)
     at = graph.xy[loops.nodes(graph)[entry]].astype(float)
@@ -346,11 +293,12 @@ def polygons(graph: Graph, loops: Loops, which: Ints) -> Geometries:
     return np.asarray(shapely.polygons(rings))
 
 
-def sided(graph: Graph, place: FaceOutlines) -> Graph:
+def sided(graph: Graph, kinds: Sequence[tuple[int, Any]]) -> Graph:
     """Return the graph with the kinds of the faces on both sides of each edge.
 
     Faces between which no outline runs are alike: the largest of them decides for all, so that no
-    sliver along an outline is taken for something else.
+    sliver along an outline is taken for something else.  ``kinds`` are kinds and polygons of the
+    domain, which comes first, and of openings: what lies in several is of the last.
     """
     if len(graph.edge) == 0:
         return graph
@@ -369,5 +317,8 @@ def sided(graph: Graph, place: FaceOutlines) -> Graph:
         whole = polygons(graph, loops, np.array([shell]))[0]
         for hole in polygons(graph, loops, inner):
             whole = shapely.difference(whole, hole)
-        value[alike[shell]] = place.side(shapely.point_on_surface(whole))
+        point = shapely.point_on_surface(whole)
+        inside = [kind for kind, polygon in kinds if shapely.contains(polygon, point)]
+        # Outside of the domain is nothing, even in an opening.
+        value[alike[shell]] = inside[-1] if inside[:1] == [ROCK] else NOTHING
     return replace(graph, side=value[alike[side]])

@@ -20,12 +20,10 @@ from clast.model.arrays import connected
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.planar import Graph
 
-NEAR = 0.7072
-"""Pieces lie this near to their line, in cells: sqrt(1/2) and round-off."""
-NEARER_THAN = 2.0
-"""A piece that lies on no line belongs to those that are so near, in cells."""
-PIECE = 4.0
-"""Lines are looked up in parts as long as this many pieces."""
+CELLS_OFF_LINE = 0.7072
+"""Pieces lie this near to their line: sqrt(1/2) and round-off."""
+CELLS_SHORT_OF = 10.0
+"""Ends that are so near to a line are taken to be intended to lie on it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,10 +57,13 @@ def noded(ends: Floats, carrier: Ints | None = None, on: Floats | None = None) -
     parts = shapely.get_parts(united)
     parts = parts[shapely.get_type_id(parts) == 1]
     at, part = shapely.get_coordinates(parts, return_index=True)
-    xy, node = _unique_points(np.rint(at).astype(np.int64))
+    # Each point once, and which one every point is.
+    at = np.rint(at).astype(np.int64)
+    low = at.min(axis=0, initial=0)
+    key, node = np.unique((at[:, 0] - low[0]) << 32 | (at[:, 1] - low[1]), return_inverse=True)
+    xy = np.stack([(key >> 32) + low[0], (key & 0xFFFFFFFF) + low[1]], axis=1)
     along = np.flatnonzero(part[1:] == part[:-1])
-    pairs = np.stack([node[along], node[along + 1]], axis=1)
-    pairs = once(np.sort(pairs, axis=1))
+    pairs = once(np.sort(np.stack([node[along], node[along + 1]], axis=1), axis=1))
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     of = _sources(xy[pairs].astype(float), ends, whole, np.flatnonzero(longer))
     return Noded(xy=xy, edge=pairs, of=of)
@@ -71,8 +72,9 @@ def noded(ends: Floats, carrier: Ints | None = None, on: Floats | None = None) -
 def _lines(ends: Floats, used: Bools, carrier: Ints, on: Floats) -> Any:
     """Return those lines (n, 2, 2) that are used (n,) as linestrings through points on them."""
     count = len(ends)
-    way = ends[carrier, 1] - ends[carrier, 0]
-    share = ((on - ends[carrier, 0]) * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), 1e-300)
+    along = ends[carrier, 1] - ends[carrier, 0]
+    length2 = np.maximum((along**2).sum(axis=1), 1e-300)
+    share = ((on - ends[carrier, 0]) * along).sum(axis=1) / length2
     line = np.concatenate([np.arange(count), carrier, np.arange(count)])
     place = np.concatenate([np.full(count, -np.inf), share, np.full(count, np.inf)])
     points = np.concatenate([ends[:, 0], on, ends[:, 1]])
@@ -87,15 +89,6 @@ def once(pairs: Ints) -> Ints:
     return np.stack([key >> 32, key & 0xFFFFFFFF], axis=1)
 
 
-def _unique_points(at: Ints) -> tuple[Ints, Ints]:
-    """Return each point once (n, 2), and which one every point (k, 2) is (k,)."""
-    low = at.min(axis=0, initial=0)
-    key = (at[:, 0] - low[0]) << 32 | (at[:, 1] - low[1])
-    unique, index = np.unique(key, return_inverse=True)
-    points = np.stack([(unique >> 32) + low[0], (unique & 0xFFFFFFFF) + low[1]], axis=1)
-    return points, index.reshape(-1)
-
-
 def _sources(piece: Floats, line: Floats, whole: Floats, used: Ints) -> Ints:
     """Return pairs of piece (ne, 2, 2) and line (n, 2, 2) on which it lies, shape (k, 2).
 
@@ -106,7 +99,7 @@ def _sources(piece: Floats, line: Floats, whole: Floats, used: Ints) -> Ints:
     middle = piece.mean(axis=1)
     length = np.hypot(*(piece[:, 1] - piece[:, 0]).T)
     # Long lines are looked up in parts: the boxes of whole ones would hold all pieces.
-    part = max(PIECE * float(length.mean()), 8.0)
+    part = max(4.0 * float(length.mean()), 8.0)
     size = np.hypot(*(line[used, 1] - line[used, 0]).T)
     count = np.maximum(np.ceil(size / part), 1.0).astype(np.int64)
     of = np.repeat(used, count)
@@ -115,15 +108,16 @@ def _sources(piece: Floats, line: Floats, whole: Floats, used: Ints) -> Ints:
     corner = line[of, 0][:, None] + share[:, :, None] * (line[of, 1] - line[of, 0])[:, None]
     low, high = corner.min(axis=1) - 3.0, corner.max(axis=1) + 3.0
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
-    box, found = shapely.STRtree(shapely.points(middle)).query(boxes)
-    found, number = found, of[box]
-    apart = _apart(piece[found], line[number])
-    apart[~_beside(middle[found], whole[number])] = np.inf
-    near = apart <= NEAR
+    box, at = shapely.STRtree(shapely.points(middle)).query(boxes)
+    number = of[box]
+    apart = _apart(piece[at], line[number])
+    apart[~_beside(middle[at], whole[number])] = np.inf
+    near = apart <= CELLS_OFF_LINE
+    # A piece that lies on no line belongs to those that are within two cells.
     without = np.ones(len(piece), np.bool_)
-    without[found[near]] = False
-    near |= without[found] & (apart <= NEARER_THAN)
-    pairs = once(np.stack([found[near], number[near]], axis=1))
+    without[at[near]] = False
+    near |= without[at] & (apart <= 2.0)
+    pairs = once(np.stack([at[near], number[near]], axis=1))
     lacking = np.setdiff1d(np.arange(len(piece)), pairs[:, 0])
     if len(lacking):
         where = middle[lacking[0]]
@@ -137,25 +131,21 @@ def _sources(piece: Floats, line: Floats, whole: Floats, used: Ints) -> Ints:
 
 def _apart(piece: Floats, line: Floats) -> Floats:
     """Return how far pieces lie from lines (k, 2, 2): the further of both ends, cells, (k,)."""
-    start, way = line[:, 0], line[:, 1] - line[:, 0]
-    length = np.maximum(np.hypot(*way.T), 1e-300)
-    way = way / length[:, None]
+    start, unit = line[:, 0], line[:, 1] - line[:, 0]
+    length = np.maximum(np.hypot(*unit.T), 1e-300)
+    unit = unit / length[:, None]
     to = piece - start[:, None]
-    aside = to[:, :, 0] * way[:, None, 1] - to[:, :, 1] * way[:, None, 0]
-    along = (to * way[:, None]).sum(axis=2)
+    aside = to[:, :, 0] * unit[:, None, 1] - to[:, :, 1] * unit[:, None, 0]
+    along = (to * unit[:, None]).sum(axis=2)
     beyond = np.maximum(np.maximum(-along, along - length[:, None]), 0.0)
     return np.asarray(np.hypot(aside, beyond).max(axis=1))
 
 
 def _beside(middle: Floats, line: Floats) -> Bools:
     """Return whether points (k, 2) lie beside lines (k, 2, 2), and beyond neither end, (k,)."""
-    way = line[:, 1] - line[:, 0]
-    along = ((middle - line[:, 0]) * way).sum(axis=1)
-    return np.asarray((along > 0.0) & (along < (way**2).sum(axis=1)))
-
-
-ROUND_OFF = 1e-3
-"""Points that moved by less than this share of the reach have not been moved, to a reader."""
+    vector = line[:, 1] - line[:, 0]
+    along = ((middle - line[:, 0]) * vector).sum(axis=1)
+    return np.asarray((along > 0.0) & (along < (vector**2).sum(axis=1)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,7 +192,7 @@ def snapped(ends: Floats, edges: Floats, reach: float, still: Bools | None = Non
     along = shapely.line_locate_point(onto, shapely.points(point[moving]))
     place[moving] = shapely.get_coordinates(shapely.line_interpolate_point(onto, along))
     result = place[member[corners:]]
-    moved = np.hypot(*(result - point[corners:]).T) > ROUND_OFF * reach
+    moved = np.hypot(*(result - point[corners:]).T) > 1e-3 * reach
     return Snapped(
         ends=result.reshape(-1, 2, 2),
         moved=np.unique(point[corners:][moved], axis=0),
@@ -233,9 +223,9 @@ def through(corners: Floats, others: Floats, reach: float) -> tuple[Floats, Floa
     edge, point = shapely.STRtree(shapely.points(others)).query(
         shapely.linestrings(np.stack([corners, after], axis=1)), predicate="dwithin", distance=reach
     )
-    way = after[edge] - corners[edge]
-    length = np.hypot(*way.T)
-    share = ((others[point] - corners[edge]) * way).sum(axis=1) / np.maximum(length, 1e-300) ** 2
+    vector = after[edge] - corners[edge]
+    length = np.hypot(*vector.T)
+    share = ((others[point] - corners[edge]) * vector).sum(axis=1) / np.maximum(length, 1e-300) ** 2
     inner = (share * length > reach) & ((1.0 - share) * length > reach)
     edge, point, share = edge[inner], point[inner], share[inner]
     # Corners that several outlines have in common are met once.
@@ -246,10 +236,6 @@ def through(corners: Floats, others: Floats, reach: float) -> tuple[Floats, Floa
     place = np.concatenate([np.arange(len(corners)), edge + share])
     every = np.concatenate([corners, others[point]])
     return every[np.argsort(place, kind="stable")], others[point]
-
-
-SHORT_OF = 10.0
-"""Ends that are so near to a line, in cells, are taken to be intended to lie on it."""
 
 
 def loose_ends(net: Noded, dangling: Graph, ends: Floats, free: Bools) -> Floats:
@@ -266,11 +252,11 @@ def loose_ends(net: Noded, dangling: Graph, ends: Floats, free: Bools) -> Floats
     if len(line) == 0:
         return np.zeros((0, 2))
     away = np.abs(np.floor(ends[line] + 0.5) - net.xy[node][:, None]).max(axis=2)
-    own = away.min(axis=1) <= 1.0
-    line, at = line[own], ends[line, np.argmin(away, axis=1)][own]
+    ends_there = away.min(axis=1) <= 1.0
+    line, at = line[ends_there], ends[line, np.argmin(away, axis=1)][ends_there]
     lines = shapely.linestrings(ends)
     which, near = shapely.STRtree(lines).query(
-        shapely.points(at), predicate="dwithin", distance=SHORT_OF
+        shapely.points(at), predicate="dwithin", distance=CELLS_SHORT_OF
     )
     reached = shapely.dwithin(lines[line[which]], lines[near], 1.0)
     return np.unique(at[which[~reached]], axis=0)

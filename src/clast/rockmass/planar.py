@@ -70,11 +70,15 @@ class Loops:
         """Return the node at which each entry of ``half`` starts, shape (2 ne,)."""
         return np.asarray(graph.edge[self.half >> 1, self.half & 1])
 
+    def sides(self, graph: Graph) -> Ints:
+        """Return the kind of the face on the left of each loop, shape (nl,)."""
+        first = self.half[self.start[:-1]]
+        return np.asarray(graph.side[first >> 1, first & 1])
+
 
 def loops_of(graph: Graph) -> Loops:
     """Return the loops of a graph: every half-edge with the face on its left."""
-    following = _following(graph)
-    half, start = _walked(following)
+    half, start = _cycles(_following(graph))
     of = np.zeros(len(half), np.int64)
     of[half] = np.repeat(np.arange(len(start) - 1), np.diff(start))
     here = graph.xy[graph.edge[half >> 1, half & 1]]
@@ -88,10 +92,10 @@ def _following(graph: Graph) -> Ints:
     """Return the half-edge after each in its loop: at every node the next one clockwise."""
     count = 2 * len(graph.edge)
     origin = graph.edge.reshape(-1)
-    way = (graph.xy[graph.edge[:, 1]] - graph.xy[graph.edge[:, 0]])[:, None]
-    way = (way * np.array([[1], [-1]])).reshape(-1, 2)
-    angle = np.arctan2(way[:, 1].astype(float), way[:, 0].astype(float))
-    order = _settled(np.lexsort((angle, origin)), origin, way, angle)
+    along = (graph.xy[graph.edge[:, 1]] - graph.xy[graph.edge[:, 0]])[:, None]
+    along = (along * np.array([[1], [-1]])).reshape(-1, 2)
+    angle = np.arctan2(along[:, 1].astype(float), along[:, 0].astype(float))
+    order = _by_angle(np.lexsort((angle, origin)), origin, along, angle)
     first = np.r_[True, origin[order][1:] != origin[order][:-1]] if count else np.zeros(0, bool)
     start = np.flatnonzero(first)
     last = np.r_[start[1:], count] - 1
@@ -102,14 +106,13 @@ def _following(graph: Graph) -> Ints:
     return np.asarray(clockwise[np.arange(count) ^ 1])
 
 
-def _settled(order: Ints, origin: Ints, way: Ints, angle: Floats) -> Ints:
+def _by_angle(order: Ints, origin: Ints, along: Ints, angle: Floats) -> Ints:
     """Return the order (n,) with neighbours swapped where round-off of angles put them wrong."""
     order = order.copy()
     while True:
         one, other = order[:-1], order[1:]
-        close = (origin[one] == origin[other]) & (angle[other] - angle[one] < 1e-12)
-        at = np.flatnonzero(close)
-        a, b = way[order[at]], way[order[at + 1]]
+        at = np.flatnonzero((origin[one] == origin[other]) & (angle[other] - angle[one] < 1e-12))
+        a, b = along[order[at]], along[order[at + 1]]
         wrong = at[a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0]
         if len(wrong) == 0:
             return order
@@ -117,7 +120,7 @@ def _settled(order: Ints, origin: Ints, way: Ints, angle: Floats) -> Ints:
         order[wrong], order[wrong + 1] = order[wrong + 1], order[wrong].copy()
 
 
-def _walked(following: Ints) -> tuple[Ints, Ints]:
+def _cycles(following: Ints) -> tuple[Ints, Ints]:
     """Return the cycles of a permutation (n,) one after another (n,), and where each starts."""
     count = len(following)
     of = connected(np.arange(count), following, count)
@@ -223,25 +226,18 @@ def _with_nodes_between(graph: Graph, chain: Ints, outer: Ints, long: Ints) -> I
     of = np.flatnonzero(np.isin(chain, long))
     node = np.unique(np.stack([np.repeat(chain[of], 2), graph.edge[of].reshape(-1)], 1), axis=0)
     owner, node = node.T
-    first, way = graph.xy[outer[owner, 0]], graph.xy[outer[owner, 1]] - graph.xy[outer[owner, 0]]
-    to = graph.xy[node] - first
-    bent = np.unique(owner[to[:, 0] * way[:, 1] != to[:, 1] * way[:, 0]])
-    owner, inverse = owner[np.isin(owner, bent)], np.isin(owner, bent)
-    node, to, way = node[inverse], to[inverse], way[inverse]
+    first, last = graph.xy[outer[owner]].transpose(1, 0, 2)
+    to, chord = graph.xy[node] - first, last - first
+    bent = np.isin(owner, owner[to[:, 0] * chord[:, 1] != to[:, 1] * chord[:, 0]])
+    owner, node, to, chord = owner[bent], node[bent], to[bent], chord[bent]
     if len(owner) == 0:
-        return bent
-    order = np.lexsort(((to.astype(float) * way).sum(axis=1), owner))
-    rings = shapely.linearrings(graph.xy[node[order]].astype(float), indices=_ranks(owner[order]))
+        return owner
+    order = np.lexsort(((to.astype(float) * chord).sum(axis=1), owner))
+    chains, ring = np.unique(owner[order], return_inverse=True)
+    rings = shapely.linearrings(graph.xy[node[order]].astype(float), indices=ring)
     used = np.unique(graph.edge)
     tree = shapely.STRtree(shapely.points(graph.xy[used].astype(float)))
     ring, point = tree.query(shapely.polygons(rings), predicate="intersects")
-    found = np.stack([np.unique(owner)[ring], used[point]], axis=1)
-    own = np.stack([owner, node], axis=1)
-    key = np.int64(len(graph.xy))
-    foreign = ~np.isin(found[:, 0] * key + found[:, 1], own[:, 0] * key + own[:, 1])
-    return np.unique(found[foreign, 0])
-
-
-def _ranks(ordered: Ints) -> Ints:
-    """Return the number, from 0, of each different value of an ordered list (n,)."""
-    return np.cumsum(np.r_[0, np.diff(ordered) != 0])
+    count = np.int64(len(graph.xy))
+    foreign = ~np.isin(chains[ring] * count + used[point], owner * count + node)
+    return np.unique(chains[ring[foreign]])

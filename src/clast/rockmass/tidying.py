@@ -10,7 +10,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 Point = tuple[int, int]
@@ -63,9 +63,20 @@ def ordered(a: int, b: int) -> Edge:
     return (a, b) if a < b else (b, a)
 
 
+def pairs_of(loop: list[int]) -> Iterator[Edge]:
+    """Return each node of a loop with the one after it."""
+    return zip(loop, loop[1:] + loop[:1], strict=True)
+
+
 def edges_of(loop: list[int]) -> list[Edge]:
     """Return the edges of a loop, each with the lower node first."""
-    return [ordered(a, b) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
+    return [ordered(a, b) for a, b in pairs_of(loop)]
+
+
+def beside(loop: list[int], node: int) -> tuple[int, int]:
+    """Return the nodes before and after one of a loop."""
+    at = loop.index(node)
+    return loop[at - 1], loop[(at + 1) % len(loop)]
 
 
 def area2(loop: list[int], xy: list[Point]) -> int:
@@ -109,8 +120,7 @@ def _collapsed(tiling: Tiling, edge: Edge) -> int | None:
     held = tiling.held
     a, b = sorted(edge, key=lambda node: (held[node], len(tiling.around[node]), -node))
     for moved, kept in ((a, b), (b, a)):
-        along = edge in tiling.outline
-        movable = held[moved] == FREE or (held[moved] == ON_OUTLINE and along)
+        movable = held[moved] == FREE or (held[moved] == ON_OUTLINE and edge in tiling.outline)
         if movable and _move_onto(tiling, moved, kept):
             tiling.collapsed.append(tiling.xy[kept])
             return kept
@@ -121,12 +131,23 @@ def _move_onto(tiling: Tiling, moved: int, kept: int) -> bool:
     """Replace a node by another where every block stays simple; return whether it was done."""
     changed: dict[int, list[int]] = {}
     for block in tiling.around[moved]:
-        loop = _replaced(tiling.loops[block], moved, kept)
+        loop = tiling.loops[block]
+        if kept in loop and kept in beside(loop, moved):
+            loop = [node for node in loop if node != moved]
+            loop = loop if len(loop) > 2 else []
+        else:
+            loop = [kept if node == moved else node for node in loop]
         if loop and not _sound(loop, tiling.xy, kept):
             return False
         changed[block] = loop
-    if not _still_paired(tiling, changed, kept):
-        return False
+    # Two blocks with one edge in the same direction would lie on each other.
+    seen: set[Edge] = set()
+    for block in set(changed) | tiling.around[kept]:
+        for pair in pairs_of(changed.get(block, tiling.loops[block])):
+            if kept in pair:
+                if pair in seen:
+                    return False
+                seen.add(pair)
     for block in changed:
         _forget(tiling, block)
     for block, loop in changed.items():
@@ -137,42 +158,12 @@ def _move_onto(tiling: Tiling, moved: int, kept: int) -> bool:
     return True
 
 
-def _still_paired(tiling: Tiling, changed: dict[int, list[int]], kept: int) -> bool:
-    """Return whether every edge at a node still has at most one block on each side.
-
-    Two blocks with one edge in the same direction would lie on each other.
-    """
-    seen: set[tuple[int, int]] = set()
-    for block in set(changed) | tiling.around[kept]:
-        loop = changed.get(block, tiling.loops[block])
-        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
-            if kept in (a, b):
-                if (a, b) in seen:
-                    return False
-                seen.add((a, b))
-    return True
-
-
-def _replaced(loop: list[int], moved: int, kept: int) -> list[int]:
-    """Return a loop with a node replaced; empty where fewer than three are left."""
-    if kept not in loop:
-        return [kept if node == moved else node for node in loop]
-    count = len(loop)
-    at = loop.index(moved)
-    if kept not in (loop[at - 1], loop[(at + 1) % count]):
-        return [kept if node == moved else node for node in loop]
-    rest = [node for node in loop if node != moved]
-    return rest if len(rest) > 2 else []
-
-
 def _rename_edges(tiling: Tiling, moved: int, kept: int) -> None:
     """Give the edges of a node that was moved to the node that it became."""
-    near: set[int] = set()
+    near = {kept}
     for block in tiling.around[kept]:
-        loop = tiling.loops[block]
-        at = loop.index(kept)
-        near.update((loop[at - 1], loop[(at + 1) % len(loop)]))
-    for other in near | {kept}:
+        near.update(beside(tiling.loops[block], kept))
+    for other in near:
         old, new = ordered(moved, other), ordered(kept, other)
         if old not in tiling.line:
             continue
@@ -202,36 +193,18 @@ def _sound(loop: list[int], xy: list[Point], node: int) -> bool:
     """Return whether a loop is counter-clockwise, and simple at a node that has come into it."""
     if len(set(loop)) < len(loop) or area2(loop, xy) <= 0:
         return False
-    count = len(loop)
-    at = loop.index(node)
-    before, after = loop[at - 1], loop[(at + 1) % count]
-    if turn(xy[before], xy[node], xy[after]) == 0 and not _between(xy[node], xy[before], xy[after]):
-        return False
-    for near in (before, after):
-        for k in range(count):
-            a, b = loop[k - 1], loop[k]
-            if not {a, b} & {node, near} and _touch(xy[node], xy[near], xy[a], xy[b]):
-                return False
-    # The two edges next to those of the node share a corner with them: they must not fold back.
-    beyond, further = loop[at - 2], loop[(at + 2) % count]
-    return not (
-        (beyond != after and _on(xy[beyond], xy[node], xy[before]))
-        or (further != before and _on(xy[further], xy[node], xy[after]))
-        or _on(xy[node], xy[beyond], xy[before])
-        or _on(xy[node], xy[after], xy[further])
-    )
+    before, after = beside(loop, node)
+    return _crossing_free(loop, xy, before, node) and _crossing_free(loop, xy, node, after)
 
 
-def crossing_free(loop: list[int], xy: list[Point], a: int, b: int) -> bool:
+def _crossing_free(loop: list[int], xy: list[Point], a: int, b: int) -> bool:
     """Return whether an edge a-b of a loop touches no other but its neighbours, at its ends."""
-    if area2(loop, xy) <= 0:
-        return False
-    for c, d in zip(loop, loop[1:] + loop[:1], strict=True):
-        if {c, d} == {a, b}:
+    for c, d in pairs_of(loop):
+        if a in (c, d) and b in (c, d):
             continue
-        if {c, d} & {a, b}:
-            far = c if d in (a, b) else d
-            near = d if d in (a, b) else c
+        if a in (c, d) or b in (c, d):
+            # Neighbours share a corner: they must not fold back.
+            far, near = (c, d) if d in (a, b) else (d, c)
             if _on(xy[far], xy[a], xy[b]) or _on(xy[a if near == b else b], xy[c], xy[d]):
                 return False
         elif _touch(xy[a], xy[b], xy[c], xy[d]):
@@ -313,11 +286,11 @@ def _merged(tiling: Tiling, block: int) -> int | None:
     shared: dict[int, float] = defaultdict(float)
     welded: set[int] = set()
     loop = tiling.loops[block]
-    for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+    for a, b in pairs_of(loop):
         for other in tiling.around[a] & tiling.around[b]:
             if other != block and tiling.group[other] == tiling.group[block]:
                 edge = ordered(a, b)
-                if _has_edge(tiling.loops[other], b, a):
+                if beside(tiling.loops[other], b)[1] == a:
                     shared[other] += tiling.length(edge)
                     if tiling.line[edge] < 0:
                         welded.add(other)
@@ -338,69 +311,54 @@ def _merged(tiling: Tiling, block: int) -> int | None:
     return None
 
 
-def _has_edge(loop: list[int], a: int, b: int) -> bool:
-    return loop[(loop.index(a) + 1) % len(loop)] == b
-
-
 def _joined(one: list[int], other: list[int]) -> list[int] | None:
     """Return the loop of two blocks without their common edges; None if it is not simple."""
-    back = set(zip(other[1:] + other[:1], other, strict=True))
-    shared = [pair in back for pair in zip(one, one[1:] + one[:1], strict=True)]
+    back = {(b, a) for a, b in pairs_of(other)}
+    shared = [pair in back for pair in pairs_of(one)]
     starts = [k for k in range(len(one)) if shared[k] and not shared[k - 1]]
     if len(starts) != 1:
         return None
-    # One chain: one's loop from its end on to its start, then the other's the same way.
-    begin = starts[0]
-    count = sum(shared)
-    end = (begin + count) % len(one)
-    first = [one[(end + k) % len(one)] for k in range(len(one) - count)]
+    # One chain: one's loop from its end on to its start, then the other's in the same sense.
+    begin, count = starts[0], sum(shared)
+    first = [one[(begin + count + k) % len(one)] for k in range(len(one) - count)]
     at = other.index(one[begin])
     second = [other[(at + k) % len(other)] for k in range(len(other) - count)]
     joined = first + second
     return joined if len(set(joined)) == len(joined) else None
 
 
-def straighten(tiling: Tiling, joint: Sequence[int]) -> int:
-    """Take out vertices of changed blocks that only one straight edge needs; return how many.
+def straighten(tiling: Tiling, joint: Sequence[int]) -> None:
+    """Take out vertices of changed blocks that only one straight edge needs.
 
     ``joint`` (n,) is the joint of each line, that of welds last: an edge has one joint.
     Rounding bends lines by less than a cell: a bend goes where the straight edge meets no other.
     """
-    count = 0
     for node in sorted({node for block in tiling.changed for node in tiling.loops[block]}):
-        if tiling.around[node] and tiling.held[node] != CORNER and _taken_out(tiling, node, joint):
-            count += 1
-    return count
+        if tiling.around[node] and tiling.held[node] != CORNER:
+            _take_out(tiling, node, joint)
 
 
-def _taken_out(tiling: Tiling, node: int, joint: Sequence[int]) -> bool:
+def _take_out(tiling: Tiling, node: int, joint: Sequence[int]) -> None:
     blocks = sorted(tiling.around[node])
-    if len(blocks) > 2:
-        return False
-    ends = set()
-    for block in blocks:
-        loop = tiling.loops[block]
-        at = loop.index(node)
-        ends |= {loop[at - 1], loop[(at + 1) % len(loop)]}
-        if len(loop) < 4:
-            return False
-    if len(ends) != 2:
-        return False
+    ends = {other for block in blocks for other in beside(tiling.loops[block], node)}
+    if len(blocks) > 2 or len(ends) != 2 or min(len(tiling.loops[block]) for block in blocks) < 4:
+        return
     a, b = sorted(ends)
     one, other, new = ordered(a, node), ordered(node, b), ordered(a, b)
     if new in tiling.line or joint[tiling.line[one]] != joint[tiling.line[other]]:
-        return False
+        return
     if (one in tiling.outline) != (other in tiling.outline):
-        return False
+        return
     (ax, ay), (x, y), (bx, by) = tiling.xy[a], tiling.xy[node], tiling.xy[b]
     if (ax - x) * (bx - x) + (ay - y) * (by - y) >= 0:
-        return False
-    bent = turn(tiling.xy[a], tiling.xy[b], tiling.xy[node]) != 0
-    if bent and tiling.line[one] != tiling.line[other]:
-        return False
+        return
     loops = [[n for n in tiling.loops[block] if n != node] for block in blocks]
-    if bent and not all(crossing_free(loop, tiling.xy, a, b) for loop in loops):
-        return False
+    if turn(tiling.xy[a], tiling.xy[b], tiling.xy[node]) != 0 and not (
+        tiling.line[one] == tiling.line[other]
+        and all(area2(loop, tiling.xy) > 0 for loop in loops)
+        and all(_crossing_free(loop, tiling.xy, a, b) for loop in loops)
+    ):
+        return
     for block, loop in zip(blocks, loops, strict=True):
         tiling.loops[block] = loop
     tiling.around[node].clear()
@@ -408,4 +366,3 @@ def _taken_out(tiling: Tiling, node: int, joint: Sequence[int]) -> bool:
     if one in tiling.outline:
         tiling.outline.difference_update((one, other))
         tiling.outline.add(new)
-    return True

@@ -13,11 +13,12 @@ from scipy.spatial import Voronoi as Diagram
 from clast.model.distributions import Exponential
 from clast.model.model import Floats
 from clast.rockmass.joints.plan import NONE, Drawn, JointModel, Plan, Window, along, pieces, until
-from clast.rockmass.joints.spacing_distributions import Fixed, Spacing, distribution, running
+from clast.rockmass.joints.spacing_distributions import Fixed, Spacing, running
 
 ORIENTED = frozenset({"angle", "dip", "dip_direction", "spacing_is", "angle_spread"})
 TRACED = frozenset({"spacing", "trace_length", "bridge_length", "origin", "stagger"})
 DIRECTION = ("angle", "dip")
+DENSE = ("intensity", "spacing")
 
 
 @dataclass(frozen=True)
@@ -52,15 +53,15 @@ class CrossJointed(JointModel):
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines that end at the bounds, m."""
-        found, carriers = [NONE], [NONE]
+        ends, carriers = [NONE], [NONE]
         normal = np.array([-plan.direction.along[1], plan.direction.along[0]])
         for number, layer in enumerate(_layers(plan)):
             window = Window(polygon=layer)
             shift = (number % 2) * plan.stagger * (plan.spacing or Fixed(0.0)).mean
             drawn = family(replace(plan, window=window, origin=plan.origin + shift * normal), rng)
-            found.append(window.clipped(drawn.ends))
+            ends.append(window.clipped(drawn.ends))
             carriers.append(window.clipped(drawn.carriers))
-        return Drawn(ends=np.concatenate(found), carriers=np.concatenate(carriers))
+        return Drawn(ends=np.concatenate(ends), carriers=np.concatenate(carriers))
 
     def blocks(self, plan: Plan) -> float:
         """Return about how many traces lie in the window."""
@@ -81,28 +82,27 @@ def _layers(plan: Plan) -> list[Any]:
 def family(plan: Plan, rng: np.random.Generator) -> Drawn:
     """Return parallel lines, or traces on them, that cover the window, m."""
     window, direction = plan.window, plan.direction
-    way = direction.along
-    normal = np.array([-way[1], way[0]])
+    mean = direction.along
+    normal = np.array([-mean[1], mean[0]])
     # Lines that are turned are turned about their point next to the middle of the window.
     reach = window.radius * (1.5 if direction.scattered else 1.0)
     middle = (window.center - plan.origin) @ normal
     place = _positions(plan.spacing or Fixed(window.radius), middle - reach, middle + reach, rng)
-    order, place = place[:, 0], place[:, 1]
-    foot = plan.origin + place[:, None] * normal
-    center = foot + ((window.center - foot) @ way)[:, None] * way
-    ways = direction.along_traces(rng, len(place))
-    whole = along(center, ways, 2.5 * window.radius)
+    foot = plan.origin + place[:, 1, None] * normal
+    center = foot + ((window.center - foot) @ mean)[:, None] * mean
+    units = direction.along_traces(rng, len(place))
+    half = 2.5 * window.radius
+    whole = along(center, units, half)
     if plan.trace is None or plan.bridge is None:
-        return Drawn(ends=whole, carriers=NONE)
-    found = [NONE]
+        return Drawn(ends=whole)
+    ends = [NONE]
     # Places along a line count from the foot of the origin, so that the window moves nothing.
-    from_origin = ((center - foot) * way).sum(axis=1)
-    for k in range(len(place)):
-        low, high = from_origin[k] - 2.5 * window.radius, from_origin[k] + 2.5 * window.radius
-        shift = plan.stagger * (order[k] % 2)
-        spans = _traces(plan.trace, plan.bridge, shift, (low, high), rng) - from_origin[k]
-        found.append(center[k] + spans[:, :, None] * ways[k])
-    return Drawn(ends=np.concatenate(found), carriers=whole)
+    from_foot = ((center - foot) * mean).sum(axis=1)
+    for number, at, one, unit in zip(place[:, 0], from_foot, center, units, strict=True):
+        shift = plan.stagger * (number % 2)
+        spans = _traces(plan.trace, plan.bridge, shift, (at - half, at + half), rng) - at
+        ends.append(one + spans[:, :, None] * unit)
+    return Drawn(ends=np.concatenate(ends), carriers=whole)
 
 
 def _positions(spacing: Spacing, low: float, high: float, rng: np.random.Generator) -> Floats:
@@ -117,6 +117,15 @@ def _positions(spacing: Spacing, low: float, high: float, rng: np.random.Generat
     first = max(int(np.searchsorted(at, low)) - 1, 0)
     last = int(np.searchsorted(at, high)) + 1
     return np.stack([k, at], axis=1)[first:last]
+
+
+def _in_turn(
+    trace: Spacing, bridge: Spacing, at: float, count: int, rng: np.random.Generator
+) -> tuple[Floats, float]:
+    """Return starts and ends of traces from ``at`` on, m, (count, 2), and the last end."""
+    lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
+    begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
+    return np.stack([begin[:-1], begin[:-1] + lengths], axis=1), float(begin[-1])
 
 
 def _traces(
@@ -134,23 +143,12 @@ def _traces(
         start = start + shift * period
         return np.stack([start, start + trace.mean], axis=1)
     # Begun well before the window, the place of the first trace there is as random as any.
-    at, found = low - (3.0 + rng.uniform()) * period, [np.zeros((0, 2))]
+    at, spans = low - (3.0 + rng.uniform()) * period, np.zeros((0, 2))
     while at < high:
         count = int(1.1 * (high - at) / period) + 8
-        lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
-        begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
-        found.append(np.stack([begin[:-1], begin[:-1] + lengths], axis=1))
-        at = float(begin[-1])
-    spans = np.concatenate(found)
+        more, at = _in_turn(trace, bridge, at, count, rng)
+        spans = np.concatenate([spans, more])
     return spans[(spans[:, 1] > low) & (spans[:, 0] < high)]
-
-
-def number_or(value: float | Spacing | None) -> Spacing | None:
-    """Return a number as a fixed distribution, a distribution or None as it is."""
-    return None if value is None else distribution(value)
-
-
-DENSE = ("intensity", "spacing")
 
 
 @dataclass(frozen=True)
@@ -178,7 +176,7 @@ class Baecher(JointModel):
             return along(middle, plan.direction.along_traces(rng, count) * half[:, None], 1.0)
 
         guess = plan.density * float(np.prod(high - low)) / trace.mean
-        return Drawn(ends=until(plan, draw, guess), carriers=NONE)
+        return Drawn(ends=until(plan, draw, guess))
 
 
 @dataclass(frozen=True)
@@ -195,7 +193,7 @@ class PoissonLines(JointModel):
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m."""
-        return Drawn(ends=_endless(plan, plan.density, rng), carriers=NONE)
+        return Drawn(ends=_endless(plan, plan.density, rng))
 
 
 @dataclass(frozen=True)
@@ -208,34 +206,31 @@ class Veneziano(JointModel):
     """
 
     name = "veneziano"
-    takes = ORIENTED | {
-        "intensity",
-        "spacing",
-        "trace_length",
-        "bridge_length",
-    }
+    takes = ORIENTED | {"intensity", "spacing", "trace_length", "bridge_length"}
     needs = (DENSE, ("trace_length",), ("bridge_length",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return traces, m."""
         whole = _endless(plan, plan.density / plan.persistence, rng)
-        trace, bridge = _random(plan.trace), _random(plan.bridge)
-        found = [NONE]
+        # Fixed lengths are the means of exponential ones.
+        trace, bridge = (
+            Exponential(mean=one.mean if one else math.inf)
+            if one is None or isinstance(one, Fixed)
+            else one
+            for one in (plan.trace, plan.bridge)
+        )
+        period = trace.mean + bridge.mean
+        ends = [NONE]
         for start, end in whole:
             length = float(np.hypot(*(end - start)))
-            count = int(1.5 * length / (trace.mean + bridge.mean)) + 16
-            at = -rng.uniform(2.0, 3.0) * (trace.mean + bridge.mean)
-            spans = np.zeros((0, 2))
+            count = int(1.5 * length / period) + 16
+            at, spans = -rng.uniform(2.0, 3.0) * period, np.zeros((0, 2))
             while at < length:
-                lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
-                begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
-                spans = np.concatenate(
-                    [spans, np.stack([begin[:-1], begin[:-1] + lengths], axis=1)]
-                )
-                at = float(begin[-1])
+                more, at = _in_turn(trace, bridge, at, count, rng)
+                spans = np.concatenate([spans, more])
             spans = spans[(spans[:, 1] > 0.0) & (spans[:, 0] < length)]
-            found.append(start + spans[:, :, None] * (end - start) / length)
-        return Drawn(ends=np.concatenate(found), carriers=whole)
+            ends.append(start + spans[:, :, None] * (end - start) / length)
+        return Drawn(ends=np.concatenate(ends), carriers=whole)
 
 
 @dataclass(frozen=True)
@@ -272,7 +267,7 @@ class Voronoi(JointModel):
             points = _centroids(points, plan)
         diagram = _diagram(points, plan)
         ridges = np.array(diagram.ridge_vertices)
-        return Drawn(ends=diagram.vertices[ridges[(ridges >= 0).all(axis=1)]], carriers=NONE)
+        return Drawn(ends=diagram.vertices[ridges[(ridges >= 0).all(axis=1)]])
 
     def blocks(self, plan: Plan) -> float:
         """Return the number of cells."""
@@ -281,21 +276,14 @@ class Voronoi(JointModel):
         return plan.window.area / plan.spacing.mean**2 if plan.spacing else 1.0
 
 
-def _random(spread: Spacing | None) -> Spacing:
-    """Return a fixed length as the mean of an exponential one, and others as they are."""
-    if spread is None or isinstance(spread, Fixed):
-        return Exponential(mean=spread.mean if spread else math.inf)
-    return spread
-
-
 def _endless(plan: Plan, density: float, rng: np.random.Generator) -> Floats:
     """Return lines of Poisson of a density, m/m2, that cross the circle about the window."""
     window = plan.window
     count = int(rng.poisson(2.0 * window.radius * density))
-    ways = plan.direction.along_traces(rng, count)
+    units = plan.direction.along_traces(rng, count)
     place = rng.uniform(-window.radius, window.radius, count)
-    normal = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
-    return along(window.center + place[:, None] * normal, ways, 1.01 * window.radius)
+    normal = np.stack([-units[:, 1], units[:, 0]], axis=1)
+    return along(window.center + place[:, None] * normal, units, 1.01 * window.radius)
 
 
 def _diagram(points: Floats, plan: Plan) -> Diagram:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,9 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.model import Floats
-from clast.rockmass.joints.joint_models import Parallel, number_or
+from clast.rockmass.joints.joint_models import Parallel
 from clast.rockmass.joints.plan import (
-    LARGEST_FACTOR,
+    SPACING_FACTOR_MAX,
     JointModel,
     MeanDirection,
     Plan,
@@ -23,27 +23,14 @@ from clast.rockmass.joints.plan import (
     apparent,
     normal_of,
 )
-from clast.rockmass.joints.spacing_distributions import Scaled, Spacing, check_spacing
+from clast.rockmass.joints.spacing_distributions import Scaled, Spacing, check_spacing, number_or
 
-KEYS = (
-    "angle",
-    "dip",
-    "dip_direction",
-    "spacing",
-    "spacing_is",
-    "trace_length",
-    "bridge_length",
-    "origin",
-    "terminates_at",
-    "intensity",
-    "angle_spread",
-)
-"""Keys that not every model takes, and whose absence is None."""
-
-LONGEST = 200.0
-"""Longest traces, as multiples of the radius of the window: nearly all lie outside of it."""
-LEAST_PERSISTENCE = 1e-3
+COMMON = ("name", "model", "joint", "within", "seed")
+"""Keys that every model takes."""
+PERSISTENCE_MIN = 1e-3
 """Least share of their lines that traces may be: others would be drawn for hours."""
+TRACE_RADII_MAX = 200.0
+"""Longest traces over the radius of the window: nearly all would lie outside of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,27 +79,23 @@ class JointSet:
 
     def random(self, seed: int, number: int) -> np.random.Generator:
         """Return the source of its random numbers: other sets do not change it."""
-        own = np.random.SeedSequence(seed if self.seed is None else self.seed, spawn_key=(number,))
-        return np.random.Generator(np.random.PCG64(own))
+        seed = seed if self.seed is None else self.seed
+        sequence = np.random.SeedSequence(seed, spawn_key=(number,))
+        return np.random.Generator(np.random.PCG64(sequence))
 
     def check(self) -> None:
         """Refuse keys that do not go together, and numbers that they cannot have."""
-        for key in KEYS:
-            if getattr(self, key) is not None and key not in self.model.takes:
-                self._refuse(
-                    key,
-                    f"is not used by the model {self.model.name}",
-                    f"leave it out; the model takes {', '.join(sorted(self.model.takes))}",
-                )
-        for group in self.model.needs:
+        model = self.model
+        for key in (one.name for one in fields(self) if one.name not in COMMON):
+            value = getattr(self, key)
+            is_absent = value == 0.0 if key == "stagger" else value is None
+            if not is_absent and key not in model.takes:
+                remedy = f"leave it out; the model takes {', '.join(sorted(model.takes))}"
+                self._refuse(key, f"is not used by the model {model.name}", remedy)
+        for group in model.needs:
             if all(getattr(self, key) is None for key in group):
-                self._refuse(
-                    group[0],
-                    f"the model {self.model.name} needs {' or '.join(group)}",
-                    "give it",
-                )
-        if self.stagger != 0.0 and "stagger" not in self.model.takes:
-            self._refuse("stagger", f"is not used by the model {self.model.name}", "leave it out")
+                what = f"the model {model.name} needs {' or '.join(group)}"
+                self._refuse(group[0], what, "give it")
         if self.bridge_length is not None and self.trace_length is None:
             self._refuse("bridge_length", "without trace_length", "give both, or neither")
         if self.intensity is not None and self.spacing is not None:
@@ -128,12 +111,10 @@ class JointSet:
         trace, bridge = number_or(self.trace_length), number_or(self.bridge_length)
         if trace is not None and bridge is not None:
             share = trace.mean / (trace.mean + bridge.mean)
-            if share < LEAST_PERSISTENCE:
-                self._refuse(
-                    "bridge_length",
-                    f"traces are only {share:.2g} of their lines",
-                    f"give bridges up to {1.0 / LEAST_PERSISTENCE:g} times as long as traces",
-                )
+            if share < PERSISTENCE_MIN:
+                what = f"traces are only {share:.2g} of their lines"
+                remedy = f"give bridges up to {1.0 / PERSISTENCE_MIN:g} times as long as traces"
+                self._refuse("bridge_length", what, remedy)
         for key in ("angle", "dip", "dip_direction", "stagger", "intensity"):
             value = getattr(self, key)
             number = value if isinstance(value, int | float | np.number) else math.nan
@@ -142,7 +123,8 @@ class JointSet:
         if self.intensity is not None:
             if self.intensity <= 0.0:
                 self._refuse("intensity", f"{self.intensity:g} must be above 0", "give m per m2")
-            ranges.check_size(self.intensity, ranges.FACTOR, self._at("intensity"), "give m/m2")
+            where = f"{self.where}, intensity"
+            ranges.check_size(self.intensity, ranges.FACTOR, where, "give m/m2")
 
     def _check_direction(self) -> None:
         if self.angle is not None and (self.dip is not None or self.dip_direction is not None):
@@ -166,7 +148,7 @@ class JointSet:
                 'give them in place of angle, or spacing_is = "apparent"',
             )
         if self.angle_spread is not None:
-            self.angle_spread.check(self._at("angle_spread"))
+            self.angle_spread.check(f"{self.where}, angle_spread")
             if self.dip is None and self.angle_spread.in_space:
                 self._refuse(
                     "angle_spread",
@@ -182,14 +164,13 @@ class JointSet:
             angle = None if self.angle is None else math.radians(self.angle)
             return MeanDirection(angle=angle, scatter=self.angle_spread)
         if section_azimuth is None:
-            self._refuse(
-                "dip",
-                "the azimuth of the section is not given",
-                "give domain.section_azimuth: the direction of +x, degrees clockwise from north",
+            remedy = (
+                "give domain.section_azimuth: the direction of +x, degrees clockwise from north"
             )
+            self._refuse("dip", "the azimuth of the section is not given", remedy)
         azimuth = float(section_azimuth or 0.0)
         angle, factor = apparent(self.dip, self.dip_direction, azimuth)
-        if factor > LARGEST_FACTOR:
+        if factor > SPACING_FACTOR_MAX:
             self._refuse(
                 "dip",
                 f"the section is nearly parallel to the set: its spacing there is {factor:.3g} "
@@ -213,38 +194,33 @@ class JointSet:
         if spacing is not None and self.spacing_is == "true":
             spacing = Scaled(spread=spacing, factor=direction.factor)
         trace, bridge = number_or(self.trace_length), number_or(self.bridge_length)
-        if trace is not None and trace.large > LONGEST * window.radius:
+        if trace is not None and trace.large > TRACE_RADII_MAX * window.radius:
             self._refuse(
                 "trace_length",
-                f"traces of up to {trace.large:.3g} m are more than {LONGEST:g} times as long as "
-                "the domain is wide"
-                f", {window.radius:.3g} m about its middle",
+                f"traces of up to {trace.large:.3g} m are more than {TRACE_RADII_MAX:g} times as "
+                f"long as the domain is wide, {window.radius:.3g} m about its middle",
                 "for lines without end choose the model parallel without trace_length, or "
                 "poisson-lines",
             )
+        given = None
+        if self.origin is not None:
+            try:
+                given = np.array(self.origin, dtype=float)
+            except (TypeError, ValueError, OverflowError):
+                given = np.zeros(0)
+            if given.shape != (2,) or not np.isfinite(given).all():
+                self._refuse("origin", f"{self.origin!r} is not a point", "give [x, y] in m")
         return Plan(
             direction=direction,
             spacing=spacing,
             intensity=self.intensity,
             trace=trace,
             bridge=bridge,
-            origin=window.box[0] if self.origin is None else self._origin() - origin,
+            origin=window.box[0] if given is None else given - origin,
             stagger=self.stagger,
             bounds=bounds,
             window=window,
         )
 
-    def _origin(self) -> Floats:
-        try:
-            origin = np.array(self.origin, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            origin = np.zeros(0)
-        if origin.shape != (2,) or not np.isfinite(origin).all():
-            self._refuse("origin", f"{self.origin!r} is not a point", "give [x, y] in m")
-        return origin
-
-    def _at(self, key: str) -> str:
-        return f"{self.where}, {key}"
-
     def _refuse(self, key: str, what: str, remedy: str) -> None:
-        raise ModelError(what, where=self._at(key), remedy=remedy)
+        raise ModelError(what, where=f"{self.where}, {key}", remedy=remedy)

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
-from clast.model.model import Floats
+from clast.model.arrays import Floats, no_floats
 from clast.rockmass.joints.spacing_distributions import Spacing
 
 
@@ -111,7 +111,7 @@ class Drawn:
 
     ends: Floats
     """Ends of each straight line, m, shape (n, 2, 2)."""
-    carriers: Floats
+    carriers: Floats = no_floats(2, 2)
     """The whole lines that traces and bridges lie on, m, shape (k, 2, 2); (0, 2, 2) for others."""
 
 
@@ -142,9 +142,9 @@ class JointModel:
         return pieces(plan)
 
 
-def along(points: Floats, ways: Floats, reach: float) -> Floats:
-    """Return lines (n, 2, 2) through points (n, 2) along ways (n, 2), ``reach`` to each side."""
-    return np.stack([points - reach * ways, points + reach * ways], axis=1)
+def along(points: Floats, units: Floats, reach: float) -> Floats:
+    """Return lines (n, 2, 2) through points (n, 2) along vectors (n, 2), ``reach`` to each side."""
+    return np.stack([points - reach * units, points + reach * units], axis=1)
 
 
 def pieces(plan: Plan) -> float:
@@ -161,7 +161,7 @@ def until(plan: Plan, draw: Callable[[int], Floats], guess: float) -> Floats:
     The last one is kept if that comes nearer to the intensity.  ``guess`` lines are expected.
     """
     target = plan.density * plan.window.area
-    found: list[Floats] = []
+    lines = [NONE]
     total = 0.0
     while total < target:
         ends = draw(int(1.05 * guess * (1.0 - total / target)) + 16)
@@ -173,12 +173,12 @@ def until(plan: Plan, draw: Callable[[int], Floats], guess: float) -> Floats:
         if stop <= len(ends):
             before = sums[stop - 2] if stop > 1 else total
             stop -= int(target - before < sums[stop - 1] - target)
-        found.append(ends[:stop])
+        lines.append(ends[:stop])
         total = float(sums[-1])
-    return np.concatenate([NONE, *found])
+    return np.concatenate(lines)
 
 
-LARGEST_FACTOR = 50.0
+SPACING_FACTOR_MAX = 50.0
 """A section in which the spacing is more than this many times the true one shows no joints."""
 
 
@@ -187,7 +187,9 @@ def apparent(dip: float, dip_direction: float, section_azimuth: float) -> tuple[
 
     All angles in degrees; the factor is 1/|n in the section|, infinite where they are parallel.
     """
-    return _trace(_in_section(normal_of(dip, dip_direction)[None], section_azimuth)[0])
+    x, y = _in_section(normal_of(dip, dip_direction)[None], section_azimuth)[0]
+    length, angle = float(np.hypot(x, y)), math.degrees(math.atan2(-x, y))
+    return 90.0 - (90.0 - angle) % 180.0, 1.0 / length if length > 0.0 else math.inf
 
 
 def normal_of(dip: float, dip_direction: float) -> Floats:
@@ -201,12 +203,6 @@ def _in_section(normal: Floats, section_azimuth: float) -> Floats:
     a = math.radians(section_azimuth)
     parts = np.stack([normal @ [math.sin(a), math.cos(a), 0.0], normal[:, 2]], axis=1)
     return np.where(np.abs(parts) < 1e-12, 0.0, parts)
-
-
-def _trace(normal: Floats) -> tuple[float, float]:
-    length = float(np.hypot(*normal))
-    angle = math.degrees(math.atan2(-normal[0], normal[1]))
-    return 90.0 - (90.0 - angle) % 180.0, 1.0 / length if length > 0.0 else math.inf
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,11 +10,8 @@ import numpy as np
 
 from clast.errors import ModelError, shortened
 from clast.model import ranges
-from clast.model.distributions import Values
+from clast.model.distributions import Lognormal, Values
 from clast.model.model import Floats
-
-DEVIATION_MAX = 100.0
-"""Largest standard deviation of a lognormal distribution, as a multiple of its mean."""
 
 
 class Spacing(Protocol):
@@ -83,66 +80,52 @@ class Scaled:
 
 def check_spacing(spread: Spacing, where: str) -> None:
     """Raise ModelError for numbers that the distribution of a spacing or a length cannot have."""
+
+    def refuse(what: str, where: str, remedy: str) -> None:
+        raise ModelError(what, where=where, remedy=remedy)
+
+    numbers = vars(spread) if hasattr(spread, "__dict__") else {}
     if isinstance(spread, Fixed):
         _check_positive(spread.value, where)
-        return
-    if isinstance(spread, Values):
-        _refuse(len(spread.values) == 0, "is an empty list", where, "give values in m")
+    elif isinstance(spread, Values):
+        if len(spread.values) == 0:
+            refuse("is an empty list", where, "give values in m")
         for number, value in enumerate(spread.values, 1):
             _check_positive(value, f"{where}, value {number}")
-        return
-    _refuse(
-        not all(hasattr(type(spread), name) for name in ("large", "draw")),
-        f"{shortened(repr(spread))} is not a distribution of spacings or lengths",
-        where,
-        "give a number, or e.g. Lognormal(mean=2.0, sd=0.5)",
-    )
-    numbers = vars(spread) if hasattr(spread, "__dict__") else {}
+    elif not all(hasattr(type(spread), name) for name in ("large", "draw")):
+        what = f"{shortened(repr(spread))} is not a distribution of spacings or lengths"
+        refuse(what, where, "give a number, or e.g. Lognormal(mean=2.0, sd=0.5)")
     for name in ("low", "high", "mean"):
         if numbers.get(name) is not None:
             _check_positive(numbers[name], f"{where}, {name}")
     low, high = numbers.get("low"), numbers.get("high")
-    if low is not None and high is not None:
-        _refuse(high < low, f"high {high:g} is below low {low:g}", where, "swap")
+    if low is not None and high is not None and high < low:
+        refuse(f"high {high:g} is below low {low:g}", where, "swap")
     if "sd" in numbers:
-        _check_deviation(spread, numbers["sd"], f"{where}, sd")
-
-
-def _check_deviation(spread: Any, sd: Any, where: str) -> None:
-    number = sd if isinstance(sd, int | float | np.number) else math.nan
-    _refuse(
-        not 0.0 <= number < math.inf,
-        f"{shortened(repr(sd))} is not a standard deviation",
-        where,
-        "give 0 or more, in m",
-    )
-    _refuse(
-        getattr(spread, "WORD", "") == "lognormal" and sd > DEVIATION_MAX * spread.mean,
-        f"{sd:g} is more than {DEVIATION_MAX:g} times the mean: nearly all values would be close "
-        "to zero",
-        where,
-        "give the standard deviation of the values, not of their logarithms, in m",
-    )
+        sd = numbers["sd"]
+        if not isinstance(sd, int | float | np.number) or not 0.0 <= sd < math.inf:
+            what = f"{shortened(repr(sd))} is not a standard deviation"
+            refuse(what, f"{where}, sd", "give 0 or more, in m")
+        if isinstance(spread, Lognormal) and sd > 100.0 * spread.mean:
+            refuse(
+                f"{sd:g} is more than 100 times the mean: nearly all values would be close to zero",
+                f"{where}, sd",
+                "give the standard deviation of the values, not of their logarithms, in m",
+            )
 
 
 def _check_positive(value: Any, where: str) -> None:
-    number = value if isinstance(value, int | float | np.number) else math.nan
-    _refuse(
-        not 0.0 < number < math.inf,
-        f"{shortened(repr(value))} must be a number above 0",
-        where,
-        "give it in m; for a set without end in that direction, leave the key out",
-    )
-    ranges.check_size(float(number), ranges.LENGTH, where, "give m")
+    if not isinstance(value, int | float | np.number) or not 0.0 < value < math.inf:
+        raise ModelError(
+            f"{shortened(repr(value))} must be a number above 0",
+            where=where,
+            remedy="give it in m; for a set without end in that direction, leave the key out",
+        )
+    ranges.check_size(float(value), ranges.LENGTH, where, "give m")
 
 
-def _refuse(is_wrong: bool, what: str, where: str, remedy: str) -> None:
-    if is_wrong:
-        raise ModelError(what, where=where, remedy=remedy)
-
-
-def distribution(value: float | Spacing) -> Spacing:
-    """Return a number as the distribution that always gives it, and a distribution as it is."""
+def number_or(value: float | Spacing | None) -> Spacing | None:
+    """Return a number as a fixed distribution, a distribution or None as it is."""
     return Fixed(float(value)) if isinstance(value, int | float | np.number) else value
 
 
