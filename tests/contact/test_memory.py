@@ -32,7 +32,7 @@ def test_rows_are_found_by_edge_first_then_by_key(remembered, found, data):
     table = np.array([[*key, edge] for key, edge in contacts], np.int64).reshape(-1, 3)
     columns = [np.ascontiguousarray(column) for column in table.T]
     count = 1 + max([vertex for (vertex, *_), _ in [*remembered, *found]], default=-1)
-    rows = recall(memory, first_rows(memory.vertex, count), *columns)
+    rows = recall(tuple(columns), (first_rows(memory.vertex, count), memory.block, memory.edge))
     known = rows[rows >= 0]
     assert len(set(known)) == len(known)  # no row is given twice
     remembered_rows = sorted(remembered)
@@ -74,8 +74,8 @@ def test_renewed_memory_is_sorted_and_forgets_what_has_opened():
     keys = list(zip(memory.vertex, memory.block, memory.edge, strict=True))
     assert keys == sorted(keys)
     assert len(set(keys)) == count
-    start = first_rows(memory.vertex, 16)
-    row = recall(memory, start, contacts.vertex, contacts.edge_block, contacts.edge)
+    known = first_rows(memory.vertex, 16), memory.block, memory.edge
+    row = recall((contacts.vertex, contacts.edge_block, contacts.edge), known)
     assert np.array_equal(np.sort(row), np.arange(count))
     assert np.array_equal(memory.gap[row], gap)
     assert np.array_equal(memory.shear_force[row], np.where(gap < 0.0, np.arange(count) + 1.0, 0.0))

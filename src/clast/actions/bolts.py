@@ -229,7 +229,7 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
     across = np.where(apart, np.maximum(state.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
     # one that is slack, and may become taut, carries what it does at the end of the step
     place = np.where(state.force[acts] == 0.0, 1.0, start.forces_at)
-    found, _ = table(
+    springs, _ = table(
         vertex_block=block[:, 0],
         edge_block=block[:, 1],
         arms=np.concatenate([line, offset[:, 0], offset[:, 1]], axis=1),
@@ -245,7 +245,7 @@ def _springs(start: StepStart, state: BoltStates, length: Floats) -> Springs | N
             at_zero=none, stiffness=across, low=none - np.inf, high=none + np.inf
         ).taken_at(place, none),
     )
-    return found
+    return springs
 
 
 EVENTS_SHOWN_MAX = 20

@@ -374,7 +374,7 @@ class Links(Action):
         """Return the table of s springs, and which of its rows come first, second, third: (3 r,).
 
         Each row that acts has a spring to one side, one to the other, and a dashpot.  The last are
-        the stretches when the step begins, m, (s,): the gaps of the table count the way of the
+        the stretches when the step begins, m, (s,): the gaps of the table count the motion of the
         ground in the step already.
         """
         rows, row = self.rows, active.row
@@ -432,7 +432,7 @@ class Links(Action):
         weakest, strongest = (one[row] / scale for one in self.limits.bounds(rows, state))
         weakest, strongest = np.minimum(weakest, strongest), np.maximum(weakest, strongest)
         none, two_sided = np.zeros(len(row)), play == 0.0
-        # what is rigid is not a spring that swings: half of its way would be a force that grows
+        # what is rigid is not a spring that swings: half of its stretch would be a force that grows
         place = np.where(np.isinf(rows.stiffness[row]), 1.0, start.forces_at)
 
         def springs(low: Floats, high: Floats, shift: Floats) -> Clipped:
@@ -499,7 +499,7 @@ def _of_ground(start: StepStart) -> Floats:
 
 
 def _halfway(start: StepStart) -> Floats:
-    """Return half of the way by velocities in the step, (n, 6); nothing in a static one."""
+    """Return half of the motion by velocities in the step, (n, 6); nothing in a static one."""
     if start.clock is not None:
         return np.zeros_like(start.state.velocity)
     return np.asarray(0.5 * start.step * start.state.velocity)

@@ -85,51 +85,27 @@ def terms(inertia, elastic, stress, mass, acceleration):
     kg/m, ``acceleration`` (2,) of every mass, m/s2 (Shi 1988).
     """
     matrix, drift = np.empty_like(inertia[0]), inertia[2]
-    found = matrix, np.empty_like(drift), np.empty_like(drift)
-    _terms(len(mass), inertia, elastic, stress, mass, acceleration, found)
-    return found
+    parts = matrix, np.empty_like(drift), np.empty_like(drift)
+    _terms(len(mass), inertia, elastic, stress, mass, acceleration, parts)
+    return parts
 
 
 @shared(BLOCKS)
-def _terms(first, last, inertia, elastic, stress, mass, acceleration, found):
+def _terms(first, last, inertia, elastic, stress, mass, acceleration, parts):
     """Write the terms of blocks ``first`` to ``last`` - 1."""
     mass_matrix, factor, drift = inertia
     area, elasticity = elastic
-    matrix, force, momentum = found
+    matrix, force, momentum = parts
     for b in range(first, last):
-        _inertia(b, mass_matrix, factor, matrix)
-        _elasticity(b, area, elasticity, matrix)
+        for a in range(6):
+            put_line(matrix, b, a, plus_scaled(zeros(), factor, line(mass_matrix, b, a)))
+        for i in range(3):
+            for j in range(3):
+                matrix[b, 3 + i, 3 + j] += area[b] * elasticity[b, i, j]
         md = times(mass_matrix, b, drift, b)
         put_row(momentum, b, plus_scaled(zeros(), factor, md))
         put_row(force, b, row(momentum, b))
-        _stress(b, area, stress, force)
-        _weight(b, mass, acceleration, force)
-
-
-@kernel()
-def _inertia(b, mass_matrix, factor, matrix):
-    """Write M/(theta h2) into block b of the matrix."""
-    for a in range(6):
-        put_line(matrix, b, a, plus_scaled(zeros(), factor, line(mass_matrix, b, a)))
-
-
-@kernel()
-def _elasticity(b, area, elasticity, matrix):
-    """Add A E' on the strains to block b of the matrix."""
-    for i in range(3):
-        for j in range(3):
-            matrix[b, 3 + i, 3 + j] += area[b] * elasticity[b, i, j]
-
-
-@kernel()
-def _stress(b, area, stress, force):
-    """Add -A sigma to the strain rows of block b: the stress at the start of the step."""
-    for i in range(3):
-        force[b, 3 + i] -= area[b] * stress[b, i]
-
-
-@kernel()
-def _weight(b, mass, acceleration, force):
-    """Add rho A g, at the centroid, to block b."""
-    force[b, 0] += mass[b] * acceleration[0]
-    force[b, 1] += mass[b] * acceleration[1]
+        for i in range(3):  # the stress at the start of the step
+            force[b, 3 + i] -= area[b] * stress[b, i]
+        force[b, 0] += mass[b] * acceleration[0]
+        force[b, 1] += mass[b] * acceleration[1]

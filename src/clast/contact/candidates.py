@@ -111,7 +111,9 @@ def find_candidates(
     depth = pair_penetration(vertex_block, pairs, memory)
     near = pairs, box, depth, reach.travel_of(len(box))
     group_start, vertex, edge, pair, gap, along = _candidate_arrays(polygons, near, looks)
-    remembered = remembered_edges((group_start, vertex, edge), vertex_block, memory, rows)
+    remembered = remembered_edges(
+        (group_start, vertex, edge), vertex_block, (rows, memory.block, memory.edge)
+    )
     return Candidates(
         group_start=group_start,
         vertex=vertex,

@@ -3,7 +3,7 @@
 Where two convex corners P and Q meet vertex to vertex there are two *entrance lines* (Shi 1988;
 the boundary of the entrance block at its corner, Shi 2015): on either side of the corners the edge
 of one of the blocks, to be passed by the vertex of the other.  The corners are inside each other
-where both lines are passed, and the line with the shorter way out makes the contact.  At a
+where both lines are passed, and the line with the shorter exit makes the contact.  At a
 re-entrant corner the vertex is inside where either edge is passed, and each is a contact.
 """
 
@@ -96,21 +96,21 @@ def _shortest_exit(candidates: Candidates) -> Bools:
 
 
 @kernel()
-def _kept(found, outlines, critdis):
+def _kept(arrays, outlines, critdis):
     """Return which candidates (m,) are kept, see ``_shortest_exits``."""
-    keep, known = np.zeros(len(found[1]), np.bool_), np.zeros(len(found[1]), np.bool_)
-    _shortest_exits(len(found[6]), found, outlines, critdis, known, keep)
+    keep, known = np.zeros(len(arrays[1]), np.bool_), np.zeros(len(arrays[1]), np.bool_)
+    _shortest_exits(len(arrays[6]), arrays, outlines, critdis, known, keep)
     return keep
 
 
 @shared(CONTACTS)
-def _shortest_exits(first, last, found, outlines, critdis, known, keep):
+def _shortest_exits(first, last, arrays, outlines, critdis, known, keep):
     """Judge the candidates of the pairs of blocks that begin with groups ``first`` to ``last`` - 1.
 
-    ``found`` are ``GroupedCandidates``, ``outlines`` ``Polygons``; ``critdis`` is the length, m, by
-    which edges are extended.
+    ``arrays`` are ``GroupedCandidates``, ``outlines`` ``Polygons``; ``critdis`` is the length, m,
+    by which edges are extended.
     """
-    candidates, polygons = GroupedCandidates(*found), Polygons(*outlines)
+    candidates, polygons = GroupedCandidates(*arrays), Polygons(*outlines)
     group_start, pair = candidates.group_start, candidates.pair
     first, last = _next_pair(first, group_start, pair), _next_pair(last, group_start, pair)
     low, high = group_start[first], group_start[last]
@@ -121,13 +121,18 @@ def _shortest_exits(first, last, found, outlines, critdis, known, keep):
 
 
 @kernel(forceinline=True)
-def _relation(a, b, found, outlines):
+def _relation(a, b, candidates, outlines):
     """Say how the edges of two candidates, of one block, share a vertex in front of them.
 
     0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
     (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
     """
-    e, f, gap_e, gap_f = found.edge[a], found.edge[b], found.gap[a], found.gap[b]
+    e, f, gap_e, gap_f = (
+        candidates.edge[a],
+        candidates.edge[b],
+        candidates.gap[a],
+        candidates.gap[b],
+    )
     cosine_of = cosine(e, f, outlines.direction)
     adjacent = outlines.after[e] == f
     if adjacent or outlines.after[f] == e:
@@ -141,17 +146,17 @@ def _relation(a, b, found, outlines):
 
 
 @kernel(forceinline=True)
-def _loses_flat_corner(a, b, found, outlines):
+def _loses_flat_corner(a, b, candidates, outlines):
     """Return True if the foot has passed from the edge of a to that of b at their flat corner."""
-    e, f, length = found.edge[a], found.edge[b], outlines.length
+    e, f, length = candidates.edge[a], candidates.edge[b], outlines.length
     if outlines.after[e] == f:
         # beyond the end of e and beyond the start of f; on the corner itself e is kept
-        return (found.along[a] - length[e]) + found.along[b] > 0.0
-    return found.along[a] + (found.along[b] - length[f]) <= 0.0
+        return (candidates.along[a] - length[e]) + candidates.along[b] > 0.0
+    return candidates.along[a] + (candidates.along[b] - length[f]) <= 0.0
 
 
 @kernel()
-def _bisect(low, high, found, outlines, critdis, keep):
+def _bisect(low, high, candidates, outlines, critdis, keep):
     """Keep the candidates of groups ``low`` to ``high`` - 1 that the angle bisector keeps.
 
     At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
@@ -159,52 +164,52 @@ def _bisect(low, high, found, outlines, critdis, keep):
     alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
     is the length by which edges are extended.
     """
-    edge, gap, length = found.edge, found.gap, outlines.length
+    edge, gap, length = candidates.edge, candidates.gap, outlines.length
     for g in range(low, high):
-        start, stop = found.group_start[g], found.group_start[g + 1]
+        start, stop = candidates.group_start[g], candidates.group_start[g + 1]
         if stop - start == 1:
             keep[start] = True
             continue
         alive = np.ones(stop - start, np.bool_)
         for a in range(start, stop):
             for b in range(start, stop):
-                if a != b and _relation(a, b, found, outlines) == 2:
-                    if _loses_flat_corner(a, b, found, outlines):
+                if a != b and _relation(a, b, candidates, outlines) == 2:
+                    if _loses_flat_corner(a, b, candidates, outlines):
                         alive[a - start] = False
         while True:
             best = stop  # none yet; -1 would be a type of its own to numba
             for a in range(start, stop):
                 if not alive[a - start]:
                     continue
-                if best == stop or _is_nearer(a, best, gap, edge, found.remembered[g], length):
+                if best == stop or _is_nearer(a, best, gap, edge, candidates.remembered[g], length):
                     best = a
             if best == stop:
                 break
             keep[best] = True
             alive[best - start] = False
             for a in range(start, stop):
-                if alive[a - start] and _relation(best, a, found, outlines) == 1:
+                if alive[a - start] and _relation(best, a, candidates, outlines) == 1:
                     alive[a - start] = False
         for a in range(start, stop):
-            if keep[a] and _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
+            if keep[a] and _is_beyond_notch(a, start, stop, candidates, outlines, critdis, keep):
                 keep[a] = False
 
 
 @kernel(forceinline=True)
-def _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
+def _is_beyond_notch(a, start, stop, candidates, outlines, critdis, keep):
     """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
 
     Behind a re-entrant corner a vertex touches both edges.  Where the other edge has lost against
     the next one (the vertex has come through the tread of a stair, not along its riser), or is
     none of the candidates, the first edge is not touched either.
     """
-    e, along, length = found.edge[a], found.along[a], outlines.length[found.edge[a]]
+    e, along, length = candidates.edge[a], candidates.along[a], outlines.length[candidates.edge[a]]
     at_end, beyond = along > 0.0, max(-along, along - length)
     if beyond <= ROUND_OFF * length or turn_at(e, at_end, outlines) >= -SMALL_ANGLE:
         return False
     other = next_edge(e, at_end, outlines)
     for b in range(start, stop):
-        if found.edge[b] == other:
+        if candidates.edge[b] == other:
             return not keep[b]
     return beyond > critdis
 
@@ -248,14 +253,14 @@ def _is_entrance_passed(p, e, along, outlines):
 
 
 @kernel()
-def _drop_not_entered(low, high, found, outlines, keep):
+def _drop_not_entered(low, high, candidates, outlines, keep):
     """Drop vertices that have passed one line of a corner but are not inside it, in place.
 
     Beside a sharp corner a vertex can lie behind an edge, its foot on it, and yet outside the
     block, on the other side of the wedge.  Of candidates ``low`` to ``high`` - 1.
     """
-    vertex, edge = found.vertex, found.edge
-    gap, along = found.gap, found.along
+    vertex, edge = candidates.vertex, candidates.edge
+    gap, along = candidates.gap, candidates.along
     for c in range(low, high):
         if keep[c] and gap[c] < -ROUND_OFF * outlines.length[edge[c]]:
             keep[c] = _is_entrance_passed(vertex[c], edge[c], along[c], outlines)
@@ -292,18 +297,18 @@ def _are_known(low, high, group_start, remembered, known):
 
 
 @kernel()
-def _drop_deeper_corners(low, high, found, outlines, known, keep):
+def _drop_deeper_corners(low, high, candidates, outlines, known, keep):
     """Keep one contact where two corners are inside each other (vertex to vertex), in place.
 
     Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
     that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
     counts, as at one corner: the larger gap; on a tie the contact that is remembered, else that
     of the longer edge, else the lower vertex.  Corners that only coincide are not inside each
-    other, whichever way their gaps are rounded.  Of candidates ``low`` to ``high`` - 1, all of some
+    other, however their gaps are rounded.  Of candidates ``low`` to ``high`` - 1, all of some
     pairs of blocks.
     """
-    vertex, edge, pair = found.vertex, found.edge, found.pair
-    gap, length = found.gap, outlines.length
+    vertex, edge, pair = candidates.vertex, candidates.edge, candidates.pair
+    gap, length = candidates.gap, outlines.length
     start = low
     while start < high:
         stop = start + 1
@@ -339,13 +344,13 @@ def _next_pair(g, group_start, pair):
 
 
 @kernel()
-def _one_vertex_per_joint_end(found, outlines, critdis, keep):
+def _one_vertex_per_joint_end(arrays, outlines, critdis, keep):
     """Keep one of the two vertices that coincide at an end of a joint, in place.
 
     Corners P and Q coincide where they are within critdis.  The vertex that was in contact
     before stays; else the one whose foot lies on the other block's edge, else the lower one.
     """
-    candidates, polygons = GroupedCandidates(*found), Polygons(*outlines)
+    candidates, polygons = GroupedCandidates(*arrays), Polygons(*outlines)
     vertex, edge, pair = candidates.vertex, candidates.edge, candidates.pair
     along, remembered = candidates.along, candidates.remembered
     vertices, length = polygons.vertices, polygons.length

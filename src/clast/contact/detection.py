@@ -103,7 +103,8 @@ def detect(
         travel,
         reach.critdis,
     )
-    row = recall(sought.memory, of_vertices[1], chosen[0], owners.take(chosen[1]), chosen[1])
+    known = of_vertices[1], sought.memory.block, sought.memory.edge
+    row = recall((chosen[0], owners.take(chosen[1]), chosen[1]), known)
     if model.outlines is not None:
         row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
         direction = polygons[1]

@@ -4,7 +4,7 @@ Candidate edges and corner rules look at vertices: a vertex behind an edge.  Two
 without a vertex inside either, or with one that no rule lets in: a sharp corner that has slid off
 the end of an edge, or through a thin corner and out again on its far side; two faces whose ends
 have passed each other.  Such blocks would go through each other unopposed.  Their edges cross, and
-the shorter way out of a crossing, of a vertex over an edge, is a contact as well.
+the shorter exit of a crossing, of a vertex over an edge, is a contact as well.
 
 Where two outlines overlap their edges cross.  A crossing is accounted for by a contact whose
 penetration, taken back along its normal, takes the two edges apart.  Edges a and e that cross have

@@ -53,22 +53,14 @@ def pair_keys(one: Ints, other: Ints, width: int) -> Ints:
 # the entrance edge of the last step ------------------------------------------------------------
 
 
-def remembered_edges(
-    groups: tuple[Ints, Ints, Ints], vertex_block: Ints, memory: ContactMemory, start: Ints
-) -> Ints:
+@kernel()
+def remembered_edges(groups, vertex_block, known):
     """Return the entrance edge that each group of candidates had in the last step, or -1, (k,).
 
     ``groups`` are the first candidate of each, (k + 1,), and vertices and edges (m,) of the
-    candidates; ``vertex_block`` (nv,) is the block of each vertex, ``start`` (nv + 1,) the first
-    row of each vertex in the memory.
+    candidates; ``vertex_block`` (nv,) is the block of each vertex.  ``known`` are the first row of
+    each vertex in the memory (nv + 1,), and blocks and edges of its rows.
     """
-    remembered: Ints = _remembered(groups, vertex_block, (start, memory.block, memory.edge))
-    return remembered
-
-
-@kernel()
-def _remembered(groups, vertex_block, known):
-    """Return the entrance edges of groups, (k,); ``known`` are rows, blocks and edges."""
     remembered = np.empty(len(groups[0]) - 1, np.int64)
     _remember(len(remembered), groups, vertex_block, known, remembered)
     return remembered
@@ -88,21 +80,14 @@ def _remember(low, high, groups, vertex_block, known, remembered):
 # the row of each contact -----------------------------------------------------------------------
 
 
-def recall(memory: ContactMemory, start: Ints, vertex: Ints, block: Ints, edge: Ints) -> Ints:
+@kernel()
+def recall(contacts, known):
     """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,).
 
     The same edge first; else a row of the same (vertex, block) whose edge is no longer in
     contact: the vertex has slid round to the next edge and takes its memory along.  Contacts of
-    one (vertex, block) stand together; no row is given twice.  ``start`` (nv + 1,) is the first row
-    of each vertex.
+    one (vertex, block) stand together; no row is given twice.  ``known`` as in remembered_edges.
     """
-    rows: Ints = _rows_of((vertex, block, edge), (start, memory.block, memory.edge))
-    return rows
-
-
-@kernel()
-def _rows_of(contacts, known):
-    """Return the memory rows of contacts, (m,); ``known`` are first rows, blocks and edges."""
     taken, rows = np.zeros(len(known[1]), np.bool_), np.empty(len(contacts[0]), np.int64)
     _find_rows(len(rows), contacts, known, taken, rows)
     return rows
@@ -184,7 +169,7 @@ def pair_penetration(vertex_block: Ints, pairs: Ints, memory: ContactMemory) -> 
 
 
 @shared(CONTACTS)
-def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, found):
+def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, pair):
     """Write the pair of blocks of the rows ``low`` to ``high`` - 1 of the memory, or -1."""
     for row in range(low, high):
         own, other = vertex_block[vertex[row]], block[row]
@@ -197,7 +182,7 @@ def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, found):
             else:
                 last = middle
         there = first < start[lower + 1] and pairs[first, 1] == higher
-        found[row] = first if there else -1
+        pair[row] = first if there else -1
 
 
 @kernel()
@@ -260,7 +245,7 @@ def renew(
         "multiplier": contacts.multiplier,
         "rest_force": np.where(ends, 0.0, rest),
         "slip": np.where(made, contacts.slip + slip, 0.0),
-        "slide_length": contacts.slide_length + wear.way,
+        "slide_length": contacts.slide_length + wear.path,
         "slide": contacts.slide + wear.slid,
         "slide_speed": wear.speed,
         "dilation": wear.dilation,
@@ -351,22 +336,22 @@ def taken_along(
         return carried, speed
     ends = places.vertex[new], places.edge[new]
     kept = memory.slide, memory.dilation, memory.slide_speed
-    found = had_by_faces(kept, memory, ends, direction, model.block_start)
+    of_all_faces = had_by_faces(kept, memory, ends, direction, model.block_start)
     taken = [one.copy() for one in (carried["slide"], carried["dilation"], speed)]
-    for values, of_faces in zip(taken, found, strict=True):
+    for values, of_faces in zip(taken, of_all_faces, strict=True):
         values[new] = np.nan_to_num(of_faces)
     return {**carried, "slide": taken[0], "dilation": taken[1]}, taken[2]
 
 
 @shared(CONTACTS)
-def _turn_rest_forces(first, last, row, before, ways, forces):
+def _turn_rest_forces(first, last, row, before, turns, forces):
     """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
 
     A rest force belongs to the face that carried it before the run.  Where its vertex has passed to
     the next edge of the block, the same force has other shares along normal and edge.  ``before``
     are the edges in the memory.
     """
-    edge, direction = ways
+    edge, direction = turns
     shear, normal, rest = forces
     for c in range(first, last):
         if row[c] < 0 or rest[c] <= 0.0 or before[row[c]] == edge[c]:

@@ -269,7 +269,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
 
 
 @kernel(inline="always")
-def _of_vertex(p, edges, outlines, looks, room, found):
+def _of_vertex(p, edges, outlines, looks, room, count):
     """Append the candidate edges among ``edges`` (first, last + 1) for vertex p; return the count.
 
     Those that exceed the ``room`` (edge, gap, along) are counted only.
@@ -280,7 +280,7 @@ def _of_vertex(p, edges, outlines, looks, room, found):
     before = outlines.before[p]
     own = -direction[before, 0], -direction[before, 1], direction[p, 0], direction[p, 1]
     if own[2] * own[1] - own[3] * own[0] < -SMALL_ANGLE:  # re-entrant: it cannot enter an edge
-        return found
+        return count
     for e in range(edges[0], edges[1]):
         tx, ty = direction[e, 0], direction[e, 1]
         rx, ry = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
@@ -289,10 +289,10 @@ def _of_vertex(p, edges, outlines, looks, room, found):
             continue
         along = rx * tx + ry * ty
         if _is_candidate(p, e, gap, along, own, outlines, looks):
-            if found < len(out_edge):
-                out_edge[found], out_gap[found], out_along[found] = e, gap, along
-            found += 1
-    return found
+            if count < len(out_edge):
+                out_edge[count], out_gap[count], out_along[count] = e, gap, along
+            count += 1
+    return count
 
 
 @kernel()
@@ -319,7 +319,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
     group_start, vertex, edge = room.group_start, room.vertex, room.edge
     pair, gap, along = room.pair, room.gap, room.along
     group_start[0] = 0
-    groups, found = 0, 0
+    groups, count = 0, 0
     around_it = np.empty(0), np.empty(0, np.int64), 0.0
     close = np.empty(0, np.int64)
     for q in range(low, high):
@@ -340,27 +340,27 @@ def _of_pairs(low, high, outlines, near, looks, room):
             for p in range(block_start[i], block_start[i + 1]):
                 if not _is_around(p, vertices, box, j, around):
                     continue
-                start, ranges = found, 1
+                start, ranges = count, 1
                 if not few:
                     point = vertices[p, 0], vertices[p, 1]
                     ranges = edges_near(point, far, around_it, vertices, after, close)
                 for k in range(ranges):
                     edges = (first, last) if few else (close[k], close[k] + 1)
-                    found = _of_vertex(p, edges, outlines, of_pair, (edge, gap, along), found)
-                if found > start and found <= len(edge):
-                    vertex[start:found] = p
-                    pair[start:found] = q
+                    count = _of_vertex(p, edges, outlines, of_pair, (edge, gap, along), count)
+                if count > start and count <= len(edge):
+                    vertex[start:count] = p
+                    pair[start:count] = q
                     groups += 1
-                    group_start[groups] = found
-    return found, groups
+                    group_start[groups] = count
+    return count, groups
 
 
 @shared(EACH)
-def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
+def candidates_of_parts(first, last, most, outlines, near, looks, room, counts):
     """Write the candidates of parts ``first`` to ``last`` - 1 of the pairs into their own rooms.
 
     ``near`` are ``NearPairs``; ``room`` is that of ``CandidateArrays``, for ``most`` candidates a
-    part.  ``found`` (parts, 2) are the numbers of candidates and of their groups, which are valid
+    part.  ``counts`` (parts, 2) are the numbers of candidates and of their groups, which are valid
     where as many fit.  ``looks`` are those of ``EntranceSearch`` one by one, the distances as an
     array (4,): threads take no tuples within tuples.
     """
@@ -382,19 +382,19 @@ def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
             whole.gap[begin:end],
             whole.along[begin:end],
         )
-        found[part, 0], found[part, 1] = _of_pairs(low, high, polygons, near_pairs, search, own)
+        counts[part, 0], counts[part, 1] = _of_pairs(low, high, polygons, near_pairs, search, own)
 
 
 @shared(EACH)
-def join_parts(first, last, most, found, room, joined):
+def join_parts(first, last, most, counts, room, joined):
     """Copy the results of parts ``first`` to ``last`` - 1 behind those of the parts before."""
     for part in range(first, last):
-        at, group = found[:part, 0].sum(), found[:part, 1].sum()
+        at, group = counts[:part, 0].sum(), counts[:part, 1].sum()
         begin = part * (most + 1)
-        count, groups = found[part]
+        number, groups = counts[part]
         for k in range(groups):
             joined[0][group + k + 1] = at + room[0][begin + k + 1]
-        for k in range(count):
+        for k in range(number):
             joined[1][at + k] = room[1][begin + k]
             joined[2][at + k] = room[2][begin + k]
             joined[3][at + k] = room[3][begin + k]

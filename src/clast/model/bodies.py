@@ -65,8 +65,8 @@ class Outlines:
         """Return the model's edges ``along`` m from the start of edges of the outlines, (m,)."""
         first, last = self.run_start[edge], self.run_start[edge + 1] - 1
         place = self.run_place[first] + np.maximum(along, 0.0)
-        found = np.searchsorted(self.run_place, place, side="right") - 1
-        return self.run_edge[np.clip(found, first, last)]
+        piece = np.searchsorted(self.run_place, place, side="right") - 1
+        return self.run_edge[np.clip(piece, first, last)]
 
 
 def joined_outlines(

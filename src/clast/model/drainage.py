@@ -2,7 +2,7 @@
 
 Water stands in joints up to its level unless it can run out.  Where points are drained, the head
 falls towards them along the joints as it does in a network of pipes of one width: with l the
-lowering of the head below the water level, s the way along a joint,
+lowering of the head below the water level, s the distance along a joint,
 
     d2 l/ds2 = 0 in joints, sum of dl/ds = 0 where they meet, l = y_w - y (no pressure) at drains, l
     = 0 at the sources of the water.
@@ -53,9 +53,9 @@ class Network:
     @property
     def deep(self) -> Floats:
         """Depth of every node, m, shape (m,)."""
-        found = np.zeros(len(self.drained))
-        found[self.node] = self.depth
-        return found
+        depth = np.zeros(len(self.drained))
+        depth[self.node] = self.depth
+        return depth
 
 
 def drained(water: Water, absent: Bools) -> Water:
@@ -130,12 +130,12 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
             break
         network = replace(network, drained=network.drained & ~idle)
         level = _solved(network, network.drained | _fed(network), network.drained)
-    found = level[network.node]
+    lowered = level[network.node]
     for dry in (0, 1):  # a joint that the level cuts: no pressure there
         cut = (network.depth[:, dry] <= 0.0) & (network.depth[:, 1 - dry] > 0.0)
-        share = np.minimum(1.0, found[cut, 1 - dry] / network.depth[cut, 1 - dry])
-        found[cut, dry] = share * network.depth[cut, dry]
-    return np.asarray(found)
+        share = np.minimum(1.0, lowered[cut, 1 - dry] / network.depth[cut, 1 - dry])
+        lowered[cut, dry] = share * network.depth[cut, dry]
+    return np.asarray(lowered)
 
 
 def _measured(ends: Floats, points: Floats) -> tuple[Floats, Floats]:
@@ -193,11 +193,11 @@ def _foot(network: Network, joint: int, meeting: dict[int, list[int]]) -> int:
         others = [one for one in meeting[node] if one != joint]
         if network.drained[node] or len(others) != 1:
             return node
-        way = network.along[joint] if side else -network.along[joint]
+        ahead = network.along[joint] if side else -network.along[joint]
         joint = others[0]
         side = int(network.node[joint, 0] == node)
         on = network.along[joint] if side else -network.along[joint]
-        if way @ on < STRAIGHT:
+        if ahead @ on < STRAIGHT:
             return node
         if network.depth[joint, side] <= 0.0:
             return node  # up to the level again
@@ -228,10 +228,10 @@ def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
 def _outflow(network: Network, level: Floats) -> Floats:
     """Return the outflow of every node, in head by length, shape (m,)."""
     one, other, conducts, to_level = _pipes(network)
-    found = to_level * level
-    np.add.at(found, one, conducts * (level[one] - level[other]))
-    np.add.at(found, other, conducts * (level[other] - level[one]))
-    return np.asarray(found)
+    outflow = to_level * level
+    np.add.at(outflow, one, conducts * (level[one] - level[other]))
+    np.add.at(outflow, other, conducts * (level[other] - level[one]))
+    return np.asarray(outflow)
 
 
 def _pipes(network: Network) -> tuple[Ints, Ints, Floats, Floats]:

@@ -174,10 +174,10 @@ def edges_on(rings: Iterable[Floats], vertices: Floats, after: Ints) -> Ints:
 
 def _on_hull(vertices: Floats, after: Ints, start: Floats, along: Floats, near: float) -> Any:
     """Return which edges (nv,) run along an edge of the hull."""
-    found = np.zeros(len(vertices), np.bool_)
+    on_hull = np.zeros(len(vertices), np.bool_)
     # vertices of the hull are many only where the outline is round
     for corner, direction in zip(start, along, strict=True):
         offset = vertices - corner
         at = np.abs(offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) <= near
-        found |= at & at[after]
-    return found
+        on_hull |= at & at[after]
+    return on_hull

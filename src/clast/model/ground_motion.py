@@ -1,4 +1,4 @@
-"""Ground motion: an accelerogram, and the ways in which it reaches the blocks.
+"""Ground motion: an accelerogram, and how it reaches the blocks.
 
 The accelerogram is linear between its instants and is integrated exactly,
 
@@ -66,9 +66,9 @@ class Accelerogram:
         first, second = self.acceleration[:-1], self.acceleration[1:]
         velocity = np.zeros(self.acceleration.shape)
         velocity[1:] = np.cumsum(0.5 * length * (first + second), axis=0)
-        way = length * velocity[:-1] + length**2 * (2.0 * first + second) / 6.0
+        moved = length * velocity[:-1] + length**2 * (2.0 * first + second) / 6.0
         displacement = np.zeros(self.acceleration.shape)
-        displacement[1:] = np.cumsum(way, axis=0)
+        displacement[1:] = np.cumsum(moved, axis=0)
         return velocity, displacement
 
     def __repr__(self) -> str:
@@ -113,10 +113,10 @@ class Accelerogram:
         end = float(self.time[-1])
         # rounded, and without -0, lest a ground at rest is said to creep
         speed = (np.round(self.velocity(end), 12) + 0.0).tolist()
-        way = (np.round(self.displacement(end), 12) + 0.0).tolist()
+        end_at = (np.round(self.displacement(end), 12) + 0.0).tolist()
         return (
             f"the ground motion ends at {end:g} s with a velocity of ({speed[0]:.3g}, "
-            f"{speed[1]:.3g}) m/s and a displacement of ({way[0]:.3g}, {way[1]:.3g}) m"
+            f"{speed[1]:.3g}) m/s and a displacement of ({end_at[0]:.3g}, {end_at[1]:.3g}) m"
         )
 
 
@@ -124,7 +124,7 @@ NOTHING = np.zeros(2)
 
 
 class GroundMotion:
-    """The motion of the ground; this one is none, and others override the ways it acts in."""
+    """The motion of the ground; this one is none, and others override how it acts."""
 
     def body_acceleration(self, start: float, end: float) -> Floats:
         """Return the mass force per mass in a step from ``start`` to ``end``, s, m/s2, (2,)."""
@@ -186,7 +186,7 @@ class IncomingWave(GroundMotion):
     """
 
     accelerogram: Accelerogram
-    """Acceleration of the wave on its way up."""
+    """Acceleration of the wave as it comes up."""
 
     def incoming_velocity(self, start: float, end: float) -> Floats:
         """Return the wave's mean velocity, so that every step brings its exact impulse."""

@@ -389,8 +389,8 @@ class Model:
     def apart(self) -> Ints:
         """Numbers lower x n + higher of pairs of blocks that never meet, by links, (p,)."""
         pairs = [action.apart for action in self.actions if hasattr(action, "apart")]
-        found = np.concatenate([np.zeros((0, 2), np.int64), *pairs])
-        return found[:, 0] * self.block_count + found[:, 1]
+        apart = np.concatenate([np.zeros((0, 2), np.int64), *pairs])
+        return apart[:, 0] * self.block_count + apart[:, 1]
 
     def meeting(self, pairs: Ints, block: Ints | slice = slice(None)) -> Ints:
         """Return the pairs (q, 2) that may meet, of blocks or of numbers with a ``block`` (o,)."""
@@ -415,38 +415,38 @@ class Model:
     @property
     def lining_joints(self) -> LiningJoints:
         """The joints of linings."""
-        found = [one.joints_in(self) for one in self.actions if hasattr(one, "joints_in")]
-        return found[0] if found else LiningJoints()
+        joints = [one.joints_in(self) for one in self.actions if hasattr(one, "joints_in")]
+        return joints[0] if joints else LiningJoints()
 
     @kept_property
     def link_lines(self) -> LinkLines:
         """The links that stand at a point, in coordinates of the user."""
-        found = [action.lines for action in self.actions if hasattr(action, "lines")]
-        if not found:
+        links = [action.lines for action in self.actions if hasattr(action, "lines")]
+        if not links:
             return LinkLines()
         return LinkLines(
-            name=tuple(name for one in found for name in one.name),
-            block=np.concatenate([one.block for one in found]),
-            at=np.concatenate([one.at for one in found]) + self.origin,
-            along=np.concatenate([one.along for one in found]),
-            holds=np.concatenate([one.holds for one in found]),
+            name=tuple(name for one in links for name in one.name),
+            block=np.concatenate([one.block for one in links]),
+            at=np.concatenate([one.at for one in links]) + self.origin,
+            along=np.concatenate([one.along for one in links]),
+            holds=np.concatenate([one.holds for one in links]),
         )
 
     @kept_property
     def moved(self) -> Bools:
         """True where an action may prescribe a motion of a block (``moves``), shape (n,)."""
-        found = np.zeros(self.block_count, np.bool_)
+        moved = np.zeros(self.block_count, np.bool_)
         for action in self.actions:
-            found[getattr(action, "moves", ())] = True
-        return found
+            moved[getattr(action, "moves", ())] = True
+        return moved
 
     @kept_property
     def lined(self) -> Bools:
         """True for segments of linings, which stages may add, shape (n,)."""
-        found = np.zeros(self.block_count, np.bool_)
+        lined = np.zeros(self.block_count, np.bool_)
         for action in self.actions:
-            found[np.asarray(getattr(action, "segments", ()), np.int64)] = True
-        return found
+            lined[np.asarray(getattr(action, "segments", ()), np.int64)] = True
+        return lined
 
     @kept_property
     def outlines(self) -> Outlines | None:
@@ -459,8 +459,8 @@ class Model:
         if any(own) or self.in_situ is not None:
             return None
         still = self.fixed & ~self.moved
-        found = joined_outlines(self.vertices, self.block_start, self.area, still, self.absent)
-        return None if found is None else replace(found, fixed=self.fixed[found.block])
+        joined = joined_outlines(self.vertices, self.block_start, self.area, still, self.absent)
+        return None if joined is None else replace(joined, fixed=self.fixed[joined.block])
 
     @kept_property
     def elasticity(self) -> Floats:
@@ -561,9 +561,9 @@ def _alike(values: Floats, size: float) -> Ints:
     """Return numbers that ascend with values (n,), the same for those that hardly differ, (n,)."""
     order = np.argsort(values, kind="stable")
     apart = np.diff(values[order], prepend=values[order[:1]]) > ALIKE * size
-    found = np.empty(len(values), np.int64)
-    found[order] = np.cumsum(apart)
-    return found
+    number = np.empty(len(values), np.int64)
+    number[order] = np.cumsum(apart)
+    return number
 
 
 def _places(order: Ints) -> Ints:

@@ -109,7 +109,7 @@ def blocks_called(
     """
     by_name = {name: np.array([number]) for number, name in enumerate(block_name)}
     by_name |= {one.name: one.block for one in openings}
-    found = [np.zeros(0, np.int64)]
+    blocks = [np.zeros(0, np.int64)]
     for name in names:
         if name not in by_name:
             raise ModelError(
@@ -117,8 +117,8 @@ def blocks_called(
                 where="excavate",
                 remedy=spelling.advice(name, by_name, kind="opening or block"),
             )
-        found.append(by_name[name])
-    return np.unique(np.concatenate(found))
+        blocks.append(by_name[name])
+    return np.unique(np.concatenate(blocks))
 
 
 @dataclass(frozen=True, kw_only=True)

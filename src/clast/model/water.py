@@ -162,8 +162,8 @@ def _divided(surface: Floats, ends: Floats, lowered: Floats) -> tuple[Ints, Floa
     def share_at(count: Ints) -> Floats:
         """Return where on its line a part has its ``count``-th dividing point."""
         rank = np.where(back, many - count, count - 1)
-        found = (corner[np.clip(before[line] + rank, 0, len(corner) - 1)] - x[line, 0]) / across
-        return np.where(count == 0, 0.0, np.where(count > many, 1.0, found))
+        share = (corner[np.clip(before[line] + rank, 0, len(corner) - 1)] - x[line, 0]) / across
+        return np.where(count == 0, 0.0, np.where(count > many, 1.0, share))
 
     share = np.stack([share_at(number), share_at(number + 1)], axis=1)
     start, end = ends[line, 0], ends[line, 1]

@@ -78,7 +78,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
         travel=motion.travel,
         approach=motion.approach,
         broken=(bonded & ~solution.response.bonded).nonzero()[0],
-        worn=reaches_residual(model.joint_table, solution.contacts, wear.way),
+        worn=reaches_residual(model.joint_table, solution.contacts, wear.path),
         penetration=abs(least(end.gap, 0.0)),
         seconds=stages.ended(),
     )

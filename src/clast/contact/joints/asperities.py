@@ -9,8 +9,8 @@ from T: friction acts on T_s = T + kappa N, and loses T_s s,
 
     |T_s - kappa N_b| <= N_b tan(phi) + c L,        so that |T| <= N tan(phi) + c L where N = N_b
 
-either way, with N_b the N that bounds friction.  kappa is tan(psi) away from where the slide began,
-and the same on the way back.  Without s this is the potential of two clipped springs in conjugate
+to either side, with N_b the N that bounds friction.  kappa is tan(psi) away from where the slide
+began, and the same back again.  Without s this is the potential of two clipped springs in conjugate
 directions, one that does not slide and one that does,
 
     flank     along n - kappa t                    stiffness k p/K      K = k + kappa^2 p
@@ -194,10 +194,10 @@ class Asperities:
         rows, kappa = self.rows, self.slope[self.rows]
         pair = self.pair(clipped(self.law, contacts), contacts)
         opened, slipped = gap[rows] - contacts.gap[rows], slip[rows]
-        way = opened - kappa * slipped
-        flank = np.maximum(pair.flank.at_zero - pair.flank.stiffness * way, pair.flank.low)
-        way = pair.lifts * opened + pair.slips * slipped
-        unbound = pair.slider.at_zero - pair.slider.stiffness * way
+        stretch = opened - kappa * slipped
+        flank = np.maximum(pair.flank.at_zero - pair.flank.stiffness * stretch, pair.flank.low)
+        stretch = pair.lifts * opened + pair.slips * slipped
+        unbound = pair.slider.at_zero - pair.slider.stiffness * stretch
         friction = np.clip(unbound, pair.slider.low, pair.slider.high)
         rubbed = (friction - unbound) / pair.slider.stiffness
         return Slides(
@@ -213,25 +213,25 @@ class Asperities:
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return N and T at gaps and slips (m,) of the end of the step, m, and their energies."""
         rows, kappa = self.rows, self.slope[self.rows]
-        found, (normal, shear) = self.slides(contacts, gap, slip), clipped(self.law, contacts)
+        slides, (normal, shear) = self.slides(contacts, gap, slip), clipped(self.law, contacts)
         # bonds, modes and energies are those that the law gives to these forces
         remembered, gap, slip = contacts.shear_force.copy(), gap.copy(), slip.copy()
-        at_rest = (normal.at_zero[rows] - found.normal) / normal.stiffness[rows]
-        gap[rows] = np.where(found.normal > normal.low[rows], at_rest, at_rest + 1.0)
-        remembered[rows] = found.unbound - kappa * contacts.friction_base[rows]
+        at_rest = (normal.at_zero[rows] - slides.normal) / normal.stiffness[rows]
+        gap[rows] = np.where(slides.normal > normal.low[rows], at_rest, at_rest + 1.0)
+        remembered[rows] = slides.unbound - kappa * contacts.friction_base[rows]
         slip[rows] = 0.0
         answer = self.law.respond(changed(contacts, shear_force=remembered), gap, slip)
         force, t, lost = (
             one.copy() for one in (answer.normal_force, answer.shear_force, answer.dissipation)
         )
         of_normal = answer.energy - 0.5 * t**2 / shear.stiffness
-        force[rows], t[rows] = found.normal, found.friction - kappa * found.normal
-        lost[rows] = -found.friction * found.rubbed
+        force[rows], t[rows] = slides.normal, slides.friction - kappa * slides.normal
+        lost[rows] = -slides.friction * slides.rubbed
         # a chord of the rising strength is softer than the spring that gives back
         softer = 1.0 / shear.stiffness - 1.0 / self.elastic
         own, begun = t.copy(), contacts.shear_force.copy()
-        own[rows] = np.where(found.keeps, own[rows], found.friction)
-        begun[rows] = np.where(found.keeps, begun[rows], found.begun)
+        own[rows] = np.where(slides.keeps, own[rows], slides.friction)
+        begun[rows] = np.where(slides.keeps, begun[rows], slides.begun)
         lost += 0.5 * (own**2 - begun**2) * softer
         lost += 0.5 * (contacts.shear_force**2 - begun**2) / self.elastic
         rough = rough_contacts(self.joints, contacts.joint)
@@ -303,12 +303,12 @@ def _slopes_of(joints: JointTable, contacts: Contacts) -> Floats:
 
 
 def over_asperities(
-    joints: JointTable, law: SpringLaw, contacts: Contacts, way: tuple[Floats, Floats]
+    joints: JointTable, law: SpringLaw, contacts: Contacts, motion: tuple[Floats, Floats]
 ) -> tuple[Contacts, Asperities]:
     """Return the contacts of a step, and their law.
 
-    ``way`` is by how much velocities open and slip them, m, (m,) each: only those that slide by it
-    have a slope, and those that have not slid yet take its direction from it.
+    ``motion`` is by how much velocities open and slip them, m, (m,) each: only those that slide by
+    it have a slope, and those that have not slid yet take its direction from it.
     """
     own = joints.stiffnesses[1].take(contacts.joint) * contacts.spring_length
     rough = joints.rough.take(contacts.joint)
@@ -317,7 +317,7 @@ def over_asperities(
         friction_base=np.maximum(contacts.normal_force, 0.0),
         shear_stiffness=np.where(rough, own, contacts.shear_stiffness),
     )
-    limits, (opened, slipped) = law.limits(held), way
+    limits, (opened, slipped) = law.limits(held), motion
     elastic = limits.shear_stiffness
     trial = contacts.shear_force - elastic * slipped
     first = -np.sign(trial) * joints.dilation[0].take(contacts.joint)

@@ -99,8 +99,8 @@ class RoughContacts:
     def friction(self, slid: Floats, angle: Floats) -> Floats:
         """Return tan(phi) mobilised, (k,), after sliding so far, m; ``angle`` (k,) is i, rad."""
         x, first = slid / self.peak_slip, MOBILISED[0, 0]
-        found = self.residual * np.minimum(1.0, x / first) + mobilised(x) * angle
-        return np.tan(found) / self.reduction
+        mobilised_angle = self.residual * np.minimum(1.0, x / first) + mobilised(x) * angle
+        return np.tan(mobilised_angle) / self.reduction
 
     def slide_to_mobilise(self, ratio: Floats, angle: Floats) -> Floats:
         """Return after which slide, up to that at the peak, tan(phi) is a ``ratio`` (k,), m, (k,).
@@ -137,39 +137,39 @@ def stress_on(normal: Floats, length: Floats) -> Floats:
 
 
 def with_roughness(
-    table: JointTable, places: Places, slid: Floats, found: dict[str, Any]
+    table: JointTable, places: Places, slid: Floats, contacts: dict[str, Any]
 ) -> dict[str, Any]:
     """Return contacts with the springs and the friction that roughness gives them in a step.
 
-    ``found`` has what is known of contacts by their names, (m,) each, ``slid`` (m,) is how far they
+    ``contacts`` are the numbers known of them by name, (m,) each, ``slid`` (m,) is how far they
     have slid, m.
     """
     rough = rough_contacts(table, places.joint)
     if rough is None:
-        return found
+        return contacts
     rows = rough.rows
-    normal, shear = found["normal_force"][rows], found["shear_force"][rows]
+    normal, shear = contacts["normal_force"][rows], contacts["shear_force"][rows]
     changed = {
-        name: found[name].copy()
+        name: contacts[name].copy()
         for name in ("rest_gap", "normal_stiffness", "shear_stiffness", "shear_force", "friction")
     }
     length = places.spring_length[rows]
-    changed["rest_gap"][rows] += begins_at(rough, normal, found["rest_force"][rows], length)
+    changed["rest_gap"][rows] += begins_at(rough, normal, contacts["rest_force"][rows], length)
     stiffness = length * rough.tangent(stress_on(normal, length))
     changed["normal_stiffness"][rows] = stiffness
     angle = rough.roughness_angle(stress_on(normal, length))
-    way = slid[rows]
-    now = rough.friction(way, angle)
+    slide = slid[rows]
+    now = rough.friction(slide, angle)
     peak = rough.friction(rough.peak_slip, angle)
-    ahead = np.minimum(AHEAD * rough.peak_slip, rough.peak_slip - way)
+    ahead = np.minimum(AHEAD * rough.peak_slip, rough.peak_slip - slide)
     rises = (ahead > 0.0) & (peak - now > FLATTEST)
     bound, size = np.maximum(normal, 0.0) * now, np.abs(shear)
-    went = (found["mode"][rows] == SLIDE) & (size >= (1.0 - NEAR_CURVE) * bound)
+    went = (contacts["mode"][rows] == SLIDE) & (size >= (1.0 - NEAR_CURVE) * bound)
     carries = normal > TOUCHES * stiffness * rough.peak_slip
     follows = rises & carries & (went | (size >= (1.0 - ON_CURVE) * bound))
     begun = np.minimum(size, bound)
     ahead = np.where(rises, ahead, 1.0)
-    along = (normal * rough.friction(way + ahead, angle) - begun) / ahead
+    along = (normal * rough.friction(slide + ahead, angle) - begun) / ahead
     follows &= along > 0.0
     own = changed["shear_stiffness"][rows]
     changed["shear_stiffness"][rows] = np.where(follows, along, own)
@@ -177,7 +177,7 @@ def with_roughness(
     changed["friction"][rows] = np.where(rises, peak, now)
     follows_all: Bools = np.zeros(len(places.joint), np.bool_)
     follows_all[rows] = follows
-    return {**found, **changed, "mobilises": follows_all}
+    return {**contacts, **changed, "mobilises": follows_all}
 
 
 def begins_at(rough: RoughContacts, normal: Floats, rest: Floats, length: Floats) -> Floats:

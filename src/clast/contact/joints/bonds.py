@@ -8,7 +8,7 @@ of its joint.
 - Tension beyond sigma_t, or a gap beyond critdis, ends both for good.
 - Slip ends nothing where the joint is ideally plastic: |T| <= N tan(phi) + c L however far it
   slips, as limit equilibrium has it.  A joint with a residual cohesion is brittle: the first slip
-  ends the bond, and leaves that cohesion until the contact opens; or it goes with the way of
+  ends the bond, and leaves that cohesion until the contact opens; or it goes with the path of
   sliding (contact/joints/weakening.py), and the bond ends when none of that is left.
 
 Cohesion belongs to the plane, not to the corner that was there first.  A face that slides on takes
@@ -67,13 +67,13 @@ def flush_edges(
     """
     before = np.arange(-1, len(direction) - 1)
     before[block_start[:-1]] = block_start[1:] - 1
-    found = []
+    flush = []
     for own in (before[vertex], vertex):
         one, other = direction[own], direction[edge]
         sine = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
         opposite = np.einsum("kx,kx->k", one, other) < 0.0
-        found.append(np.where((np.abs(sine) <= SMALL_ANGLE) & opposite, own, -1))
-    return found[0], found[1]
+        flush.append(np.where((np.abs(sine) <= SMALL_ANGLE) & opposite, own, -1))
+    return flush[0], flush[1]
 
 
 def had_by_faces(
@@ -91,7 +91,7 @@ def had_by_faces(
     vertex, edge = ends
     along = flush_edges(memory.vertex, memory.edge, direction, block_start)
     mine = flush_edges(vertex, edge, direction, block_start)
-    found = []
+    earlier = []
     for values in kept:
         # of every edge, and of -1, which is none; NaN where nothing is known of it
         low, high = np.full((2, len(direction) + 1), np.nan)
@@ -106,8 +106,8 @@ def had_by_faces(
             for of_face in (face[own], face[edge]):
                 larger = (own >= 0) & ~(np.abs(of_face) <= np.abs(result))
                 result = np.where(larger & ~np.isnan(of_face), of_face, result)
-        found.append(result)
-    return tuple(found)
+        earlier.append(result)
+    return tuple(earlier)
 
 
 def slide_lengths(

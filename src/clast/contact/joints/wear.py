@@ -43,8 +43,8 @@ SEEN = 1e-6
 class Wear:
     """Slides of contacts in a step, and how far these open them."""
 
-    way: Floats
-    """Length of the way of sliding in the step, m, shape (m,)."""
+    path: Floats
+    """Length of the path of sliding in the step, m, shape (m,)."""
     slid: Floats
     """By how much the places that face each other move on, m, along t, shape (m,)."""
     speed: Floats
@@ -56,7 +56,7 @@ class Wear:
 def at_rest(contacts: Contacts) -> Wear:
     """Return the wear of a step in which nothing slides."""
     none = np.zeros(len(contacts))
-    return Wear(way=none, slid=none, speed=none, dilation=contacts.dilation)
+    return Wear(path=none, slid=none, speed=none, dilation=contacts.dilation)
 
 
 def borne_already(table: JointTable, contacts: Contacts, response: ContactResponse) -> Wear:
@@ -67,13 +67,13 @@ def borne_already(table: JointTable, contacts: Contacts, response: ContactRespon
     wear, rough = at_rest(contacts), rough_contacts(table, contacts.joint)
     if rough is None:
         return wear
-    rows, way = rough.rows, wear.way.copy()
+    rows, path = rough.rows, wear.path.copy()
     normal = response.normal_force[rows]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(normal > 0.0, np.abs(response.shear_force[rows]) / normal, 0.0)
     stress = stress_on(normal, contacts.spring_length[rows])
-    way[rows] = rough.slide_to_mobilise(ratio, rough.roughness_angle(stress))
-    return replace(wear, way=way)
+    path[rows] = rough.slide_to_mobilise(ratio, rough.roughness_angle(stress))
+    return replace(wear, path=path)
 
 
 def wear_of(
@@ -85,14 +85,14 @@ def wear_of(
     """
     forces = response.mode, response.shear_force, response.dissipation
     made = (contacts.slip != 0.0) | (contacts.mode != OPEN) | contacts.bonded
-    way, slid = _slides(slip, forces, (contacts.mobilises, made))
+    path, slid = _slides(slip, forces, (contacts.mobilises, made))
     dilation = contacts.dilation
     if table.opens:
         dilation = dilation + opening(table, contacts, response.normal_force, slid)
-    return Wear(way=way, slid=slid, speed=_speeds(contacts, way, slip, rate), dilation=dilation)
+    return Wear(path=path, slid=slid, speed=_speeds(contacts, path, slip, rate), dilation=dilation)
 
 
-def _speeds(contacts: Contacts, way: Floats, slip: Floats, rate: float) -> Floats:
+def _speeds(contacts: Contacts, path: Floats, slip: Floats, rate: float) -> Floats:
     """Return the speeds of sliding, m/s, (m,).
 
     What slides does so until it turns back: where the normal force rises the spring of a contact
@@ -100,21 +100,21 @@ def _speeds(contacts: Contacts, way: Floats, slip: Floats, rate: float) -> Float
     """
     goes_on = (contacts.slide_speed > 0.0) & (contacts.shear_force * slip < 0.0)
     if not is_any(goes_on):
-        return rate * way
-    return rate * np.where(goes_on, np.maximum(way, np.abs(slip)), way)
+        return rate * path
+    return rate * np.where(goes_on, np.maximum(path, np.abs(slip)), path)
 
 
 @kernel()
 def _slides(slip, forces, known):
-    """Return ways and slides of contacts (m,), m: slip that no spring keeps."""
-    way, slid = np.empty(len(slip)), np.empty(len(slip))
-    _slide(len(slip), slip, forces, known, way, slid)
-    return way, slid
+    """Return paths and slides of contacts (m,), m: slip that no spring keeps."""
+    path, slid = np.empty(len(slip)), np.empty(len(slip))
+    _slide(len(slip), slip, forces, known, path, slid)
+    return path, slid
 
 
 @shared(CONTACTS)
-def _slide(first, last, slip, forces, known, way, slid):
-    """Write ways and slides of contacts ``first`` to ``last`` - 1, m.
+def _slide(first, last, slip, forces, known, path, slid):
+    """Write paths and slides of contacts ``first`` to ``last`` - 1, m.
 
     An open contact does not wear, but it has other places in front of it when it closes.
     """
@@ -127,7 +127,7 @@ def _slide(first, last, slip, forces, known, way, slid):
             slid[c] = -loss[c] / shear[c] if shear[c] != 0.0 else slip[c]
         if mobilises[c] and mode[c] != OPEN:
             slid[c] = slip[c]
-        way[c] = abs(slid[c])
+        path[c] = abs(slid[c])
         if mode[c] == OPEN and made[c]:
             slid[c] = slip[c]
 
@@ -177,7 +177,7 @@ def with_work_of_joints(
         loss[rows] = -(sheared[0] * sheared[1])[rows]
         mode = _mode_along(rough, contacts, response, sheared[1])
     work = np.maximum(normal, 0.0) * opened
-    # that the opening comes on at once, and is given way to in the next step, is the scheme's doing
+    # that the opening comes on at once, and is yielded to in the next step, is the scheme's doing
     pressed = np.where(normal > 0.0, 0.5 * stiffness * opened**2, 0.0)
     return replace(response, mode=mode, energy=energy + work + pressed, dissipation=loss - work)
 
@@ -220,13 +220,21 @@ def after_slip(
     friction has lost as much in the step.
     """
     table, slope, rows, (gap, slip) = asperities.joints, asperities.slope, asperities.rows, ends
-    wear, found = wear_of(table, contacts, response, slip, rate), asperities.slides(contacts, *ends)
-    mode, way, slid, opened = response.mode, wear.way.copy(), wear.slid.copy(), np.zeros(len(slip))
+    wear, slides = (
+        wear_of(table, contacts, response, slip, rate),
+        asperities.slides(contacts, *ends),
+    )
+    mode, path, slid, opened = (
+        response.mode,
+        wear.path.copy(),
+        wear.slid.copy(),
+        np.zeros(len(slip)),
+    )
     bears = mode[rows] != OPEN
     rubs = bears & ~contacts.mobilises[rows]
-    way[rows] = np.where(rubs, np.abs(found.rubbed), way[rows])
-    slid[rows] = np.where(rubs, found.slid, slid[rows])
-    opened[rows] = slope[rows] * found.slid
+    path[rows] = np.where(rubs, np.abs(slides.rubbed), path[rows])
+    slid[rows] = np.where(rubs, slides.slid, slid[rows])
+    opened[rows] = slope[rows] * slides.slid
     # by the angle of the stress that slopes are of
     begun = np.where(contacts.normal_force > 0.0, contacts.normal_force, response.normal_force)
     wanted = opening(table, contacts, begun, slid) - opened
@@ -236,21 +244,21 @@ def after_slip(
     places = gap + contacts.rest_gap, dilation
     reached, energy = _closed(table, contacts, (reached, energy), places, work)
     # where T is not that of its spring, it goes on with what friction pays for
-    shear, friction = response.shear_force.copy(), found.friction**2
-    more = np.where(found.keeps, 0.0, shear[rows] ** 2 - friction)
+    shear, friction = response.shear_force.copy(), slides.friction**2
+    more = np.where(slides.keeps, 0.0, shear[rows] ** 2 - friction)
     elastic = asperities.elastic[rows]
     more = np.minimum(more, 2.0 * elastic * loss[rows])
     shear[rows] = np.where(
-        found.keeps, shear[rows], np.copysign(np.sqrt(friction + more), shear[rows])
+        slides.keeps, shear[rows], np.copysign(np.sqrt(friction + more), shear[rows])
     )
     energy[rows] += 0.5 * more / elastic
     loss[rows] -= np.maximum(0.5 * more / elastic, 0.0)
     rough = rough_contacts(table, contacts.joint)
     if rough is not None:
         mode = _mode_along(rough, contacts, response, slip)
-    speed = _speeds(contacts, way, slip, rate)
+    speed = _speeds(contacts, path, slip, rate)
     return EndOfSlip(
-        wear=Wear(way=way, slid=slid, speed=speed, dilation=dilation),
+        wear=Wear(path=path, slid=slid, speed=speed, dilation=dilation),
         response=changed(response, mode=mode, energy=energy, dissipation=loss),
         normal_force=reached,
         shear_force=shear,
@@ -290,20 +298,20 @@ def _made_up_for(
 def _closed(
     table: JointTable,
     contacts: Contacts,
-    found: tuple[Floats, Floats],
+    ends: tuple[Floats, Floats],
     places: tuple[Floats, Floats],
     work: Floats,
 ) -> tuple[Floats, Floats]:
     """Return N, N/m, and energies, J/m, (m,) each, with rough contacts on their hyperbola.
 
     It lies above its tangent: to rise to it takes work, of which a step has no more than the
-    ``work`` (m,), J/m, of closing.  ``found`` are N and energies at the end of the tangent,
+    ``work`` (m,), J/m, of closing.  ``ends`` are N and energies at the end of the tangent,
     ``places`` distances and openings, m.
     """
     rough = rough_contacts(table, contacts.joint)
     if rough is None:
-        return found
-    rows, (normal, energy), (distance, dilation) = rough.rows, found, places
+        return ends
+    rows, (normal, energy), (distance, dilation) = rough.rows, ends, places
     length = contacts.spring_length[rows]
     begun = contacts.rest_force + contacts.multiplier - contacts.normal_stiffness * contacts.gap
     before, now = (stress_on(one[rows], length) for one in (begun, normal))
@@ -319,17 +327,17 @@ def _closed(
     return normal, energy
 
 
-def reaches_residual(table: JointTable, contacts: Contacts, way: Floats) -> Ints:
+def reaches_residual(table: JointTable, contacts: Contacts, path: Floats) -> Ints:
     """Return contacts of joints that wear off which are the first of theirs to do so, (r,).
 
-    ``way`` (m,) is the way of sliding of the step, m.
+    ``path`` (m,) is the path of sliding of the step, m.
     """
     if not table.weakens:
         return NONE
     worn_after: Floats = table.worn_after.take(contacts.joint)
     wears: Bools = _wears(table).take(contacts.joint)
     before = contacts.slide_length
-    now = wears & (before < worn_after) & (before + way >= worn_after)
+    now = wears & (before < worn_after) & (before + path >= worn_after)
     if not now.any():
         return np.zeros(0, np.int64)
     earlier = np.unique(contacts.joint[wears & contacts.known & (before >= worn_after)])
@@ -337,6 +345,6 @@ def reaches_residual(table: JointTable, contacts: Contacts, way: Floats) -> Ints
 
 
 def _wears(table: JointTable) -> Bools:
-    """Return which joints lose strength over a way of sliding, (joints,)."""
+    """Return which joints lose strength over a path of sliding, (joints,)."""
     residual = ~np.isnan(table.residual_friction) | ~np.isnan(table.residual_cohesion)
     return np.asarray(table.rough | (residual & (table.slip_weakening > 0.0)))
