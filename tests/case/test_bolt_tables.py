@@ -37,7 +37,7 @@ GROUTED = {"anchorage": "grouted", "free_length": 0.1}
     ("bolt", "said"),
     [
         ({"end": (5, 0.5)}, r"end at \(5, 0.5\): lies outside every block; .* 'c', 2 m away"),
-        ({"end": (0.7, 0.5)}, "both ends are in block 1 'a'"),
+        ({"end": (0.7, 0.5)}, "crosses no joint: all of it is in block 1 'a'"),
         ({"start": (1, 0.5), "end": (2.5, 0.5)}, "common boundary of .*'a'.*'b'\n.*blocks = "),
         ({"start": (1, 0.5), "blocks": ["a", "d"]}, "no block 'd'"),
         ({"kind": "bars"}, "no bolt kind 'bars'\n  did you mean 'bar'"),

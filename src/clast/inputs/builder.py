@@ -64,7 +64,7 @@ from clast.inputs.measurements import (
     reactions_in,
 )
 from clast.inputs.placing.bolt_lines import Ground
-from clast.inputs.placing.bolts import placed_bolts
+from clast.inputs.placing.bolts import idle_note, placed_bolts
 from clast.inputs.placing.place_blocks import (
     BlockArrays,
     Names,
@@ -350,6 +350,7 @@ class InputBuilder(Inputs):
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
+                *idle_note(bolts),
                 *wet,
                 *ending_note(self.ground_motion),
             ),

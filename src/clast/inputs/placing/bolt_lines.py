@@ -140,7 +140,7 @@ def _joined(block: Ints, ends: Floats, close: float) -> LinePieces:
 def joints_between(
     pieces: LinePieces, line: Floats, ground: Ground, label: str, widest: float
 ) -> None:
-    """Refuse a grouted line that begins or ends in no block, leaves rock, or crosses no joint.
+    """Refuse a grouted line that begins or ends in no block, leaves rock, or runs along a joint.
 
     Joints may be open by ``widest``, m.
     """
@@ -164,10 +164,6 @@ def joints_between(
         if gap > widest:
             what = f"runs through {gap:.3g} m of void from {here} on"
             raise ModelError(what, where=label, remedy="end it there, or use two bolts")
-    if len(pieces) < 2:
-        what = f"crosses no joint: all of it is in {ground.outlines.label(int(pieces.block[0]))}"
-        remedy = "a grouted bolt works where it crosses joints: lengthen or move it"
-        raise ModelError(what, where=label, remedy=remedy)
 
 
 def _outside(pieces: LinePieces, length: float) -> list[tuple[str, float]]:

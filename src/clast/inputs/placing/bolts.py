@@ -19,8 +19,11 @@ from clast.model.model import Floats
 from clast.model.ranges import check_names, check_text
 from clast.model.supports import Bolts
 
-HEAD_TO_WALL_SHARE = 1e-3
-"""Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded."""
+SLACK_SHARE = 1e-3
+"""Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded, and
+its end behind a joint that it does not cross."""
+NAMED_IDLE_MAX = 5
+"""Bolts that cross no joint that a note names."""
 BOLTS_PER_PATTERN_MAX = 100_000
 """Most bolts of a pattern."""
 
@@ -47,12 +50,12 @@ def bolts_round(
         angle = np.degrees(np.arctan2(direction[1], direction[0]))
         label = f"{whole}, bolt {k} at {angle % 360.0:.4g} degrees"
         line = np.array([head, head + pattern.length * direction])
-        start, blocks = _in_rock(line, ground, label)
+        line, blocks = _in_rock(line, ground, label)
         yield (
             label,
             Bolt(
                 name=f"{pattern.group(number)}-{k}",
-                start=tuple(start.tolist()),
+                start=tuple(line[0].tolist()),
                 end=tuple(line[1].tolist()),
                 blocks=None if pattern.anchorage == "grouted" else blocks,
                 **shared,
@@ -127,19 +130,24 @@ def _along(ring: Any, middle: Floats, angle: float, label: str) -> float:
 
 
 def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, tuple[str, str]]:
-    """Return where a bolt begins in the rock behind the wall, m, and the blocks of its ends."""
+    """Return the ends of a bolt in the rock behind the wall, m, (2, 2), and their blocks.
+
+    What lies less than the slack behind a joint belongs to the block before it.
+    """
     origin, length = ground.outlines.origin, float(np.hypot(*(line[1] - line[0])))
     pieces = ground.pieces(line - origin)
-    slack = HEAD_TO_WALL_SHARE * length
+    slack = SLACK_SHARE * length
     long = np.flatnonzero(np.diff(pieces.ends, axis=1)[:, 0] > slack)
     if not len(long) or pieces.ends[long[0], 0] > slack:
         what, where = "its head lies in no block", line[0]
-    elif pieces.ends[long[-1], 1] < length * (1.0 - 1e-6):
+    elif pieces.ends[long[-1], 1] < length - slack:
         what, where = "its end lies in no block", line[1]
     else:
-        begin = max(float(pieces.ends[long[0], 0]), 0.0)
+        along = (line[1] - line[0]) / length
+        begin, end = max(float(pieces.ends[long[0], 0]), 0.0), float(pieces.ends[long[-1], 1])
+        toe = line[1] if end >= length * (1.0 - 1e-6) else line[0] + end * along
         first, last = (ground.outlines.names[int(pieces.block[k])] for k in (long[0], long[-1]))
-        return line[0] + begin * (line[1] - line[0]) / length, (first, last)
+        return np.array([line[0] + begin * along, toe]), (first, last)
     remedy = "shorten length, or leave this part of the outline out by from and to"
     raise ModelError(what, where=f"{label}, {ground.text(where - origin)}", remedy=remedy)
 
@@ -184,6 +192,11 @@ def placed_bolts(
         _anchored(label, bolt, line, ground)
         for (label, bolt), line in zip(named, lines, strict=True)
     ]
+    for part, label in zip(parts, labels[: len(given.all(Bolt))], strict=False):
+        if not part.ends:  # of a pattern some may: where joints are random, chance decides
+            what = f"crosses no joint: all of it is in {ground.outlines.label(part.block[0])}"
+            remedy = "lengthen it, or move one end across a joint into another block"
+            raise ModelError(what, where=label, remedy=remedy)
     first = np.cumsum([0, *(len(part.block) for part in parts)])
     known = {name: number for number, name in enumerate(kinds)}
     for label, bolt in named:
@@ -205,6 +218,15 @@ def placed_bolts(
         named,
         [kinds[bolt.kind] for bolt in bolts],
     )
+
+
+def idle_note(bolts: Bolts) -> Iterator[str]:
+    """Yield the note on bolts that cross no joint."""
+    springs = np.bincount(bolts.of_spring, minlength=len(bolts))
+    idle = [bolts.name[k] for k in np.flatnonzero(springs == 0)]
+    if idle:
+        names = ", ".join(idle[:NAMED_IDLE_MAX]) + (", ..." if len(idle) > NAMED_IDLE_MAX else "")
+        yield f"{len(idle)} of {len(bolts)} bolts cross no joint and carry nothing: {names}"
 
 
 def _with_springs(
@@ -258,11 +280,8 @@ def _anchored(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
     """Return a bolt of one spring between two points, or of one for each joint that it crosses."""
     if bolt.anchorage == "ends":
         block = ground.blocks_of_ends(label, line, bolt.blocks)
-        if block[0] == block[1]:
-            what = f"both ends are in {ground.outlines.label(block[0])}, so it reinforces nothing"
-            remedy = "move one end across a joint, into another block"
-            raise ModelError(what, where=label, remedy=remedy)
-        return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
+        ends = [(0, 1)] if block[0] != block[1] else []
+        return Anchored(block=block, at=[line[0], line[1]], ends=ends)
     free, pieces = bolt.free_length or 0.0, ground.pieces(line)
     joints_between(pieces, line, ground, label, free)
     along = (line[1] - line[0]) / float(np.hypot(*(line[1] - line[0])))

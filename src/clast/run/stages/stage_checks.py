@@ -271,7 +271,7 @@ def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
 def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:
     springs = model.bolts.blocks[model.bolts.of_spring == bolt]
     left_out = np.isin(springs, list(since))
-    if left_out.any(axis=1).all():
+    if len(springs) and left_out.any(axis=1).all():
         block = int(springs[left_out][0])
         raise ModelError(
             f"bolt '{shortened(model.bolts.name[bolt])}' would be anchored in block "
