@@ -251,13 +251,6 @@ def test_the_commands_say_so_and_write_nothing(
         assert sorted(tmp_path.iterdir()) == before
 
 
-def test_the_case_itself_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.chdir(tmp_path)
-    everything = stage(DIG, 'install = ["B"]\nloads = ["pool"]', more=BOLT)
-    Path("case.toml").write_text(everything + water("").removeprefix(CASE), encoding="utf-8")
-    good("check", "case.toml")
-
-
 def test_stages_that_are_too_short_are_warned_of(tmp_path: Path):
     case = tmp_path / "case.toml"
     case.write_text(stage("hold = 100", "every = 1e-6"), encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -84,14 +83,6 @@ def test_no_contacts_are_said_where_they_are_asked_for(result: Path):
     assert "no contacts are recorded" in found.stderr
     assert "left out, nothing is recorded of: contacts" in good("export", result, "--to", "csv")
     assert not Path("three-tables/contacts.csv").exists()
-
-
-def test_drawings_without_ezdxf(result: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setitem(sys.modules, "ezdxf.filemanagement", None)
-    found = clast_command("export", result, "--to", "dxf")
-    assert found.exit_code == 2
-    assert "clast[dxf]" in found.stderr
-    assert left() == []
 
 
 def test_a_picture_of_the_frame_at_a_time(result: Path):

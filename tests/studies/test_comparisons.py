@@ -97,20 +97,6 @@ def test_a_reference_of_zero_has_an_error_in_metres():
     assert only.as_text() == "0.05 m"
 
 
-def test_references_belong_to_the_system_of_the_file():
-    assert Case.from_toml(INCLINE, ["time.end=0.5", "method.process=convex"]).reference
-    assert not Case.from_toml(INCLINE, ["joint.default.friction_angle=30"]).reference
-    kept = Case.from_toml(INCLINE, ["joint.default.friction_angle=30", "reference.1.time=0.5"])
-    assert kept.reference[0].time == 0.5
-
-
-def test_a_reference_to_an_unknown_point():
-    with pytest.raises(CaseError, match="no measured point 'B'") as caught:
-        Case.from_toml(INCLINE.replace('point = "A"', 'point = "B"'))
-    assert "[[reference]] 1 point" in caught.value.where
-    assert caught.value.remedy == "the measured points are: A"
-
-
 def test_a_run_that_stops_is_a_row():
     tight = [END, "time.max_displacement=1e-4", "time.smallest_step=9e-4"]
     comparison = studies.compare(Case.from_toml(INCLINE, tight), ["convex"], ["penalty"])
@@ -244,3 +230,10 @@ def test_excavated_blocks_are_outlines_only(tmp_path, monkeypatch):
         assert [len(one.get_paths()) for one in polygons] == [2, 1, 1, 1]
         assert dashed.get_paths()[0].vertices[:, 1].max() == pytest.approx(2.0, abs=0.01)
         assert len(coloured.get_array()) == 1
+
+
+def test_references_belong_to_the_system_of_the_file():
+    assert Case.from_toml(INCLINE, ["time.end=0.5", "method.process=convex"]).reference
+    assert not Case.from_toml(INCLINE, ["joint.default.friction_angle=30"]).reference
+    kept = Case.from_toml(INCLINE, ["joint.default.friction_angle=30", "reference.1.time=0.5"])
+    assert kept.reference[0].time == 0.5

@@ -41,40 +41,6 @@ def test_results_are_found_again(tmp_path):
     assert list(folder.missing(lambda run: True)) == []
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"run": 1},
-        {"status": "well"},
-        {"status": None},
-        {"measures": None},
-        {"measures": {}},
-        {"measures": {"u": 1.0, "w": 1.0}},
-        {"measures": {"u": "1.0"}},
-        {"measures": {"u": None}},
-        {"parameters": {}},
-        {"parameters": 3},
-        {"fails": None},
-    ],
-)
-def test_a_damaged_result_is_none(tmp_path, changes):
-    """Its run is made again."""
-    folder = made(tmp_path / "out")
-    folder.write_result(folder.place(2), whole(folder, 2, **changes))
-    assert [one["run"] for one in folder.results()] == [1]
-    assert list(folder.missing(lambda run: True)) == [2]
-    with folder.making(2) as part:
-        folder.write_result(part, whole(folder, 2))
-    assert folder.result(2)["measures"] == {"u": 1.0}
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "null", "3", '{"study": "of another"}', "\xff"])
-def test_a_file_that_is_no_result_is_none(tmp_path, text):
-    folder = made(tmp_path / "out")
-    (folder.place(2) / "result.json").write_bytes(text.encode("latin-1"))
-    assert list(folder.missing(lambda run: True)) == [2]
-
-
 def test_a_run_without_a_result_needs_no_measures(tmp_path):
     folder = made(tmp_path / "out")
     one = {"run": 2, "parameters": {PHI: 30.0}, "status": NO_RESULT, "reason": "too steep"}

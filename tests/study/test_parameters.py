@@ -305,15 +305,6 @@ def test_a_back_analysis_is_read_as_it_is_written() -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["kind = 3", 'kind = "montecarlo"', "junk = 1", "n = [", 'kind = "fos"\ncase = 1\nvary = 3'],
-)
-def test_files_that_are_no_study_are_refused(text: str) -> None:
-    with pytest.raises(CaseError, match=r"study\.toml"):
-        described(text, "study.toml")
-
-
-@pytest.mark.parametrize(
     ("text", "unit"),
     [
         ("displacement(A)", "m"),

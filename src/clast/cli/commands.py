@@ -42,9 +42,9 @@ class Commands(TyperGroup):
             names = [one.__name__.rstrip("_") for one in commands]
             names += ["study"] if group == "Study" else []
             with formatter.section(group):
-                found = [(name, self.get_command(ctx, name)) for name in names]
+                listed = [(name, self.get_command(ctx, name)) for name in names]
                 formatter.write_dl(
-                    [(name, one.get_short_help_str(width)) for name, one in found if one]
+                    [(name, one.get_short_help_str(width)) for name, one in listed if one]
                 )
 
     def invoke(self, ctx: Any) -> Any:

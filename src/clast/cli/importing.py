@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from clast.cli.options import AsJson
-from clast.cli.rock_masses import BLOCK_WRITERS, WRITERS, writer
+from clast.cli.rock_masses import BLOCK_ENDINGS, check_file, write_blocks, write_cut
 from clast.cli.terminal import print_json, tell
 from clast.errors import CaseError
 
@@ -77,7 +76,7 @@ def import_(
     from clast.rockmass.readers import BlockReading, Reading, has_blocks
 
     if blocks is not None:
-        writer(blocks, BLOCK_WRITERS)
+        check_file(blocks, BLOCK_ENDINGS)
     _check_new(output)
     if output.suffix.casefold() != ".toml":
         what, remedy = "is not a valid case file name", "use a name ending in .toml"
@@ -102,32 +101,19 @@ def import_(
             )
         reading = Reading(dxf=dxf, mass_unit=mass_unit)
         done = _drawing(file, analysis, reading, (output, blocks))
+    text, lines, content = done
     if as_json:
-        print_json(done.content)
+        print_json(content)
         return
-    tell(f"taken over: {done.taken}")
-    for line in done.lines:
+    for line in lines:
         tell(line)
-    if blocks is not None or done.blocks is not None:
-        tell(f"blocks: {done.blocks}")
     fill = f'fill in the values marked "{TO_BE_GIVEN}" there, then '
-    next_step = fill if f'"{TO_BE_GIVEN}"' in done.text.partition("[")[2] else ""
+    next_step = fill if f'"{TO_BE_GIVEN}"' in text.partition("[")[2] else ""
     tell(f"wrote {output}; next: {next_step}clast check {output}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Imported:
-    """The result of importing a file."""
-
-    text: str
-    taken: str
-    """The imported parts."""
-    lines: tuple[str, ...]
-    """Repairs, notes and omissions."""
-    blocks: Path | None
-    """File that the blocks were written to."""
-    content: dict[str, Any]
-    """All of that, for JSON."""
+Imported = tuple[str, list[str], dict[str, Any]]
+"""Text of the case; lines on what was taken over, repaired, noted and left out; all for JSON."""
 
 
 def _drawing(
@@ -141,7 +127,7 @@ def _drawing(
     drawing = read_drawing(file, analysis, reading)
     text = case_text(drawing)
     if blocks is not None:
-        writer(blocks, WRITERS)(blocks, cut_of(drawing))
+        write_cut(blocks, cut_of(drawing))
     output.write_text(text, encoding="utf-8")
     counted = {
         "outline of the domain": int(drawing.boundary is not None),
@@ -153,21 +139,22 @@ def _drawing(
     }
     listed = ", ".join(f"{what} {count}" for what, count in counted.items() if count)
     notes, left = notes_of(drawing), [str(one) for one in left_out_of(drawing)]
-    return Imported(
-        text=text,
-        taken=f"{listed or 'nothing'} ({drawing.unit_source})",
-        lines=(*(f"note: {one}" for one in notes), *(f"left out: {one}" for one in left)),
-        blocks=blocks,
-        content={
-            "file": str(file),
-            "unit": drawing.unit_source,
-            **counted,
-            "notes": notes,
-            "left_out": left,
-            "blocks": None if blocks is None else str(blocks),
-            "output": str(output),
-        },
-    )
+    lines = [
+        f"taken over: {listed or 'nothing'} ({drawing.unit_source})",
+        *(f"note: {one}" for one in notes),
+        *(f"left out: {one}" for one in left),
+        *([] if blocks is None else [f"blocks: {blocks}"]),
+    ]
+    content = {
+        "file": str(file),
+        "unit": drawing.unit_source,
+        **counted,
+        "notes": notes,
+        "left_out": left,
+        "blocks": None if blocks is None else str(blocks),
+        "output": str(output),
+    }
+    return text, lines, content
 
 
 def _blocks(
@@ -185,26 +172,23 @@ def _blocks(
         "rock": drawn.blocks.rock,
         "edge_joint": drawn.blocks.edge_joint,
     }
-    writer(blocks, BLOCK_WRITERS)(blocks, arrays)
+    check_file(blocks, BLOCK_ENDINGS)
+    write_blocks(blocks, arrays)
     text = blocks_text(drawn, Path(os.path.relpath(blocks, output.absolute().parent)).as_posix())
     output.write_text(text, encoding="utf-8")
     content = drawn.as_dict()
     named = {"rocks": list(content["rocks"]), "joints": content["joints"]}
     listed = "; ".join(f"{what} {', '.join(names)}" for what, names in named.items() if names)
-    repairs = [f"repair: {one}" for one in drawn.repairs] or ["repair: nothing to put together"]
-    moved = f"tolerance {drawn.tolerance:.3g} m: no vertex moved by more than "
-    return Imported(
-        text=text,
-        taken=f"{drawn.blocks.count} blocks; {listed}",
-        lines=(
-            *repairs,
-            f"{moved}{drawn.largest_movement:.3g} m",
-            *(f"note: {one}" for one in content["notes"]),
-            *(f"left out: {one}" for one in content["left_out"]),
-        ),
-        blocks=blocks,
-        content={**content, "written": str(blocks), "output": str(output)},
-    )
+    lines = [
+        f"taken over: {drawn.blocks.count} blocks; {listed}",
+        *([f"repair: {one}" for one in drawn.repairs] or ["repair: nothing to put together"]),
+        f"tolerance {drawn.tolerance:.3g} m: no vertex moved by more than "
+        f"{drawn.largest_movement:.3g} m",
+        *(f"note: {one}" for one in content["notes"]),
+        *(f"left out: {one}" for one in content["left_out"]),
+        f"blocks: {blocks}",
+    ]
+    return text, lines, {**content, "written": str(blocks), "output": str(output)}
 
 
 def _check_new(path: Path) -> None:

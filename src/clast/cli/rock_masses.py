@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -16,12 +16,24 @@ from clast.errors import CaseError, shortened
 if TYPE_CHECKING:
     from clast.inputs.placing.place_rock_mass import CutCase
 
-Arrays = Mapping[str, Any]
-"""vertices, block_start, rock and edge_joint, as the writers of files take them."""
-Blocks = TypeVar("Blocks")
+BLOCK_ENDINGS = (".dxf", ".csv", ".npz")
+PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 
 
-def _write_blocks(path: Path, blocks: Arrays) -> None:
+def check_file(path: Path, endings: Sequence[str]) -> None:
+    """Raise CaseError for a file with another ending, or in a folder that is not there."""
+    if path.suffix.casefold() not in endings:
+        raise CaseError(
+            f"ends in {shortened(path.suffix) or 'nothing'}, which is not a known format",
+            where=str(path),
+            remedy=f"use a name ending in {', '.join(endings)}",
+        )
+    if not path.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
+
+
+def write_blocks(path: Path, blocks: Mapping[str, Any]) -> None:
+    """Write vertices, block_start, rock and edge_joint of blocks, by the ending of the file."""
     from clast.rockmass.drawings import blocks_out
 
     if path.suffix.casefold() == ".dxf":
@@ -34,25 +46,15 @@ def _write_blocks(path: Path, blocks: Arrays) -> None:
         blocks_out.write_blocks_npz(path, **blocks)
 
 
-BLOCK_WRITERS = dict.fromkeys((".dxf", ".csv", ".npz"), _write_blocks)
-"""Ending of a file's name -> who writes blocks to it."""
-
-
-def writer(
-    path: Path, writers: Mapping[str, Callable[[Path, Blocks], None]]
-) -> Callable[[Path, Blocks], None]:
-    """Return the writer for a file with that name; CaseError where there is none."""
-    write = writers.get(path.suffix.casefold())
-    if write is None:
-        ending = shortened(path.suffix) or "nothing"
-        raise CaseError(
-            f"ends in {ending}, which is not a known format",
-            where=str(path),
-            remedy=f"use a name ending in {', '.join(writers)}",
-        )
-    if not path.absolute().parent.is_dir():
-        raise CaseError("its folder does not exist", where=str(path), remedy="create it first")
-    return write
+def write_cut(path: Path, result: CutCase) -> None:
+    """Write the blocks of a cut."""
+    arrays = {
+        "vertices": result.cut.vertices,
+        "block_start": result.cut.block_start,
+        "rock": result.rocks,
+        "edge_joint": result.edge_joints,
+    }
+    write_blocks(path, arrays)
 
 
 def cut(
@@ -72,16 +74,23 @@ def cut(
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """Cut a rock mass into blocks. Reports the blocks and all changes on the way."""
+    """Cut a rock mass into blocks. Reports the blocks and all changes to them."""
     from clast.case.case_file import Case
 
-    writers = {**WRITERS, **pictures(by, case.stem)}
-    write = None if output is None else writer(output, writers)
+    if output is not None:
+        check_file(output, (*BLOCK_ENDINGS, *PICTURE_ENDINGS, ".html"))
     with status() as show:
         show("cutting")
         result = Case.from_toml(case, settings or ()).cut()
-    if write is not None and output is not None:
-        write(output, result)
+    if output is not None:
+        from clast.pictures.rock_mass import plot_cut, write_cut_report
+
+        if output.suffix.casefold() in BLOCK_ENDINGS:
+            write_cut(output, result)
+        elif output.suffix.casefold() == ".html":
+            write_cut_report(result.cut, output, title=case.stem)
+        else:
+            plot_cut(result.cut, output, by=by, title=case.stem)
     if as_json:
         print_json({**cut_content(result), "output": None if output is None else str(output)})
         return
@@ -93,38 +102,3 @@ def cut(
     warn(result.warnings)
     if output is not None:
         tell(f"wrote {output}")
-
-
-# Files of blocks ---------------------------------------------------------------------------------
-
-Writer = Callable[[Path, "CutCase"], None]
-
-
-def _write_cut(path: Path, result: CutCase) -> None:
-    arrays = {
-        "vertices": result.cut.vertices,
-        "block_start": result.cut.block_start,
-        "rock": result.rocks,
-        "edge_joint": result.edge_joints,
-    }
-    _write_blocks(path, arrays)
-
-
-WRITERS: dict[str, Writer] = dict.fromkeys(BLOCK_WRITERS, _write_cut)
-"""Ending of a file's name -> who writes the blocks of a cut to it."""
-
-
-def pictures(by: Literal["set", "rock"], title: str) -> dict[str, Writer]:
-    """Return who draws a cut: ending of a file's name -> function."""
-
-    def picture(path: Path, result: CutCase) -> None:
-        from clast.pictures.rock_mass import plot_cut
-
-        plot_cut(result.cut, path, by=by, title=title)
-
-    def report(path: Path, result: CutCase) -> None:
-        from clast.pictures.rock_mass import write_cut_report
-
-        write_cut_report(result.cut, path, title=title)
-
-    return {".png": picture, ".svg": picture, ".pdf": picture, ".html": report}

@@ -268,6 +268,18 @@ def test_a_report_has_intervals_differences_and_correlation(case, tmp_path):
     assert report.count('<td class="text">A</td>') == len(TIMES)
 
 
+def test_a_search_is_neither_collected_nor_an_array(case, tmp_path):
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION))
+    with ThreadPoolExecutor(1) as one:
+        clast.fit(case, table, RANGES, executor=one, folder=tmp_path / "out")
+    for words, what in [
+        (["collect", str(tmp_path / "out")], "study resume"),
+        (["resume", str(tmp_path / "out"), "--array", "1/2"], "cannot be split into an array"),
+    ]:
+        done = clast_command("study", *words)
+        assert done.exit_code == 2 and what in done.output
+
+
 def test_a_measurement_may_be_repeated(case, tmp_path):
     """Two readings at each time, one above and one below the truth by as much."""
     table = tmp_path / "moved.csv"
@@ -281,15 +293,3 @@ def test_a_measurement_may_be_repeated(case, tmp_path):
         found = clast.fit(case, table, RANGES, executor=one)
     assert found.value == pytest.approx([STIFFNESS, FRICTION], rel=0.01)
     assert len(found.observed) == 2 * len(TIMES)
-
-
-def test_a_search_is_neither_collected_nor_an_array(case, tmp_path):
-    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION))
-    with ThreadPoolExecutor(1) as one:
-        clast.fit(case, table, RANGES, executor=one, folder=tmp_path / "out")
-    for words, what in [
-        (["collect", str(tmp_path / "out")], "study resume"),
-        (["resume", str(tmp_path / "out"), "--array", "1/2"], "cannot be split into an array"),
-    ]:
-        done = clast_command("study", *words)
-        assert done.exit_code == 2 and what in done.output

@@ -105,7 +105,7 @@ Watch = Callable[[int, float], None]
 
 @dataclass(kw_only=True)
 class Fitting:
-    """A back-analysis on its way."""
+    """A back-analysis, as far as it is."""
 
     scales: tuple[ParameterScale, ...]
     observations: tuple[Observation, ...]
