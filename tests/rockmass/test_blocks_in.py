@@ -11,7 +11,6 @@ from clast.rockmass.drawings.block_arrays import blocks_with, counter_clockwise,
 from clast.rockmass.drawings.blocks_out import write_blocks_csv, write_blocks_dxf, write_blocks_npz
 from clast.rockmass.drawings.dxf import DxfReading
 from clast.rockmass.readers import BlockReading, has_blocks, read_blocks
-from scenes import legacy_files
 
 CORNER = np.array([1e6 / 3.0, 0.1])
 VERTICES = CORNER + np.array([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (1, 1)])
@@ -118,34 +117,27 @@ def test_drawings_without_blocks(tmp_path):
         read_blocks(path, BlockReading(layer="B"))
 
 
-def test_a_block_file_of_shi(tmp_path):
-    path = tmp_path / "blocks.dat"
-    path.write_text(legacy_files.BLOCKS)
-    assert read_blocks(path).count >= 2
-
-
 COLUMNS, ROWS = 4, 3
 CORNERS = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
 ROW = np.vstack([CORNERS + np.array([c, r]) for r in range(ROWS) for c in range(COLUMNS)])
 ROW_START = np.arange(0, 4 * COLUMNS * ROWS + 1, 4)
 
 
-def test_a_line_through_a_row_holds_each_block_in_its_middle():
-    blocks, points = crossed_blocks([(-1, 0.25), (9, 0.25)], ROW, ROW_START)
-    assert blocks.tolist() == [0, 1, 2, 3]
-    np.testing.assert_allclose(points, [(0.5, 0.25), (1.5, 0.25), (2.5, 0.25), (3.5, 0.25)])
-
-
-def test_a_line_along_the_base_holds_the_lowest_row():
-    blocks, points = crossed_blocks([(0.5, 0), (3.5, 0)], ROW, ROW_START)
-    assert blocks.tolist() == [0, 1, 2, 3]
-    np.testing.assert_allclose(points[:, 0], [0.75, 1.5, 2.5, 3.25])
-
-
-def test_the_diagonal_passes_corners_and_holds_what_it_crosses():
-    blocks, points = crossed_blocks([(0, 0), (3, 3)], ROW, ROW_START)
-    assert blocks.tolist() == [0, 5, 10]
-    np.testing.assert_allclose(points, [(0.5, 0.5), (1.5, 1.5), (2.5, 2.5)])
+@pytest.mark.parametrize(
+    ("ends", "crossed", "middles"),
+    [
+        ([(-1, 0.25), (9, 0.25)], [0, 1, 2, 3], [(0.5 + k, 0.25) for k in range(4)]),
+        # along the base: the lowest row
+        ([(0.5, 0), (3.5, 0)], [0, 1, 2, 3], [(0.75, 0), (1.5, 0), (2.5, 0), (3.25, 0)]),
+        # the diagonal passes corners
+        ([(0, 0), (3, 3)], [0, 5, 10], [(0.5, 0.5), (1.5, 1.5), (2.5, 2.5)]),
+        ([(-2, -2), (-1, 5)], [], np.zeros((0, 2))),
+    ],
+)
+def test_blocks_that_a_line_crosses(ends, crossed, middles):
+    blocks, points = crossed_blocks(ends, ROW, ROW_START)
+    assert blocks.tolist() == crossed
+    np.testing.assert_allclose(points, middles)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -164,8 +156,3 @@ def test_points_lie_in_blocks_or_in_none():
     found = blocks_with([(0.5, 0.5), (3.5, 2.5), (9, 9), (1.0, 0.5)], ROW, ROW_START)
     assert found.tolist() == [0, 11, -1, 0]
     assert blocks_with(np.zeros((0, 2)), ROW, ROW_START).shape == (0,)
-
-
-def test_a_line_beside_all_blocks_crosses_none():
-    blocks, points = crossed_blocks([(-2, -2), (-1, 5)], ROW, ROW_START)
-    assert blocks.shape == (0,) and points.shape == (0, 2)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from clast.errors import CaseError
 from clast.rockmass.drawings.csv_lines import read_csv, read_outline, read_traces
 from clast.rockmass.drawings.drawing_files import as_text, write_rows
+from scenes.command_line import good
 
 
 @pytest.fixture
@@ -110,3 +113,45 @@ def test_all_cells_of_a_table_are_looked_at(tmp_path):
     with (tmp_path / "t.csv").open(newline="") as file:
         assert list(csv.reader(file)) == [["'=head", "x"], ["a", "-1.5"], ["'@b", "-2"]]
     assert count == 3
+
+
+PARTS = "id,part,x,y\n1,0,0.2,0\n1,0,0.2,2\n1,1,0.8,0\n1,1,0.8,2\n"
+CASE = """
+schema = 1
+time = {step = 1e-3, end = 5e-3}
+rock.r = {young = 2e10, poisson = 0.2, density = 2700.0}
+joint.default = {friction_angle = 30.0}
+[domain]
+boundary = [[0, 0], [1, 0], [1, 2], [0, 2]]
+[[trace]]
+file = "lines.csv"
+"""
+
+
+def test_parts_of_one_id_are_lines_of_their_own(tmp_path):
+    (tmp_path / "lines.csv").write_text(PARTS)
+    (tmp_path / "case.toml").write_text(CASE)
+    report = json.loads(good("cut", tmp_path / "case.toml", "--json"))
+    assert report["blocks"] == 3
+    swapped = "\n".join(PARTS.splitlines()[k] for k in (0, 1, 3, 2, 4))
+    (tmp_path / "lines.csv").write_text(swapped)
+    assert len(read_traces(tmp_path / "lines.csv")[0]) == 2
+
+
+def test_columns_that_are_not_read_are_named(tmp_path):
+    (tmp_path / "lines.csv").write_text("x1,y1,x2,y2,aperture,filling\n0.5,0,0.5,2,3.5,calcite\n")
+    (tmp_path / "case.toml").write_text(CASE)
+    notes = " ".join(json.loads(good("cut", tmp_path / "case.toml", "--json"))["notes"])
+    assert "aperture" in notes
+    assert "filling" in notes
+    assert len(read_traces(tmp_path / "lines.csv")[1]) == 2
+
+
+@pytest.mark.parametrize(
+    "text", ["root:hunter2:0\n", "PASSWORD=hunter2\n1\n", "a,b=hunter2\n1,2\n"]
+)
+def test_nothing_of_a_foreign_file_is_repeated(tmp_path, text):
+    (tmp_path / "lines.csv").write_text(text)
+    with pytest.raises(CaseError) as error:
+        read_traces(tmp_path / "lines.csv")
+    assert "hunter2" not in str(error.value)

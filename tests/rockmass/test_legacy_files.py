@@ -7,7 +7,8 @@ import pytest
 
 from clast.errors import CaseError
 from clast.rockmass.drawings.dda_xml import read_dda_xml
-from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
+from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_geometry
+from clast.rockmass.readers import read_blocks
 from scenes import legacy_files
 
 
@@ -195,7 +196,7 @@ def test_document_types_and_entities_are_refused(written, text):
 
 def test_a_block_file(written):
     """The four slots behind each block are passed over; the clockwise triangle is turned round."""
-    blocks = read_shi_blocks(written(legacy_files.BLOCKS))
+    blocks = read_blocks(written(legacy_files.BLOCKS))
     np.testing.assert_array_equal(blocks.polygon(0), [(0, 0), (1, 0), (1, 1), (0, 1)])
     np.testing.assert_array_equal(blocks.polygon(1), [(1, 0), (2, 0.5), (1, 1)])
     assert blocks.rock == ("rock-1", "rock-2")

@@ -3,8 +3,8 @@
     from clast.rockmass.repair import repaired
 
     vertices = [(0, 0), (1, 0), (1, 1), (0, 1), (1.0004, 0), (2, 0), (2, 1), (0.9997, 1)]
-    found = repaired(vertices, [0, 4, 8], tolerance=1e-3)
-    print(found.report.joined.count, found.polygon(1))
+    blocks = repaired(vertices, [0, 4, 8], tolerance=1e-3)
+    print(blocks.report.joined.count, blocks.polygon(1))
 
 Drawings that are rounded to millimetres overlap and gape by some tenths of one.  Vertices within
 the tolerance of each other become one; vertices within it of an edge of another block are put onto
@@ -35,9 +35,9 @@ from clast.rockmass.shared_places import (
     without_folds,
 )
 
-LARGEST = 0.1
-"""Largest tolerance as a share of the median edge: a larger one would undo the drawing."""
-LISTED = 10
+TOLERANCE_MAX = 0.1
+"""Largest tolerance over the median edge: a larger one would undo the drawing."""
+BLOCKS_NAMED = 10
 """Most blocks that a refusal names."""
 
 
@@ -70,7 +70,7 @@ class RepairReport:
             f"edges within {self.tolerance:g} m became points": self.closed,
             f"vertices are nearer to an edge than {self.tolerance:g} m still": self.left,
         }
-        return {what: found for what, found in named.items() if found.count}
+        return {what: one for what, one in named.items() if one.count}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,40 +108,34 @@ def repaired(
     origin = np.floor(drawn.min(axis=0))
     local = drawn - origin
     loops = Cycles(start=first, node=np.arange(len(drawn)), edge=np.arange(len(drawn)))
-    reach = checked(tolerance, _lengths(local, loops))
-    corners = corners_of(local, reach)
-    loops, closed = without_folds(replace(loops, node=corners.node))
+    reach = checked(tolerance, np.hypot(*(local[loops.after] - local[loops.node]).T))
+    node, corners = corners_of(local, reach)
+    loops, closed = without_folds(replace(loops, node=node))
     refusal = _Refusal(drawn=drawn, start=first, reach=reach, label=called)
     refusal.vanished(loops)
-    place = onto_edges(loops, corners, local, reach)
-    bent = through_places(loops, place, reach)
-    moved = (place[corners.node] != local).any(axis=1)
+    place = onto_edges(loops, node, corners, local, reach)
+    loops, put_in, left = through_places(loops, place, reach)
+    moved = (place[node] != local).any(axis=1)
     # What stays keeps its last digit: no origin is added to it again.
     at = place + origin
-    at[corners.node[~moved]] = drawn[~moved]
-    refusal.unsound(bent.loops, at)
-    slid = np.flatnonzero((place != corners.at).any(axis=1))
+    at[node[~moved]] = drawn[~moved]
+    refusal.unsound(loops, at)
+    slid = np.flatnonzero((place != corners).any(axis=1))
+
+    def places(nodes: Ints) -> Finding:
+        """Return a finding of places, each named once however often it occurs."""
+        return finding(at[np.unique(nodes)], count=len(nodes))
+
     report = RepairReport(
         tolerance=reach,
-        joined=_found(at, corners.node[moved & ~np.isin(corners.node, slid)]),
+        joined=places(node[moved & ~np.isin(node, slid)]),
         onto_edges=finding(at[slid]),
-        put_in=_found(at, bent.put_in),
-        closed=_found(at, closed),
-        left=finding(at[bent.left]),
-        largest_movement=float(np.hypot(*(place[corners.node] - local).T).max(initial=0.0)),
+        put_in=places(put_in),
+        closed=places(closed),
+        left=finding(at[left]),
+        largest_movement=float(np.hypot(*(place[node] - local).T).max(initial=0.0)),
     )
-    return Repaired(
-        vertices=at[bent.loops.node], start=bent.loops.start, edge=bent.loops.edge, report=report
-    )
-
-
-def _found(at: Floats, node: Ints) -> Finding:
-    """Return a finding of places (nn, 2), each named once however often it occurs in (k,)."""
-    return finding(at[np.unique(node)], count=len(node))
-
-
-def _lengths(at: Floats, loops: Cycles) -> Floats:
-    return np.asarray(np.hypot(*(at[loops.after] - at[loops.node]).T))
+    return Repaired(vertices=at[loops.node], start=loops.start, edge=loops.edge, report=report)
 
 
 def checked(tolerance: float, edges: Floats) -> float:
@@ -153,12 +147,12 @@ def checked(tolerance: float, edges: Floats) -> float:
             where="repair, tolerance",
             remedy="give m, above 0",
         )
-    if tolerance > LARGEST * median:
+    if tolerance > TOLERANCE_MAX * median:
         raise ModelError(
             f"{tolerance:g} m is {tolerance / median:.3g} of the median edge, {median:.3g} m",
             where="repair, tolerance",
-            remedy=f"give {LARGEST * median:.2g} m at most: the largest distance by which corners "
-            "that belong together were drawn apart",
+            remedy=f"give {TOLERANCE_MAX * median:.2g} m at most: the largest distance by which "
+            "corners that belong together were drawn apart",
         )
     return float(tolerance)
 
@@ -195,9 +189,9 @@ class _Refusal:
         label, reach = self.label, self.reach
         named = [
             f"{label(int(block))} at ({at[0]:.9g}, {at[1]:.9g})"
-            for block, at in zip(blocks[:LISTED], places, strict=False)
+            for block, at in zip(blocks[:BLOCKS_NAMED], places, strict=False)
         ]
-        more = f" and {len(blocks) - LISTED} more" if len(blocks) > LISTED else ""
+        more = f" and {len(blocks) - BLOCKS_NAMED} more" if len(blocks) > BLOCKS_NAMED else ""
         raise ModelError(
             f"{what} if what is nearer than {reach:g} m became one: {'; '.join(named)}{more}",
             where=f"repair, tolerance: {label(int(blocks[0]))}",
@@ -214,13 +208,13 @@ class BlockRepair:
 
     def __call__(self, outlines: BlockOutlines) -> RepairedBlocks:
         """Return the repaired blocks, and the repairs."""
-        found = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
-        vertices = np.ascontiguousarray(found.vertices)
+        blocks = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
+        vertices = np.ascontiguousarray(blocks.vertices)
         return RepairedBlocks(
-            outlines=replace(outlines, start=found.start, vertices=vertices),
-            edge=found.edge,
-            moved=found.report.largest_movement,
-            repairs=repairs_of(found.report, tuple(outlines.origin.tolist())),
+            outlines=replace(outlines, start=blocks.start, vertices=vertices),
+            edge=blocks.edge,
+            moved=blocks.report.largest_movement,
+            repairs=repairs_of(blocks.report, tuple(outlines.origin.tolist())),
         )
 
 

@@ -9,6 +9,7 @@ twice.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -17,30 +18,66 @@ from scipy.spatial import cKDTree
 from clast.model.arrays import entries, following, owners
 from clast.model.model import Bools, Floats, Ints
 
-EXACT = 1e-6
-"""Vertices nearer to an edge than this share of the tolerance lie on it."""
-MOST_ROUNDS = 10
-BENT = 2.0
-"""Edges as drawn pass no further than this many tolerances beside vertices inserted into them."""
+BENT_TOLERANCES = 2.0
+"""Edges as drawn pass no further beside vertices that were put into them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Pieces:
-    """Edges between two places, each once whichever way it runs."""
+class Cycles:
+    """Loops of places; entry k stands for a vertex and for the edge from it to the next."""
 
-    ends: Ints
-    """The two places of each, shape (ne, 2)."""
-    of: Ints
-    """Piece of each entry of the loops, shape (nv,)."""
+    start: Ints
+    """First entry of each block, and the number of entries, shape (nb + 1,)."""
+    node: Ints
+    """Place of each entry, shape (nv,)."""
+    edge: Ints
+    """Edge as drawn that the edge of each entry is, or is a part of, shape (nv,)."""
+
+    @cached_property
+    def owner(self) -> Ints:
+        """Block of each entry, shape (nv,)."""
+        return owners(self.start)
+
+    @cached_property
+    def following(self) -> Ints:
+        """Entry after each in its block, shape (nv,); blocks may have become empty."""
+        filled = np.unique(self.start)
+        return following(filled) if len(filled) > 1 else np.zeros(0, np.int64)
+
+    @property
+    def after(self) -> Ints:
+        """Place of the entry after each in its block, shape (nv,)."""
+        return np.asarray(self.node[self.following])
+
+    @cached_property
+    def pieces(self) -> tuple[Ints, Ints]:
+        """Edges between two places, each once, (ne, 2), and the piece of each entry, (nv,)."""
+        low, high = np.minimum(self.node, self.after), np.maximum(self.node, self.after)
+        key, of = np.unique(low << 32 | high, return_inverse=True)
+        return np.stack([key >> 32, key & 0xFFFFFFFF], axis=1), of
+
+    def with_pieces(self, piece: Ints) -> tuple[Ints, Ints]:
+        """Return the entries that have pieces (k,): number of the piece and entry, (m,) each."""
+        return _members(self.pieces[1], len(self.pieces[0]), piece)
+
+    def only(self, keep: Bools) -> Cycles:
+        """Return the loops with some of their entries (nv,)."""
+        count = np.bincount(self.owner[keep], minlength=len(self.start) - 1)
+        return Cycles(
+            start=np.concatenate([[0], np.cumsum(count)]),
+            node=self.node[keep],
+            edge=self.edge[keep],
+        )
 
 
-def pieces_of(loops: Cycles) -> Pieces:
-    """Return the edges of loops, each once."""
-    here, after = loops.node, loops.after
-    key, of = np.unique(
-        np.minimum(here, after) << 32 | np.maximum(here, after), return_inverse=True
-    )
-    return Pieces(ends=np.stack([key >> 32, key & 0xFFFFFFFF], axis=1), of=of)
+def _members(of: Ints, count: int, which: Ints) -> tuple[Ints, Ints]:
+    """Return the number in ``which`` (k,) and the index of all things of its groups, (m,) each.
+
+    ``of`` is the group of each thing, from 0 to ``count``.
+    """
+    order = np.argsort(of, kind="stable")
+    entry, number = entries(np.searchsorted(of[order], np.arange(count + 1)), which)
+    return number, order[entry]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,190 +92,112 @@ class Near:
     """Distance of the two, m, shape (k,)."""
     share: Floats
     """Where along the piece, from 0 at its first end to 1, shape (k,)."""
-    own: Bools
+    touching: Bools
     """Whether a block with the piece has the place, too: it would touch itself there, (k,)."""
 
     def only(self, keep: Bools | Ints) -> Near:
         """Return some of them."""
-        return Near(
-            node=self.node[keep],
-            piece=self.piece[keep],
-            gap=self.gap[keep],
-            share=self.share[keep],
-            own=self.own[keep],
-        )
+        return Near(**{name: array[keep] for name, array in vars(self).items()})
 
 
-def near_edges(loops: Cycles, pieces: Pieces, at: Floats, reach: float) -> Near:
+def near_edges(loops: Cycles, at: Floats, reach: float) -> Near:
     """Return the places of ``at`` (nn, 2) beside an edge of another block, within ``reach``, m.
 
     Places that lie on the edge to round-off are not beside it, nor those of all blocks that have
     the edge.
     """
     used = np.unique(loops.node)
-    tree = shapely.STRtree(shapely.linestrings(at[pieces.ends]))
+    ends = loops.pieces[0]
+    tree = shapely.STRtree(shapely.linestrings(at[ends]))
     point, piece = tree.query(shapely.points(at[used]), predicate="dwithin", distance=reach)
     node = used[point]
-    gap, share = aside(at[node], at[pieces.ends[piece]])
-    inner = (share > 0.0) & (share < 1.0) & (gap > EXACT * reach)
+    gap, share = aside(at[node], at[ends[piece]])
+    inner = (share > 0.0) & (share < 1.0) & (gap > 1e-6 * reach)
     node, piece, gap, share = node[inner], piece[inner], gap[inner], share[inner]
-    number, entry = _entries_with(pieces, piece)
-    block = loops.owner[entry]
+    number, entry = loops.with_pieces(piece)
     count = np.int64(loops.node.max() + 1)
-    own = np.isin(block * count + node[number], loops.owner * count + loops.node)
-    having = np.bincount(number[own], minlength=len(node))
-    found = Near(node=node, piece=piece, gap=gap, share=share, own=having > 0)
-    return found.only(having < np.bincount(number, minlength=len(node)))
+    has_both = np.isin(loops.owner[entry] * count + node[number], loops.owner * count + loops.node)
+    having = np.bincount(number[has_both], minlength=len(node))
+    near = Near(node=node, piece=piece, gap=gap, share=share, touching=having > 0)
+    return near.only(having < np.bincount(number, minlength=len(node)))
 
 
 def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
     """Return how far points (k, 2) lie beside lines (k, 2, 2), m, and where along them, (k,)."""
-    way, to = line[:, 1] - line[:, 0], point - line[:, 0]
-    length = np.maximum(np.hypot(*way.T), 1e-300)
-    gap = np.abs(way[:, 0] * to[:, 1] - way[:, 1] * to[:, 0]) / length
-    return np.asarray(gap), np.asarray((way * to).sum(axis=1) / length**2)
+    along, to = line[:, 1] - line[:, 0], point - line[:, 0]
+    length = np.maximum(np.hypot(*along.T), 1e-300)
+    gap = np.abs(along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]) / length
+    return np.asarray(gap), np.asarray((along * to).sum(axis=1) / length**2)
 
 
-def _entries_with(pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
-    """Return for pieces (k,) the entries that have them: number of the piece and entry, (m,)."""
-    order = np.argsort(pieces.of, kind="stable")
-    start = np.searchsorted(pieces.of[order], np.arange(len(pieces.ends) + 1))
-    entry, number = entries(start, piece)
-    return number, order[entry]
+def onto_edges(loops: Cycles, of: Ints, at: Floats, drawn: Floats, reach: float) -> Floats:
+    """Return the places ``at`` (nn, 2) with those beside an edge moved onto it, m.
 
-
-def onto_edges(loops: Cycles, corners: SharedCorners, drawn: Floats, reach: float) -> Floats:
-    """Return the places (nn, 2) with those beside an edge moved onto it, m.
-
-    ``drawn`` (nv, 2) are all vertices as drawn, ``corners`` their places: none moves further than
+    ``drawn`` (nv, 2) are all vertices as drawn and ``of`` their places: none moves further than
     ``reach`` from where it was drawn, and no place comes within ``reach`` of another.
     """
-    pieces = pieces_of(loops)
-    near = near_edges(loops, pieces, corners.at, reach)
+    near = near_edges(loops, at, reach)
     if len(near.node) == 0:
-        return corners.at
-    line = corners.at[pieces.ends[near.piece]]
+        return at
+    ends = loops.pieces[0][near.piece]
+    line = at[ends]
     foot = line[:, 0] + near.share[:, None] * (line[:, 1] - line[:, 0])
-    near_enough = _largest_movement(near.node, foot, corners, drawn) <= reach
+    number, vertex = _members(of, len(at), near.node)
+    distance = np.zeros(len(near.node))
+    np.maximum.at(distance, number, np.hypot(*(drawn[vertex] - foot[number]).T))
     length = np.hypot(*(line[:, 1] - line[:, 0]).T)
     order = np.lexsort((near.share, near.piece, -length))
-    order = order[(near_enough & ~near.own)[order]]
-    ends = pieces.ends[near.piece[order]].tolist()
+    order = order[((distance <= reach) & ~near.touching)[order]]
     held, moved, chosen = set[int](), set[int](), []
-    for k, node, (a, b) in zip(order.tolist(), near.node[order].tolist(), ends, strict=True):
+    nodes, pairs = near.node[order].tolist(), ends[order].tolist()
+    for k, node, (a, b) in zip(order.tolist(), nodes, pairs, strict=True):
         if not (node in held or node in moved or a in moved or b in moved):
             moved.add(node)
             held.update((a, b))
             chosen.append(k)
-    place = corners.at.copy()
+    place = at.copy()
     place[near.node[chosen]] = foot[chosen]
-    return kept_apart(place, corners.at, reach)
+    return kept_apart(place, at, reach)
 
 
-def _largest_movement(node: Ints, to: Floats, corners: SharedCorners, drawn: Floats) -> Floats:
-    """Return how far the vertices of places (k,) are at most from points (k, 2), m, shape (k,)."""
-    order = np.argsort(corners.node, kind="stable")
-    start = np.searchsorted(corners.node[order], np.arange(len(corners.at) + 1))
-    entry, number = entries(start, node)
-    far = np.hypot(*(drawn[order[entry]] - to[number]).T)
-    most = np.zeros(len(node))
-    np.maximum.at(most, number, far)
-    return most
+def through_places(loops: Cycles, at: Floats, reach: float) -> tuple[Cycles, Ints, Ints]:
+    """Return the loops whose edges run through the places beside them; ``at`` (nn, 2), m.
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Bent:
-    """Loops whose edges run through the places beside them."""
-
-    loops: Cycles
-    """The loops."""
-    put_in: Ints
-    """Places that were put in, once for each block, shape (k,)."""
-    left: Ints
-    """Places that are still beside an edge, each once, shape (m,)."""
-
-
-def through_places(loops: Cycles, at: Floats, reach: float) -> Bent:
-    """Return the loops whose edges run through the places beside them; ``at`` (nn, 2), m."""
-    ends = at[np.stack([loops.node, loops.after], axis=1)]
+    Then the places that were put in, once for each block, (k,), and those that are still beside an
+    edge, each once, (m,).
+    """
     # Entries are numbered as drawn, but those that were removed leave gaps.
     drawn = np.zeros((int(loops.edge.max(initial=-1)) + 1, 2, 2))
-    drawn[loops.edge] = ends
+    drawn[loops.edge] = at[np.stack([loops.node, loops.after], axis=1)]
     put_in = [np.zeros(0, np.int64)]
     while True:
-        pieces = pieces_of(loops)
-        beside = near_edges(loops, pieces, at, reach)
-        near = beside.only(_fitting(loops, pieces, beside, (at, drawn), reach))
-        if len(near.node) == 0 or len(put_in) > MOST_ROUNDS:
-            left = np.unique(beside.node)
-            return Bent(loops=loops, put_in=np.concatenate(put_in), left=left)
-        loops, new = _put_in(loops, pieces, near)
-        put_in.append(new)
+        beside = near_edges(loops, at, reach)
+        near = beside.only(_fitting(loops, beside, (at, drawn), reach))
+        if len(near.node) == 0 or len(put_in) > 10:
+            return loops, np.concatenate(put_in), np.unique(beside.node)
+        number, entry = loops.with_pieces(near.piece)
+        forward = loops.node[entry] == loops.pieces[0][near.piece[number], 0]
+        share = np.where(forward, near.share[number], 1.0 - near.share[number])
+        order = np.lexsort((share, entry))
+        loops = with_places(loops, entry[order], near.node[number[order]])
+        put_in.append(near.node[number])
 
 
-def _fitting(
-    loops: Cycles, pieces: Pieces, near: Near, at: tuple[Floats, Floats], reach: float
-) -> Bools:
+def _fitting(loops: Cycles, near: Near, at: tuple[Floats, Floats], reach: float) -> Bools:
     """Return whether a place may become a vertex of all blocks with a piece, shape (k,).
 
     It is the nearest piece of each block, and no edge bends too far from where it was drawn:
     ``at`` are the places (nn, 2) and the edges as drawn (m, 2, 2), m.
     """
-    number, entry = _entries_with(pieces, near.piece)
+    number, entry = loops.with_pieces(near.piece)
     gap, share = aside(at[0][near.node[number]], at[1][loops.edge[entry]])
-    bent = (gap > BENT * reach) | (share < 0.0) | (share > 1.0)
+    bent = (gap > BENT_TOLERANCES * reach) | (share < 0.0) | (share > 1.0)
     # Of the pieces of one block the nearest has the place.
     block, node = loops.owner[entry], near.node[number]
     order = np.lexsort((near.piece[number], near.gap[number], node, block))
     again = (np.diff(block[order]) == 0) & (np.diff(node[order]) == 0)
     bent[order[1:][again]] = True
-    return np.asarray(~near.own & (np.bincount(number[bent], minlength=len(near.node)) == 0))
-
-
-def _put_in(loops: Cycles, pieces: Pieces, near: Near) -> tuple[Cycles, Ints]:
-    """Return the loops with places put into the edges beside them, and these places, (k,)."""
-    number, entry = _entries_with(pieces, near.piece)
-    forward = loops.node[entry] == pieces.ends[near.piece[number], 0]
-    share = np.where(forward, near.share[number], 1.0 - near.share[number])
-    order = np.lexsort((share, entry))
-    return with_places(loops, entry[order], near.node[number[order]]), near.node[number]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Cycles:
-    """Loops of places; entry k stands for a vertex and for the edge from it to the next."""
-
-    start: Ints
-    """First entry of each block, and the number of entries, shape (nb + 1,)."""
-    node: Ints
-    """Place of each entry, shape (nv,)."""
-    edge: Ints
-    """Edge as drawn that the edge of each entry is, or is a part of, shape (nv,)."""
-
-    @property
-    def owner(self) -> Ints:
-        """Block of each entry, shape (nv,)."""
-        return owners(self.start)
-
-    @property
-    def after(self) -> Ints:
-        """Place of the entry after each in its block, shape (nv,)."""
-        return np.asarray(self.node[_next(self.start)])
-
-    def only(self, keep: Bools) -> Cycles:
-        """Return the loops with some of their entries (nv,)."""
-        count = np.bincount(self.owner[keep], minlength=len(self.start) - 1)
-        return Cycles(
-            start=np.concatenate([[0], np.cumsum(count)]),
-            node=self.node[keep],
-            edge=self.edge[keep],
-        )
-
-
-def _next(start: Ints) -> Ints:
-    """Return the entry after each; blocks may have become empty."""
-    filled = np.unique(start)
-    return following(filled) if len(filled) > 1 else np.zeros(0, np.int64)
+    return np.asarray(~near.touching & (np.bincount(number[bent], minlength=len(near.node)) == 0))
 
 
 def without_folds(loops: Cycles) -> tuple[Cycles, Ints]:
@@ -248,35 +207,25 @@ def without_folds(loops: Cycles) -> tuple[Cycles, Ints]:
     """
     closed = [np.zeros(0, np.int64)]
     while len(loops.node):
-        # Of an edge from a place to itself the second entry stays, with the joint of its own edge.
+        # Of an edge from a place to itself the second entry stays, with the joint of its edge.
         same = loops.node == loops.after
         if same.any():
             closed.append(loops.node[same])
             loops = loops.only(~same)
             continue
-        spike = _spikes(loops)
+        before = np.empty_like(loops.following)
+        before[loops.following] = np.arange(len(before))
+        # Tips of spikes, one a block at most.
+        tips = np.flatnonzero(loops.node[before] == loops.after)
+        spike = tips[np.unique(loops.owner[tips], return_index=True)[1]]
         if len(spike) == 0:
             break
         removed = np.zeros(len(loops.node), np.bool_)
         removed[spike] = True
-        removed[_before(loops.start)[spike]] = True
+        removed[before[spike]] = True
         closed.append(loops.node[spike])
         loops = loops.only(~removed)
     return loops, np.concatenate(closed)
-
-
-def _before(start: Ints) -> Ints:
-    """Return the entry before each in its block."""
-    after = _next(start)
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
-    return before
-
-
-def _spikes(loops: Cycles) -> Ints:
-    """Return entries at tips of spikes, one a block at most, (k,)."""
-    tips = np.flatnonzero(loops.node[_before(loops.start)] == loops.after)
-    return tips[np.unique(loops.owner[tips], return_index=True)[1]]
 
 
 def with_places(loops: Cycles, entry: Ints, node: Ints) -> Cycles:
@@ -292,21 +241,12 @@ def with_places(loops: Cycles, entry: Ints, node: Ints) -> Cycles:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SharedCorners:
-    """Vertices by their common places."""
+def corners_of(points: Floats, reach: float) -> tuple[Ints, Floats]:
+    """Return which place each of vertices (nv, 2) has, (nv,), and where places are, m, (nn, 2).
 
-    node: Ints
-    """Place of each vertex, shape (nv,)."""
-    at: Floats
-    """Where each place is, m, shape (nn, 2)."""
-
-
-def corners_of(points: Floats, reach: float) -> SharedCorners:
-    """Return the common places of vertices (nv, 2), m, that lie within ``reach`` of each other.
-
-    A place is where most of its vertices are, else their mean; where that would bring a vertex too
-    far, or two places too near, it is the vertex that was picked.
+    Vertices within ``reach`` share one.  A place is where most of its vertices are, else their
+    mean; where that would bring a vertex too far, or two places too near, it is the vertex that
+    was picked.
     """
     key = np.ascontiguousarray(points).view(np.complex128)[:, 0]
     _, first, of, times = np.unique(key, return_index=True, return_inverse=True, return_counts=True)
@@ -314,8 +254,7 @@ def corners_of(points: Floats, reach: float) -> SharedCorners:
     picked = single[_picked(single, times, reach)]
     # Round-off may put a vertex at the tolerance just beyond it.
     owner = cKDTree(picked).query(single, distance_upper_bound=reach * (1.0 + 1e-9))[1]
-    place = _better(picked, single, owner, times, reach)
-    return SharedCorners(node=owner[of], at=place)
+    return owner[of], _better(picked, single, owner, times, reach)
 
 
 def _picked(at: Floats, times: Ints, reach: float) -> Ints:
