@@ -22,7 +22,6 @@ from clast.pictures.strokes import (
     strokes_of,
 )
 from clast.results import Results
-from clast.results.recording import EdgeJoints
 from clast.rockmass import CONSTRUCTION, WELDED
 from scenes.drawings import text_of
 
@@ -55,8 +54,7 @@ def test_edges_whose_sides_have_two_joints_are_both_drawn(wall: Wall):
     above = 4 * COLUMNS  # the first edge of the second row lies on the first row
     assert results.joint_name[joints[above]] == "bed"
     joints[above] = results.joint_name.index("head")
-    changed = EdgeJoints(name=results.joint_name, edge=joints)
-    mixed = lengths(dataclasses.replace(results, joints=changed), 0, 1e-6)
+    mixed = lengths(dataclasses.replace(results, edge_joint=joints), 0, 1e-6)
     assert mixed["bed"] == pytest.approx((ROWS - 1) * COLUMNS)
     assert mixed["head"] == pytest.approx(ROWS * (COLUMNS - 1) + 1.0)
 
@@ -104,8 +102,7 @@ def test_a_part_inside_one_block_has_no_edges(wall: Wall, tmp_path: Path):
 
 def test_blocks_without_joints_are_grey(wall: Wall, tmp_path: Path):
     results = wall(3, 3)
-    none = EdgeJoints(name=results.joint_name, edge=np.full_like(results.edge_joint, -1))
-    bare = dataclasses.replace(results, joints=none)
+    bare = dataclasses.replace(results, edge_joint=np.full_like(results.edge_joint, -1))
     path = plot_results(bare, tmp_path / "bare.svg", field="joint", contacts=False)
     assert not set(JOINT_COLOURS) & colours_in(path)
     assert UNNAMED.colour in colours_in(path)

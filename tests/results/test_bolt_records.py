@@ -1,12 +1,9 @@
 """Bolts in runs and result files: histories, frames, states, events; files without any."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import clast
-from clast.errors import CaseError
 
 
 def three_bolts() -> clast.ModelBuilder:
@@ -61,22 +58,3 @@ def test_the_report_says_when(run: clast.Run):
     assert said[0].startswith("bolt 'soft' yielded at t = 0.0")
     assert said[1].startswith("bolt 'brittle' broke at t = 0.")
     assert clast.read(run.output).report.notes == run.report.notes
-
-
-def test_an_unknown_bolt_is_refused(run: clast.Run):
-    for source in (run, clast.read(run.output)):
-        with pytest.raises(CaseError, match=r"there is no bolt 'stong'\n +did you mean 'strong'"):
-            source.bolt_history("stong")
-
-
-def test_csv_has_a_row_for_each_bolt_and_instant(run: clast.Run, tmp_path: Path):
-    from clast.exports import write_csv
-
-    (path,) = write_csv(run, tmp_path / "tables", tables=["bolts"])
-    lines = path.read_text().splitlines()
-    assert lines[0] == "bolt,time,force,elongation,state"
-    assert len(lines) == 1 + 3 * (run.report.steps + 1)
-    last = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
-    assert last["bolt"] == "brittle" and last["state"] == "broken"
-    soft = [line.split(",") for line in lines if line.startswith("soft,")]
-    assert float(soft[-1][2]) == run.bolt_history("soft").force[-1]

@@ -227,15 +227,6 @@ def test_what_is_no_checkpoint_is_not_written_over(tmp_path: Path):
     assert not is_checkpoint(path)
 
 
-def test_names_of_files_and_stages_make_names_of_checkpoints():
-    output = Path("runs/a.vtkhdf")
-    assert checkpoint_path(output) == Path("runs/a.checkpoint.h5")
-    assert checkpoint_path(output, "support") == Path("runs/a.support.checkpoint.h5")
-    names = {checkpoint_path(output, stage).name for stage in ("a/b", "a%2Fb", "a b", "..", "ä")}
-    assert len(names) == 5
-    assert not any("/" in name for name in names)
-
-
 def test_no_two_files_and_stages_share_a_checkpoint():
     checkpoint_files = [
         "n.vtkhdf",

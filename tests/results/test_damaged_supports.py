@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import clast
-from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import read_results, summary
 from scenes.crafted_files import crafted, replaced
@@ -72,12 +70,6 @@ def shorter(place: str) -> Callable[[Any], None]:
     return lambda file: file[place].resize((2,))
 
 
-def test_the_file_itself_is_read(good: Path, tmp_path: Path):
-    path = tmp_path / "out.vtkhdf"
-    crafted(good, path, lambda file: None)
-    everything(path)
-
-
 MADE_UP = {
     "a place of a joint of a lining too few": replaced("model/lining_along", np.zeros(3)),
     "no place of a joint of a lining": replaced("model/lining_along", np.full(4, np.nan)),
@@ -133,14 +125,3 @@ def test_supports_that_are_made_up_are_refused(
         everything(path)
     assert caught.value.where == str(path)
     assert caught.value.remedy
-
-
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("change", MADE_UP.values(), ids=MADE_UP.keys())
-def test_plots_of_supports_that_are_made_up_end_in_words(
-    good: Path, tmp_path: Path, change: Callable[[Any], None]
-):
-    path = tmp_path / "out.vtkhdf"
-    crafted(good, path, change)
-    result = CliRunner().invoke(app, ["plot", str(path), "-o", str(tmp_path / "a.png")])
-    assert "Traceback" not in result.output and result.exit_code in (0, 2)

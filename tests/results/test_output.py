@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -18,7 +17,6 @@ from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
 from clast.results.output import claimed, fresh, hidden
-from clast.results.schema import history_path
 from scenes.recorded_run import moved, record, report, step_result, three_blocks
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")
@@ -163,32 +161,6 @@ def test_a_run_that_was_killed_locks_nothing_and_is_cleared_away(tmp_path, when)
 
 @pytest.mark.slow
 @posix
-def test_two_runs_from_the_command_line(tmp_path):
-    case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
-    case.write_text(INCLINE, encoding="utf-8")
-    command = [sys.executable, "-m", "clast", "run", str(case), "-o", str(path)]
-    first = subprocess.Popen([*command, "--set", "time.end=1e3"], stderr=subprocess.PIPE, text=True)
-    try:
-        give_up = time.monotonic() + 60.0
-        while not path.exists() and time.monotonic() < give_up:
-            time.sleep(0.02)
-        short = [*command, "--set", "time.end=0.01"]
-        second = subprocess.run(short, capture_output=True, text=True, check=False, timeout=60)
-        assert second.returncode == 2
-        assert "another run is writing to it" in second.stderr
-        first.send_signal(signal.SIGTERM)
-        first.communicate(timeout=60)
-        assert first.returncode == 143
-        assert "SIGTERM" in read_results(path).report.outcome
-    finally:
-        first.kill()
-        first.wait()
-    assert subprocess.run(short, check=False, timeout=60, capture_output=True).returncode == 0
-    assert read_results(path).report.finished
-
-
-@pytest.mark.slow
-@posix
 def test_a_process_that_is_forked_during_a_run_leaves_its_file_alone(tmp_path):
     path, model = tmp_path / "out.vtkhdf", three_blocks()
     recorder = RunRecorder(model, output=path)
@@ -213,14 +185,6 @@ def test_a_process_that_is_forked_during_a_run_leaves_its_file_alone(tmp_path):
 
 
 NAMES = ["a", "a/b", "a∕b", "a%2Fb", "..", ".", "...", "/", "//", "%", "%2E", " ", "model"]
-
-
-def test_histories_of_different_points_lie_in_different_places():
-    places = [history_path(name) for name in ["", *NAMES]]
-    assert len(set(places)) == len(places)
-    for place in places:
-        assert place.count("/") == 1
-        assert place.rsplit("/")[1] not in ("", ".", "..")
 
 
 def test_points_of_any_name_are_read_back(tmp_path):

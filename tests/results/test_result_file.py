@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 from uuid import UUID
 
@@ -104,9 +102,7 @@ def test_results_read_back(recorded: Recorded):
         np.testing.assert_array_equal(results.field("stress", frame), state.stress)
         np.testing.assert_array_equal(results.field("velocity", frame), state.velocity[:, :2])
         np.testing.assert_allclose(
-            results.field("displacement", frame),
-            state.time * state.velocity[:, :2],
-            atol=1e-14,
+            results.field("displacement", frame), state.time * state.velocity[:, :2], atol=1e-14
         )
         sigma_1, sigma_3 = results.field("sigma_1", frame), results.field("sigma_3", frame)
         np.testing.assert_allclose(sigma_1 + sigma_3, state.stress[:, 0] + state.stress[:, 1])
@@ -169,26 +165,6 @@ def test_finish_writes_the_last_state_as_a_frame(tmp_path: Path):
     np.testing.assert_array_equal(results.vertices(-1), recorded.states[-1].vertices)
 
 
-@pytest.mark.slow
-def test_file_of_a_run_that_still_goes_on(tmp_path: Path):
-    model, path = three_blocks(), tmp_path / "out.vtkhdf"
-    recorder = RunRecorder(model, output=path)
-    recorder.start(moved(model, 0.0))
-    for number in range(1, 4):
-        result = step_result(model, number * 0.1)
-        recorder.step(result, 0.1)
-        recorder.frame(result.state, result.contacts, result.response)
-        assert [time for time, _ in vtk_frames(path)] == [0.1 * k for k in range(number + 1)]
-    # HDF5 shares what one process has open; another process sees what is in the file.
-    code = "import sys; from clast.results import read_results; r = read_results(sys.argv[1]); "
-    code += "print(len(r.times), len(r.history('tip').time), r.report)"
-    seen = subprocess.run(
-        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
-    )
-    assert seen.stdout.split() == ["4", "4", "None"]
-    recorder.finish(report(moved(model, 0.3)))
-
-
 def test_same_run_gives_the_same_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     # all but the identity, by which its checkpoints know it
     monkeypatch.setattr("clast.results.checkpoints.checkpoint.uuid4", lambda: UUID(int=1))
@@ -217,10 +193,7 @@ def test_summary_says_how_the_run_was_made(tmp_path: Path):
     assert (rows["normal_stiffness"], rows["step"], rows["end"]) == (2e8, 1e-3, 2e-3)
     assert rows["young"] == {"rock": 50e9}
     assert rows["version"] == rows["versions"]["clast"]
-    assert rows["about"]["process"] == {
-        "name": "modified",
-        "passes": 2,
-    }
+    assert rows["about"]["process"] == {"name": "modified", "passes": 2}
     said = texts(results.about)
     assert said["process"] == "modified (passes 2)"
     assert said["p"] == "2e+08 N/m per m"
@@ -283,81 +256,29 @@ def test_a_frame_that_was_interrupted_is_written_by_finish(tmp_path: Path, monke
     assert len(results.contacts(-1)) == 2
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(os.name != "posix", reason="limits the size of files")
-def test_full_disk_keeps_the_frames_before(tmp_path: Path):
-    code = """if True:
-        import resource, signal, sys
-        sys.path.insert(0, sys.argv[2])
-        from scenes.recorded_run import moved, step_result, three_blocks
-        from clast.errors import CaseError
-        from clast.results import RunRecorder
-        model = three_blocks()
-        recorder = RunRecorder(model, output=sys.argv[1])
-        recorder.start(moved(model, 0.0))
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
-        try:
-            for number in range(1, 10_000):
-                result = step_result(model, 0.01 * number)
-                recorder.step(result, 0.01)
-                recorder.frame(result.state, result.contacts, result.response)
-        except CaseError as error:
-            print(number, error)
-    """
-    path = tmp_path / "out.vtkhdf"
-    here = str(Path(__file__).parents[1])
-    seen = subprocess.run(
-        [sys.executable, "-c", code, str(path), here], capture_output=True, text=True, check=False
-    )
-    written = int(seen.stdout.split()[0])
-    assert "cannot be written" in seen.stdout
-    results = read_results(path)
-    assert written <= len(results.times) <= written + 1
-    expected = moved(three_blocks(), results.times[written - 1]).vertices
-    np.testing.assert_array_equal(results.vertices(written - 1), expected)
-
-
 @pytest.mark.parametrize("place", ["", "missing/out.vtkhdf", "file/out.vtkhdf"])
 def test_output_that_cannot_be(tmp_path: Path, place: str):
     (tmp_path / "file").write_text("")
     with pytest.raises(CaseError) as caught:
         RunRecorder(three_blocks(), output=tmp_path / place)
-    assert caught.value.remedy
-    assert str(tmp_path / place) in str(caught.value)
+    assert caught.value.remedy and caught.value.where == str(tmp_path / place)
 
 
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs permissions that bind")
-def test_output_without_permission(tmp_path: Path):
-    tmp_path.chmod(0o500)
-    with pytest.raises(CaseError, match="cannot be written: permission denied"):
-        RunRecorder(three_blocks(), output=tmp_path / "out.vtkhdf")
-    tmp_path.chmod(0o700)
-
-
-def test_missing_file(tmp_path: Path):
-    with pytest.raises(CaseError, match="no such file"):
-        read_results(tmp_path / "none.vtkhdf")
-
-
-def test_directory_instead_of_a_file(tmp_path: Path):
-    with pytest.raises(CaseError, match="directory"):
-        read_results(tmp_path)
-
-
-def test_text_instead_of_a_result_file(tmp_path: Path):
-    path = tmp_path / "text.vtkhdf"
-    path.write_text("schema = 1\n" * 100)
-    with pytest.raises(CaseError, match="not a clast result file"):
-        read_results(path)
-
-
-def test_foreign_hdf5(tmp_path: Path):
-    path = tmp_path / "other.h5"
-    with h5py.File(path, "w") as file:
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("none", "no such file"),
+        ("", "is a directory"),
+        ("text", "not a clast"),
+        ("h5", "not a clast"),
+    ],
+)
+def test_other_things_are_no_result_files(tmp_path: Path, name: str, words: str):
+    (tmp_path / "text").write_text("schema = 1\n" * 100)
+    with h5py.File(tmp_path / "h5", "w") as file:
         file["data"] = 1.0
-    with pytest.raises(CaseError, match="not a clast result file"):
-        read_results(path)
+    with pytest.raises(CaseError, match=words):
+        read_results(tmp_path / name)
 
 
 @pytest.mark.parametrize(("layout", "words"), [(99, "newer version"), (1, "older version")])

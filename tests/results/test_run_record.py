@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 
 import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.errors import CaseError
 from clast.results import RunRecorder
 from clast.results.frame_samples import point_velocity
 from clast.results.run_report import report_from_dict
-from scenes.recorded_run import (
-    SPIN,
-    STEP,
-    TRANSLATION,
-    moved,
-    record,
-    report,
-    three_blocks,
-)
+from scenes.recorded_run import SPIN, STEP, TRANSLATION, moved, record, report, three_blocks
 
 
 def test_history_of_a_point_is_its_exact_motion():
@@ -70,23 +60,6 @@ def test_histories_keep_their_digits_far_from_the_origin():
         a, b = near.history(name), far.history(name)
         np.testing.assert_allclose(a.displacement, b.displacement, atol=1e-13)
         np.testing.assert_allclose(a.velocity, b.velocity, atol=1e-13)
-
-
-def test_unknown_point_is_answered_with_the_nearest():
-    run = record(three_blocks()).run
-    with pytest.raises(CaseError, match="did you mean 'tip'"):
-        run.history("tipp")
-
-
-def test_model_without_measured_points_records_energies_only():
-    model = three_blocks()
-    none = dataclasses.replace(
-        model.measured_points, name=(), block=np.zeros(0, np.int64), at=np.zeros((0, 2))
-    )
-    recorded = record(dataclasses.replace(model, measured_points=none))
-    assert len(recorded.run.energy["time"]) == 21
-    with pytest.raises(CaseError, match="measured point"):
-        recorded.run.history("tip")
 
 
 def test_report_survives_json():

@@ -103,13 +103,6 @@ def test_one_that_is_asked_for_is_renewed_while_the_run_goes(case: clast.Case, t
     assert read_checkpoint(path, {}).finished
 
 
-def test_a_run_in_memory_has_none(case: clast.Case, monkeypatch, tmp_path: Path):
-    monkeypatch.chdir(tmp_path)
-    often = with_settings(case, "output.checkpoint_every=1e-9")
-    assert often.run(progress=pressed_at(3)).checkpoint is None
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])

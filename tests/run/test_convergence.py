@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.run.stages.convergence import ENOUGH, MOST_AHEAD, Convergence
+from clast.run.stages.convergence import COMING_MIN, STEPS_AHEAD_MAX, Convergence
 
 SIZE, PUSHED = np.ones(2), np.ones(2, np.bool_)
 SETTLED, SWAY = (
@@ -31,7 +31,7 @@ def test_the_rest_is_that_of_a_geometric_series(ratio: float):
 
 
 def test_nothing_is_to_come_where_it_is_little_of_the_way():
-    steps = int(np.ceil(np.log(ENOUGH) / np.log(0.9)))
+    steps = int(np.ceil(np.log(COMING_MIN) / np.log(0.9)))
     assert followed(0.9, steps - 3).coming > 0.0
     assert followed(0.9, steps + 1).coming == 0.0
 
@@ -40,7 +40,7 @@ def test_nothing_is_to_come_where_it_is_little_of_the_way():
 def test_what_does_not_become_less_has_no_end(ratio: float):
     now = followed(ratio, 3)
     assert np.isinf(now.coming)
-    assert now.series(np.inf) == pytest.approx(sum(ratio**k for k in range(MOST_AHEAD)))
+    assert now.series(np.inf) == pytest.approx(sum(ratio**k for k in range(STEPS_AHEAD_MAX)))
 
 
 def test_blocks_that_tremble_have_come_to_rest():
@@ -70,4 +70,4 @@ def test_after_a_step_that_went_ahead_its_ratio_holds_until_two_are_seen():
         now = now.followed(SWAY * 0.1**k, 1.0, SIZE, PUSHED)
         left = ratio / (1.0 - ratio) * 3e-4 * 0.1**k
         covered = np.sum(now.total * SWAY) / np.sum(SWAY**2) * 3e-4
-        assert now.coming == pytest.approx(left if left > ENOUGH * covered else 0.0, rel=1e-2)
+        assert now.coming == pytest.approx(left if left > COMING_MIN * covered else 0.0, rel=1e-2)

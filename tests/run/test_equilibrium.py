@@ -53,21 +53,6 @@ def test_a_tenth_of_a_degree_too_steep_is_no_equilibrium(ratio: float):
     assert "'block'" in text and "+x" in text
 
 
-def test_slow_sliding_under_a_large_load_fails():
-    """Its force does not tell: what is left over is a small share of all that presses."""
-    seen = []
-    stage = Stage(name="rest", time=0.1, dynamic_ratio=0.0)
-    run = run_of(
-        on_plane(0.03, press=10.0),
-        stage,
-        step=5e-4,
-        progress=lambda now: seen.append(now.force_ratio),
-    )
-    assert max(seen[-10:]) < stage.force_ratio
-    assert run.stages[0].outcome == "fails"
-    assert run.stages[0].mechanism == ("block",)
-
-
 def test_a_pendulum_is_moving_at_the_end_of_its_swing():
     builder = clast.ModelBuilder(gravity=(0.0, -G))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)

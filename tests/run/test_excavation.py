@@ -243,40 +243,8 @@ def propped() -> Model:
     return builder.build()
 
 
-@pytest.mark.parametrize("process", ["modified", "open-close", "convex"])
-def test_the_support_of_a_removed_prop_falls_in_a_straight_line(process: str):
-    """The block's acceleration is -g + (1 - relax) g (1 - t/T), by the step to the last digits."""
-    model = propped()
-    still = method_of(model, process, dynamic_ratio=0.0)
-    _, kept = run(model, still, 400)
-    method = method_of(model, process)
-    relax, time = 0.4, 0.05
-    left, now = digging(model, method, kept[-1], ["props"], relax, time)
-    begun = now.state.velocity[3, 1]
-    run_, states = run(left, method, 80, now)
-    speed = np.array([begun, *(one.state.velocity[3, 1] for one in states)])
-    force = 1.0 - (STEP * np.arange(1, 81)) / time
-    wanted = -G + (1.0 - relax) * G * np.clip(force, 0.0, 1.0)
-    assert np.diff(speed) / STEP == pytest.approx(wanted, abs=2e-4 * G)
-    # no turn: both props let go alike
-    assert abs(run_.final.rotation[3]) < 1e-6
-    # once the forces are gone nothing of them is left
-    assert len(gone_state(states[-1]).block) == 0
-
-
 def gone_state(now: RunState) -> SupportForces:
     return next(own for own in now.state.actions if isinstance(own, SupportForces))
-
-
-def test_a_removed_prop_lets_the_block_fall_at_once():
-    model = propped()
-    method = method_of(model)
-    _, kept = run(model, method_of(model, dynamic_ratio=0.0), 400)
-    left, now = digging(model, method, kept[-1], ["left", "right"])
-    assert len(gone_state(now).block) == 0
-    end, _ = run(left, method, 100, now)
-    fell = now.state.vertices[-4:, 1].mean() - end.final.vertices[-4:, 1].mean()
-    assert fell == pytest.approx(0.5 * G * 0.1**2, rel=1e-6)
 
 
 def test_forces_of_excavations_one_after_another_add_up():

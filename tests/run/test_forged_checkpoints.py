@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import shutil
-import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,10 +16,9 @@ import pytest
 
 import clast
 from clast.errors import CaseError, RunStopped
-from clast.results import read_results
-from clast.results.checkpoints.checkpoint_files import SUMS, checkpoint_path, read_checkpoint
+from clast.results.checkpoints.checkpoint_files import SUMS, checkpoint_path
 from scenes.command_line import clast_command
-from scenes.forged_checkpoints import forge, mutations, parts, signed
+from scenes.forged_checkpoints import forge, mutations, signed
 from scenes.restarts import differences, pressed_at
 
 CASE = """
@@ -108,26 +106,6 @@ def test_a_new_run_makes_older_checkpoints_unusable(part: Path):
     assert clast.resume(checkpoint_path(output, "rest")).report.finished
 
 
-def test_the_same_case_again_is_another_run(part: Path):
-    # to the bit the same, but who resumes should not rely on it
-    the_case().run(output=part.with_name("a.vtkhdf"), progress=pressed_at(10))
-    older = part.with_name("older.checkpoint.h5")
-    shutil.copy(part, older)
-    run = the_case().run(output=part.with_name("a.vtkhdf"))
-    refused("those of another, later run", older)
-    assert clast.resume(run.checkpoint).report.finished
-
-
-@pytest.mark.slow
-def test_a_run_that_was_killed_early_spoils_the_checkpoint_before(part: Path):
-    output = part.with_name("a.vtkhdf")
-    if (child := os.fork()) == 0:  # pragma: no cover
-        the_case("9e6").run(output=output, progress=lambda at: os.kill(os.getpid(), signal.SIGKILL))
-    os.waitpid(child, 0)
-    assert len(read_results(output).times) == 1
-    refused("does not belong to the checkpoint", part)
-
-
 def test_checkpoints_of_a_course_that_was_left_are_refused(part: Path):
     output = part.with_name("a.vtkhdf")
     clast.resume(part)
@@ -139,17 +117,6 @@ def test_checkpoints_of_a_course_that_was_left_are_refused(part: Path):
     again = clast.resume(checkpoint_path(output, "rest"))
     whole = the_case("2e6").run(output=part.with_name("whole.vtkhdf"))
     assert differences(whole.output, again.output) == ["model/case"]
-
-
-def test_outputs_keep_their_own_checkpoints(tmp_path: Path):
-    names = ["n.vtkhdf", "n.h5", "n.rest.vtkhdf"]
-    runs = [the_case().run(output=tmp_path / name, progress=pressed_at(9)) for name in names]
-    assert len({run.checkpoint for run in runs}) == len(names)
-    whole = the_case().run(output=tmp_path / "whole.vtkhdf").output
-    for name, run in zip(names, runs, strict=True):
-        assert clast.resume(run.checkpoint).output == tmp_path / name
-        clast.resume(run.checkpoint, stage="push")
-        assert differences(whole, tmp_path / name) == []
 
 
 def test_only_ends_of_stages_are_gone_back_to(part: Path):
@@ -165,13 +132,6 @@ def test_only_ends_of_stages_are_gone_back_to(part: Path):
 
 
 # what else it names -----------------------------------------------------------------------------
-
-
-def test_overburden_is_no_file(part: Path):
-    held = read_checkpoint(part, {})
-    assert held.source.files == {}
-    part.with_name("overburden").write_text("a file of somebody's")
-    assert clast.resume(part).report.finished
 
 
 def test_a_case_file_that_has_changed_is_said(tmp_path: Path):
@@ -371,24 +331,3 @@ def test_mutations_are_refused_or_harmless(interrupted: Path, tmp_path: Path):
         for name in others:
             (tmp_path / name).write_bytes(before[name])
     assert refusals > 300
-
-
-def test_flipped_bytes_with_a_right_checksum(interrupted: Path, tmp_path: Path):
-    path = tmp_path / "f.checkpoint.h5"
-    image = (interrupted / "a.checkpoint.h5").read_bytes()[: -SUMS.size]
-    rng, refusals = np.random.default_rng(4), 0
-    for at in rng.integers(0, len(image), 120):
-        changed = bytearray(image)
-        changed[at] ^= 1 << int(rng.integers(8))
-        path.write_bytes(signed(bytes(changed)))
-        try:
-            read_checkpoint(path, {})
-        except CaseError:
-            refusals += 1
-    assert refusals > 8
-
-
-def test_parts_put_together_again_are_a_checkpoint(part: Path):
-    forge(part, part, lambda written, arrays: None)
-    assert parts(part)[0]["is"].endswith(":Checkpoint")
-    assert clast.resume(part).report.finished

@@ -94,18 +94,12 @@ DOUBTS = {
     "cohesion in kPa": (["joint.default.cohesion=25"], ["cohesion is 25 Pa", "25 kPa are 25000"]),
     "tensile strength in MPa": (["joint.default.tensile_strength=3"], ["tensile_strength is 3 Pa"]),
     "cohesion of steel": (["joint.default.cohesion=5e9"], ["5e+09 Pa, stronger than any rock"]),
-    "friction of glue": (
-        ["joint.default.friction_angle=88"],
-        ["a coefficient of 28.6"],
-    ),
+    "friction of glue": (["joint.default.friction_angle=88"], ["a coefficient of 28.6"]),
     "modulus of soil": (["rock.granite.young=5e7"], ["young is 5e+07 Pa", "50 GPa are 50e9"]),
     "modulus of nothing": (["rock.granite.young=50e14"], ["young is 5e+15 Pa"]),
     "density in t/m3": (["rock.granite.density=2.7"], ["2.7 kg/m3", "2.7 t/m3 are 2700"]),
     "poisson below zero": (["rock.granite.poisson=-0.2"], ["poisson is -0.2", "0.1 to 0.4"]),
-    "stress in MPa": (
-        ["rock.granite.initial_stress=[-2,-3,0]"],
-        ["is at most 3 Pa"],
-    ),
+    "stress in MPa": (["rock.granite.initial_stress=[-2,-3,0]"], ["is at most 3 Pa"]),
     "stress that pulls": (
         ["rock.granite.initial_stress=[2e6,3e6,0]"],
         ["tension is positive", "(-2e+06, -3e+06)"],

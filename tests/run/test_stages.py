@@ -15,6 +15,7 @@ from clast.run.run_state import RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
+from scenes.restarts import same
 
 G = 9.81
 STEP = 2e-3
@@ -71,18 +72,6 @@ def prepared(process: str = "convex", law: str = "penalty") -> tuple[clast.Model
     )
     model = case.model()
     return model, case.method(model), case.schedule()
-
-
-def same(one: object, other: object) -> bool:
-    """Return whether two records hold the same bits, wall times apart."""
-    if dataclasses.is_dataclass(one):
-        names = [entry.name for entry in dataclasses.fields(one) if entry.name != "seconds"]
-        return all(same(getattr(one, name), getattr(other, name)) for name in names)
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, np.ndarray):
-        return one.dtype == np.asarray(other).dtype and np.array_equal(one, other, equal_nan=True)
-    return bool(one == other)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import pytest
 
 from clast.actions.action import ActionResult, Contribution
 from clast.case.case_file import Case
-from clast.case.templates import TEMPLATES
 from clast.model.state import LEDGER_ENTRIES, Ledger
 from clast.results.run_report import report_from_dict
 from clast.run.overlap import unseen_overlaps
@@ -87,11 +86,6 @@ def test_initial_stress_that_contacts_do_not_hold_is_said(stress, said):
     time = "[time]\nstep = 1e-3\nend = 0.2\ndynamic_ratio = 0.0\n"
     found = warnings_of(walls + rock + time, f"rock.rock.initial_stress={list(stress)}")
     assert any("mean stress" in one and "normal_stiffness" in one for one in found) == said
-
-
-@pytest.mark.parametrize("name", ["incline", "wall"])
-def test_templates_are_not_warned_of(name):
-    assert not Case.from_toml(TEMPLATES[name], ["time.end=0.1"]).run().report.warnings
 
 
 def test_overlap_is_in_the_report_and_comes_back_from_it():
@@ -275,13 +269,3 @@ def test_remedies_name_keys_that_the_process_has(process, outcome):
 
 
 # --- the limit on movement -------------------------------------------------------------------
-
-
-def test_free_flight_is_not_cut():
-    """Two blocks that fly beside each other, and a third alone: nothing comes near anything."""
-    outlines = [box(0, 0), box(1.02, 0), box(20, 0)]
-    speed = {0: (40.0, 0.0, 0.0), 1: (40.0, 0.0, 0.0), 2: (-3.0, 60.0, 1.0)}
-    model = system(outlines, velocity=speed)
-    done = finish(model, by_convex(5e9, max_displacement=0.05), 1e-2, 0.3)
-    assert done.run.report.steps == 30
-    assert done.run.report.cut_steps == 0

@@ -7,6 +7,7 @@ goes on from each checkpoint; those of runs with an action of a script are given
 
 from __future__ import annotations
 
+import dataclasses
 import signal
 import sys
 from collections.abc import Callable
@@ -89,6 +90,19 @@ def differences(one: Path, other: Path) -> list[str]:
     """Return the names of what differs in two result files."""
     first, second = content(one), content(other)
     return sorted(key for key in {*first, *second} if first.get(key) != second.get(key))
+
+
+def same(one: object, other: object) -> bool:
+    """Return whether two records hold the same bits, wall times apart."""
+    if dataclasses.is_dataclass(one):
+        names = [entry.name for entry in dataclasses.fields(one) if entry.name != "seconds"]
+        pairs = ((getattr(one, name), getattr(other, name)) for name in names)
+        return type(one) is type(other) and all(same(*pair) for pair in pairs)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, np.ndarray):
+        return (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
+    return bool(one == other)
 
 
 def main(*paths: str) -> None:

@@ -19,6 +19,7 @@ from clast.inputs.method import OutputTable
 from clast.model.model import Model
 from clast.model.state import State
 from clast.results import Run
+from clast.results.checkpoints import reopen
 from clast.results.checkpoints.checkpoint import (
     OBJECTS,
     SETTINGS,
@@ -34,14 +35,13 @@ from clast.results.checkpoints.checkpoint_files import (
 )
 from clast.results.checkpoints.encode import classes_near
 from clast.results.checkpoints.fingerprints import (
-    LARGEST_NAMED,
     SHAPE,
     digest,
     fingerprints,
     print_of_named,
     print_of_text_in,
 )
-from clast.results.checkpoints.reopen import is_file_name, rows_in_all, taken_over, wrong_record
+from clast.results.checkpoints.reopen import is_file_name, taken_over
 
 if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
@@ -238,7 +238,7 @@ def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
 
 def _of_case_file(source: Source) -> Iterator[str]:
     """Warn where the case file has changed since the run began."""
-    now = print_of_text_in(Path(source.file), LARGEST_NAMED)
+    now = print_of_text_in(Path(source.file))
     if now and source.file_text and now != source.file_text:
         yield (
             f"{source.file} has changed since the run began: the run continues with the case in "
@@ -253,16 +253,18 @@ def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
     Nothing has been written until here, and no kernel has seen it.
     """
     from clast.run.run_state import RunState
-    from clast.run.stages.checkpoint_checks import wrong_state
+    from clast.run.stages import checkpoint_checks
 
     run, recorded = checkpoint.run, checkpoint.recorded
     if not isinstance(run, RunState):
         raise damaged(path, "it carries no run")
-    wrong = wrong_record(recorded, now.model, checkpoint.time)
-    wrong = wrong or wrong_state(run, now.model, now.method, now.source.schedule)
+    wrong = next(reopen.faults(recorded, now.model, checkpoint.time), "") or next(
+        checkpoint_checks.faults(run, now.model, now.method, now.source.schedule), ""
+    )
     if not wrong and not run.state.time == checkpoint.time:
         wrong = "its times differ"
-    if not wrong and run.tally.steps != rows_in_all(recorded):
+    steps = int(recorded.frame["steps"][0]) + len(recorded.since["steps"]) if not wrong else 0
+    if not wrong and run.tally.steps != steps:
         wrong = "its steps are not those that were recorded"
     if wrong:
         raise damaged(path, wrong)

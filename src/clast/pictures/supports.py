@@ -97,7 +97,7 @@ LINK_SIZE, LINK_EDGE = 6.0, 1.4
 def states_of(results: Recording, frame: int) -> Ints:
     """Return the states of the links with a place in a frame, by their numbers, shape (k,)."""
     found = []
-    for name in results.supported.links.name:
+    for name in results.link_lines.name:
         rows = results.link(name)
         row = int(results.rows_at(rows["time"], frame))
         found.append(int(rows["state"][row]))
@@ -109,7 +109,7 @@ def places_of(results: Recording, frame: int) -> Floats:
 
     That on the ground is drawn where it was at the start.
     """
-    links, start = results.supported.links, results.block_start
+    links, start = results.link_lines, results.block_start
     before, now = results.vertices(0), results.vertices(frame)
     found = np.zeros((len(links.at), 2, 2))
     for link, (blocks, at) in enumerate(zip(links.block, links.at, strict=True)):
@@ -133,7 +133,7 @@ def directions_of(results: Recording, frame: int) -> Floats:
     It is the one direction that such a link holds, turned as the first edge of its first block; on
     the ground it stays.
     """
-    links = results.supported.links
+    links = results.link_lines
     if not links.name:
         return np.zeros((0, 2))
     first = results.block_start[links.block[:, 0]]
@@ -175,7 +175,7 @@ def handles_of_links(results: Recording, frame: int) -> list[Any]:
 
 def draw_links(axes: Axes, results: Recording, frame: int) -> None:
     """Draw the links of a frame; a line joins the two points of one that is drawn apart."""
-    links = results.supported.links
+    links = results.link_lines
     if not links.name:
         return
     wide = float(np.ptp(axes.get_xlim()))
@@ -308,7 +308,7 @@ def forces_in(results: Recording, frame: int) -> list[tuple[str, Floats, Floats]
     Of those that are one and the same, a total and its only part, the last.
     """
     found: dict[tuple[float, ...], tuple[str, Floats, Floats]] = {}
-    contacts, of_block = results.contacts(frame), results.supported.of_block
+    contacts, of_block = results.contacts(frame), results.reaction_of_block
     for number, name in enumerate(results.reaction_name):
         rows = results.reaction(name)
         row = int(results.rows_at(rows.time, frame))

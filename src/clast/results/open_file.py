@@ -36,9 +36,9 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
         for _ in range(ATTEMPTS):
             before = path.stat()
             if stat.S_ISDIR(before.st_mode):
-                raise CaseError("is a directory, not a result file", where=str(path))
+                raise CaseError("is a directory, not a result file")
             if not stat.S_ISREG(before.st_mode):
-                raise CaseError("is a device, a pipe or the like, no result file", where=str(path))
+                raise CaseError("is a device, a pipe or the like, no result file")
             try:
                 return _answer(path, question, whole)
             except PermissionError:
@@ -48,19 +48,16 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
             after = path.stat()
             if (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
                 break
-    except PermissionError as error:
-        raise CaseError(
-            "cannot be read: permission denied", where=str(path), remedy="change its permissions"
-        ) from error
-    except FileNotFoundError as error:
-        raise CaseError(
-            "there is no such file", where=str(path), remedy="clast run CASE -o FILE writes one"
-        ) from error
+    except CaseError as error:
+        failure = error
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CaseError(
-            f"cannot be read: {reason}", where=str(path), remedy="name a result file of a run"
-        ) from error
+        what, remedy = f"cannot be read: {reason}", "name a result file of a run"
+        if isinstance(error, PermissionError):
+            what, remedy = "cannot be read: permission denied", "change its permissions"
+        elif isinstance(error, FileNotFoundError):
+            what, remedy = "there is no such file", "clast run CASE -o FILE writes one"
+        raise CaseError(what, where=str(path), remedy=remedy) from error
     raise _as_case_error(failure, path) from _without_frames(failure)
 
 
@@ -80,16 +77,10 @@ def check_ours(file: Any) -> None:
             remedy="name a file that clast run has written",
         )
     layout = int(file["model"].attrs["format"])
-    if layout > FORMAT:
-        raise CaseError(
-            f"was written by a newer version of clast (layout {layout}, this one knows {FORMAT})",
-            remedy="update clast",
-        )
-    if layout < FORMAT:
-        raise CaseError(
-            f"was written by an older version of clast (layout {layout}, this one knows {FORMAT})",
-            remedy=AGAIN,
-        )
+    if layout != FORMAT:
+        age, remedy = ("a newer", "update clast") if layout > FORMAT else ("an older", AGAIN)
+        known = f"(layout {layout}, this one knows {FORMAT})"
+        raise CaseError(f"was written by {age} version of clast {known}", remedy=remedy)
 
 
 def _has_our_mark(file: Any) -> bool:

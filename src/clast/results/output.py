@@ -29,34 +29,26 @@ def check_output(path: Path) -> Path:
 
 
 def _checked(path: Path) -> Path:
-    where, real = str(path), path.resolve()
-    if real.is_dir():
-        raise CaseError(
-            "is a directory, not a file to write results to",
-            where=where,
-            remedy=f"name a file in it, e.g. {path / 'out.vtkhdf'}",
-        )
-    if not real.parent.is_dir():
-        raise CaseError(
-            f"the directory {real.parent} does not exist", where=where, remedy="create it first"
-        )
+    real = path.resolve()
     exists = real.exists()
-    if exists and not stat.S_ISREG(real.stat().st_mode):
-        raise CaseError(
-            "is a device, a pipe or the like; it is not overwritten", where=where, remedy=ELSEWHERE
-        )
-    if not os.access(real.parent, os.W_OK) or (exists and not os.access(real, os.W_OK)):
-        raise CaseError(
+    what, remedy = "", ELSEWHERE
+    if real.is_dir():
+        what = "is a directory, not a file to write results to"
+        remedy = f"name a file in it, e.g. {path / 'out.vtkhdf'}"
+    elif not real.parent.is_dir():
+        what, remedy = f"the directory {real.parent} does not exist", "create it first"
+    elif exists and not stat.S_ISREG(real.stat().st_mode):
+        what = "is a device, a pipe or the like; it is not overwritten"
+    elif not os.access(real.parent, os.W_OK) or (exists and not os.access(real, os.W_OK)):
+        what, remedy = (
             "cannot be written: permission denied",
-            where=where,
-            remedy=f"{ELSEWHERE} or change its permissions",
+            f"{ELSEWHERE} or change its permissions",
         )
-    if exists and real.stat().st_size and not is_result_file(real):
-        raise CaseError(
-            "exists and is not a clast result file, or a damaged one; it is not overwritten",
-            where=where,
-            remedy=f"{ELSEWHERE}, or remove it",
-        )
+    elif exists and real.stat().st_size and not is_result_file(real):
+        what = "exists and is not a clast result file, or a damaged one; it is not overwritten"
+        remedy = f"{ELSEWHERE}, or remove it"
+    if what:
+        raise CaseError(what, where=str(path), remedy=remedy)
     hidden(real).exists()  # a name that is too long for it is refused by the system
     return real
 

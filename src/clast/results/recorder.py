@@ -36,7 +36,6 @@ class RecordMark:
     """How far a run was recorded after one of its steps."""
 
     frames: int = 0
-    """Frames kept."""
     frame: tuple[float, int, int, int] = (0.0, 0, 0, 0)
     """Row of the last of them: time, s, and how many steps, instants and contacts there were."""
     counts: Mapping[str, int] = field(default_factory=dict)
@@ -44,7 +43,6 @@ class RecordMark:
     now: Mapping[str, int] = field(default_factory=dict)
     """Rows of each table after the step."""
     result: StepResult | None = None
-    """The step."""
 
 
 class RunRecorder:
@@ -83,7 +81,6 @@ class RunRecorder:
         self._framed = RecordMark()
         self._recorded = recorded
         self.checkpoint: Path | None = None
-        """The last checkpoint written of the run."""
         self._stages: list[str] = []
         self._begins: dict[str, str] = {}
         self._stage = 0
@@ -119,21 +116,16 @@ class RunRecorder:
 
         ``about`` says how the run is simulated (``clast.results.run_report``).
         """
-        about = about or {}
+        about, recorded = about or {}, self._recorded
         self._stages = list(about.get("stages", ()))
         self._begins = dict(about.get("begins", {}))
         if self._file is not None:
             self._file.about = about
-        if self._recorded is not None:
-            self._go_on(self._recorded)
-            self._state = state
+        if self._file is None or recorded is None:
+            self._record(state)
+            self.frame(state)
             return
-        self._record(state)
-        self.frame(state)
-
-    def _go_on(self, recorded: Recorded) -> None:
-        if self._file is None:
-            raise RuntimeError("what goes on is a file")
+        self._state = state
         times, before = self._file.go_on(recorded)
         self._frame_times = times.tolist()
         for name, table in self._tables.items():
@@ -220,17 +212,18 @@ class RunRecorder:
 
         ``wall`` is the time that the run has taken, s.  The frames until then are on the disk.
         """
-        if self._file is None:
+        file = self._file
+        if file is None:
             raise RuntimeError("a run in memory has no checkpoints")
-        self._file.sync()
+        file.sync()
         contacts = no_contacts() if self._recorded is None else self._recorded.contacts
         if mark.result is not None and self._with_contacts:
             last = mark.result
             contacts = self._fields.contacts(last.state, last.contacts, last.response)
         at = mark.counts["energy"]
         return Recorded(
-            file=self._file.path.name,
-            lineage=self._file.lineage,
+            file=file.path.name,
+            lineage=file.lineage,
             frames=mark.frames,
             frame=np.array([mark.frame], FRAME_ROW),
             energy=self._tables["energy"].since(at - 1)[:1].copy(),
@@ -259,8 +252,7 @@ class RunRecorder:
                 outcome = f"stopped at t = {self.state.time:.6g} s: {lost}"
                 report = replace(report, finished=False, outcome=outcome)
             raise RunStopped(f"the run {report.outcome}", self._run(report)) from lost
-        if self._kept is not None and self._kept.left_out_from is not None:
-            since = self._kept.left_out_from
+        if self._kept is not None and (since := self._kept.left_out_from) is not None:
             note = f"frames from t = {since:.4g} s on were dropped: memory limit reached"
             report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
         return self._run(report)
@@ -299,10 +291,7 @@ class RunRecorder:
 
 
 def _opened(frames: FrameStore | None, path: Path | None, title: str, times: Floats) -> FrameStore:
-    """Return the frames of a run, in memory or else in its file.
-
-    Raises CaseError where the file now holds another run.
-    """
+    """Return the frames of a run, in memory or else in its file; raises CaseError."""
     from clast.results.result_reader import read_results
 
     if frames is not None:

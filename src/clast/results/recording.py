@@ -49,26 +49,7 @@ from clast.results.schema import (
 
 NOTEBOOK = "clast.pictures.notebook"
 """Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
-BLOCK_ROW = np.dtype(
-    [
-        ("time", "f8"),
-        ("displacement", "f8", 2),
-        ("velocity", "f8", 2),
-        ("rotation", "f8"),
-        ("stress", "f8", 3),
-    ]
-)
-"""One block in one frame."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SupportsRecord:
-    """The blocks of reactions, and the links of a run."""
-
-    of_block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-    """Reaction and block that it holds or moves, shape (b, 2)."""
-    links: LinkLines = field(default_factory=LinkLines)
-    """The links, where they were at the start."""
+BLOCK_ROW = np.dtype([*HISTORY.row.descr, ("stress", "f8", 3)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,11 +57,9 @@ class Frame:
     """One instant of a run as it was recorded; n blocks, nv vertices."""
 
     number: int
-    """Its number, from 0."""
     time: float
     """Time, s."""
     recording: Recording = field(repr=False)
-    """The run."""
 
     @property
     def stage(self) -> str:
@@ -103,26 +82,6 @@ class Frame:
         return self.recording.contacts(self.number)
 
 
-@dataclass(frozen=True, kw_only=True)
-class EdgeJoints:
-    """The joints of a run; nv edges, each from a vertex to the next."""
-
-    name: tuple[str, ...]
-    """Name of each joint."""
-    edge: Ints
-    """Joint index of each edge; -1: by its pair of blocks or rocks, or the default, (nv,)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoltLines:
-    """The bolts of a run: k of them along q points."""
-
-    name: tuple[str, ...] = ()
-    """Name of each bolt."""
-    point: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """Bolt of each point, shape (q,)."""
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Recording:
     """The records of a run; n blocks, nv vertices.  Coordinates are the user's.
@@ -133,11 +92,9 @@ class Recording:
     """
 
     title: str
-    """Title of the case."""
     times: Floats
     """Time of each frame, s, shape (frames,)."""
     block_name: tuple[str, ...]
-    """Name of each block."""
     block_start: Ints
     """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
     block_rock: Ints
@@ -145,30 +102,29 @@ class Recording:
     fixed: Bools
     """True where a block cannot move at all, shape (n,)."""
     rock_name: tuple[str, ...]
-    """Name of each rock."""
     point_name: tuple[str, ...]
-    """Name of each measured point."""
     point_start: Floats
     """Where each measured point was at the start, m, shape (k, 2)."""
-    joints: EdgeJoints = field(repr=False)
-    """The joints."""
+    joint_name: tuple[str, ...]
+    edge_joint: Ints
+    """Joint index of the edge from each vertex to the next, (nv,); -1: none, its contacts take that
+    of their blocks or rocks, or the default."""
     measured_contact_name: tuple[str, ...] = ()
-    """Name of each measured contact."""
-    bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
-    """The bolts."""
+    bolt_name: tuple[str, ...] = ()
+    bolt_of_point: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Bolt of each of the points that bolts lie along, shape (q,)."""
     reaction_name: tuple[str, ...] = ()
-    """Name of each reaction."""
+    reaction_of_block: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Reaction and block that it holds or moves, shape (b, 2)."""
     link_name: tuple[str, ...] = ()
-    """Name of each link."""
-    lining_joints: LiningJoints = field(default_factory=LiningJoints, repr=False)
-    """The joints of linings."""
-    supported: SupportsRecord = field(default_factory=SupportsRecord, repr=False)
-    """Blocks of reactions, and places of links."""
-    origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
+    link_lines: LinkLines = field(default_factory=LinkLines)
+    """The links with a place, where they were at the start."""
+    lining_joints: LiningJoints = field(default_factory=LiningJoints)
+    origin: Floats = field(default_factory=lambda: np.zeros(2))
     """Point that coordinates of the model are relative to, m, shape (2,)."""
-    gravity: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
+    gravity: Floats = field(default_factory=lambda: np.zeros(2))
     """Acceleration of gravity, m/s2, shape (2,)."""
-    water: tuple[Water, ...] = field(default=(), repr=False)
+    water: tuple[Water, ...] = ()
     """Water on outer faces and in joints."""
     report: Report | None
     """How the run went; None where it never came to write one."""
@@ -212,19 +168,6 @@ class Recording:
     def frame_stages(self) -> tuple[str, ...]:
         """Name of the stage of each frame; empty where the run has no stages."""
         return self._frames.frame_stages
-
-    @property
-    def joint_name(self) -> tuple[str, ...]:
-        """Name of each joint."""
-        return self.joints.name
-
-    @property
-    def edge_joint(self) -> Ints:
-        """Joint index of the edge from each vertex to the next, shape (nv,).
-
-        -1: none; its contacts take that of their blocks or rocks, or the default.
-        """
-        return self.joints.edge
 
     @property
     def field_names(self) -> tuple[str, ...]:
@@ -296,10 +239,7 @@ class Recording:
         return Frame(number=number, time=float(times[number]), recording=self)
 
     def block(self, name: str) -> BlockHistory:
-        """Return how the block ``name`` moved, a row per frame, as a table.
-
-        Raises CaseError for a block that does not exist.
-        """
+        """Return how the block ``name`` moved, a row per frame, as a table."""
         if name not in self.block_name:
             raise unknown_name("block", name, self.block_name)
         number, frames = self.block_name.index(name), range(len(self.times))
@@ -346,43 +286,23 @@ class Recording:
         return np.maximum(np.searchsorted(time, self.times[frames] * (1.0 + 1e-12), "right") - 1, 0)
 
     def history(self, name: str) -> PointHistory:
-        """Return the history of the measured point ``name``, a row per instant, as a table.
-
-        Raises CaseError for a point that does not exist.
-        """
+        """Return the history of the measured point ``name``, a row per instant, as a table."""
         return PointHistory(self._rows_called(HISTORY, name), HISTORY, name)
 
-    @property
-    def bolt_name(self) -> tuple[str, ...]:
-        """Name of each bolt."""
-        return self.bolt_lines.name
-
     def bolt_history(self, name: str) -> BoltHistory:
-        """Return the force of the bolt ``name``, a row per instant, as a table.
-
-        Raises CaseError for a bolt that does not exist.
-        """
+        """Return the force of the bolt ``name``, a row per instant, as a table."""
         return BoltHistory(self._rows_called(BOLT_TABLE, name), BOLT_TABLE, name)
 
     def measured_contact(self, name: str) -> ContactHistory:
-        """Return the history of the measured contact ``name``, a row per step, as a table.
-
-        Raises CaseError for one that does not exist.
-        """
+        """Return the history of the measured contact ``name``, a row per step, as a table."""
         return ContactHistory(self._rows_called(CONTACT_TABLE, name), CONTACT_TABLE, name)
 
     def reaction(self, name: str) -> ReactionHistory:
-        """Return a reaction of supports, a row per instant, as a table.
-
-        Raises CaseError for one that does not exist.
-        """
+        """Return a reaction of supports, a row per instant, as a table."""
         return ReactionHistory(self._rows_called(REACTION_TABLE, name), REACTION_TABLE, name)
 
     def link(self, name: str) -> Columns:
-        """Return the history of a link, a row per instant: time, force, moment, state.
-
-        Raises CaseError for one that does not exist.
-        """
+        """Return the history of a link, a row per instant: time, force, moment, state."""
         return Columns(self._rows_called(LINK_TABLE, name), LINK_TABLE, name)
 
     @property
@@ -396,19 +316,15 @@ class Recording:
         return self.lining_joints.linings
 
     def lining(self, name: str) -> LiningHistory:
-        """Return forces and moments along a lining, a row per instant.
-
-        Raises CaseError for one that does not exist.
-        """
+        """Return forces and moments along a lining, a row per instant."""
         if name not in self.lining_name:
             raise unknown_name("lining", name, self.lining_name)
         joints = self.lining_joints
         places = joints.of(name)
         every = self._rows(LINING_TABLE)
         rows = [LINING_TABLE.one(every, int(k)) for k in places]
-        return LiningHistory(
-            joints.along[places], joints.face[places], joints.section[places], rows
-        )
+        parts = (one[places] for one in (joints.along, joints.face, joints.section))
+        return LiningHistory(*parts, rows)
 
     @property
     def lined(self) -> Bools:
@@ -434,12 +350,13 @@ class Recording:
 
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""
-        lines, number = self.bolt_lines, self._number(frame)
-        if not lines.name:
-            return FrameBolts((), np.zeros((0, 2)), lines.point, None)
+        number = self._number(frame)
+        if not self.bolt_name:
+            return FrameBolts((), np.zeros((0, 2)), self.bolt_of_point, None)
         rows = self._rows(BOLT_TABLE)
         row = rows[int(np.abs(rows["time"] - self.times[number]).argmin())]
-        return FrameBolts(lines.name, self._frames.bolt_points(number), lines.point, row)
+        points = self._frames.bolt_points(number)
+        return FrameBolts(self.bolt_name, points, self.bolt_of_point, row)
 
     @property
     def energy(self) -> Columns:
@@ -517,13 +434,16 @@ def parts_of(model: Model) -> dict[str, Any]:
         "rock_name": tuple(rock.name for rock in model.rocks),
         "point_name": points.name,
         "point_start": points.at + model.origin,
-        "joints": EdgeJoints(name=tuple(one.name for one in joints), edge=model.edge_joint),
+        "joint_name": tuple(one.name for one in joints),
+        "edge_joint": model.edge_joint,
         "measured_contact_name": model.measured_contacts.name,
-        "bolt_lines": BoltLines(name=model.bolts.name, point=model.bolts.bolt),
+        "bolt_name": model.bolts.name,
+        "bolt_of_point": model.bolts.bolt,
         "reaction_name": model.reactions.name,
+        "reaction_of_block": model.reactions.of_block,
         "link_name": model.links,
+        "link_lines": model.link_lines,
         "lining_joints": model.lining_joints,
-        "supported": SupportsRecord(of_block=model.reactions.of_block, links=model.link_lines),
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,
@@ -538,11 +458,9 @@ class Run(Recording):
     """
 
     model: Model
-    """The model."""
     state: State
     """State at the end, relative to the model's origin (see ``final``)."""
     report: Report
-    """How the run went."""
     output: Path | None
     """Result file, or None where nothing was written."""
     tables: Mapping[str, NDArray[Any]]

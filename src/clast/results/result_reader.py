@@ -20,16 +20,10 @@ from clast.results.recording import Recording
 from clast.results.run_report import main_parameters
 from clast.results.schema import (
     BOLT_STATES,
-    BOLTS,
     CONTACTS,
     KIND_FIELDS,
-    LINING_JOINTS,
     LINK_STATES,
-    LINKS,
-    MEASURED_CONTACTS,
     PLANE_VECTORS,
-    POINTS,
-    REACTIONS,
     TableSchema,
 )
 from clast.results.water_record import waters_in
@@ -45,9 +39,7 @@ class Results(Recording):
     """The content of a result file.  Coordinates are the user's; arrays are read when asked for."""
 
     path: Path
-    """The file."""
     case_text: str
-    """The case file as it was run."""
     about: dict[str, Any]
     """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
@@ -99,15 +91,15 @@ class Results(Recording):
         for column in CONTACTS.columns:
             if column.checked:
                 self._check_sound(rows[column.name][None], column.checked, [frame])
-        if ((rows["joint"] < 0) | (rows["joint"] >= len(self.joints.name))).any():
+        if ((rows["joint"] < 0) | (rows["joint"] >= len(self.joint_name))).any():
             raise self._damaged(f"frame {frame} has contacts along joints that do not exist")
         return rows
 
     def bolt_points(self, frame: int) -> Floats:
         """Return the points of the bolts in a frame, m, shape (q, 2)."""
-        first = frame * len(self.bolt_lines.point)
-        past = first + len(self.bolt_lines.point)
-        points: Floats = ask(self.path, lambda file: file["bolt_points"][first:past])
+        count = len(self.bolt_of_point)
+        rows = slice(frame * count, (frame + 1) * count)
+        points: Floats = ask(self.path, lambda file: file["bolt_points"][rows])
         self._check_sound(points[None], "bolts", [frame])
         return points
 
@@ -162,17 +154,9 @@ def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
 
 def _results(path: Path, file: Any) -> Results:
     check_ours(file)
-    blocks, frames = validate.blocks_of(file), validate.frames_of(file)
-    validate.check_arrays(file, frames, blocks)
-    validate.check_grid(file, frames, blocks)
-    points, bolts = validate.points_of(file), validate.bolts_of(file, frames)
-    measured, reactions, links = (
-        validate.names_in(file, one) for one in (MEASURED_CONTACTS, REACTIONS, LINKS)
-    )
-    things = {POINTS: points[0], BOLTS: bolts.name, MEASURED_CONTACTS: measured}
-    lined = validate.lining_joints_of(file, blocks)
-    things |= {REACTIONS: reactions, LINKS: links, LINING_JOINTS: lined.name}
-    validate.check_tables(file, frames, things)
+    frames = validate.frames_of(file)
+    parts = validate.parts_of_model(file, len(frames))
+    validate.check_data(file, frames, parts)
     about, prefix = file["model"].attrs, "version of "
     made = validate.about_of(file)
     return Results(
@@ -187,23 +171,10 @@ def _results(path: Path, file: Any) -> Results:
             if key.startswith(prefix)
         },
         times=frames["time"],
-        block_name=blocks.name,
-        block_start=blocks.start,
-        block_rock=blocks.rock,
-        fixed=blocks.fixed,
-        rock_name=blocks.rock_name,
-        joints=validate.joints_of(file, blocks),
-        bolt_lines=bolts,
-        reaction_name=reactions,
-        link_name=links,
-        lining_joints=lined,
-        supported=validate.supports_of(file, len(blocks.name), len(reactions), links),
-        measured_contact_name=measured,
+        **parts,
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),
-        water=waters_in(file["model"], int(blocks.start[-1])),
-        point_name=points[0],
-        point_start=points[1],
+        water=waters_in(file["model"], int(parts["block_start"][-1])),
         report=validate.report_of(file),
         frame_stages=validate.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,
@@ -231,7 +202,7 @@ def summary(results: Results) -> dict[str, Any]:
         "excavated_blocks": int((absent_in_frame(results, -1) & ~results.awaited(-1)).sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
-        "joints": list(results.joints.name),
+        "joints": list(results.joint_name),
         "stages": list(results.about.get("stages", ())),
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
@@ -259,16 +230,13 @@ def summary(results: Results) -> dict[str, Any]:
 def _extremes(results: Results, name: str) -> dict[str, float | None]:
     """Return the extremes along a lining at the end, in N/m and N, None without strengths."""
     lining = results.lining(name)
-    extremes: dict[str, float | None] = {}
-    for column in ("normal_force", "shear_force", "moment"):
-        values = getattr(lining, column)[-1]
-        extremes |= {
-            f"least_{column}": float(values.min()),
-            f"largest_{column}": float(values.max()),
-        }
+    extremes: dict[str, float | None] = {
+        f"{which}_{column}": float(extreme(getattr(lining, column)[-1]))
+        for column in ("normal_force", "shear_force", "moment")
+        for which, extreme in (("least", np.min), ("largest", np.max))
+    }
     used = lining.utilisation[-1]
-    extremes["utilisation"] = None if np.isnan(used).all() else float(np.nanmax(used))
-    return extremes
+    return {**extremes, "utilisation": None if np.isnan(used).all() else float(np.nanmax(used))}
 
 
 def _states(state: Any, words: Sequence[str]) -> dict[str, int]:

@@ -189,7 +189,6 @@ class BlockHistory(PointHistory):
         self.stage = stage
         """Name of the stage of each row; empty where the run has no stages."""
         self.name = name
-        """Its name."""
         self.number = number
         """Its index among the blocks, from 0."""
         self.vertices = vertices
@@ -265,7 +264,6 @@ class LiningHistory:
     section: Floats
     """Thickness, m, tensile and compressive strength, Pa, infinite for none, shape (k, 3)."""
     rows: list[NDArray[Any]]
-    """The rows of each joint."""
 
     def __repr__(self) -> str:
         return f"LiningHistory({len(self.along)} joints, {len(self.time)} rows)"
@@ -282,17 +280,12 @@ class LiningHistory:
         return np.stack([rows[name] for rows in self.rows], axis=1)
 
     def _repr_html_(self) -> str:
-        units = LINING_TABLE.units
-        names = ("normal_force", "shear_force", "moment", "utilisation")
         last = {"along (m)": self.along}
-        for name in names:
-            last[f"{name} ({units[name]})" if units[name] else name] = getattr(self, name)[-1]
+        for one in LINING_TABLE.columns[:-1]:
+            last[f"{one.name} ({one.unit})" if one.unit else one.name] = getattr(self, one.name)[-1]
         last["state"] = np.asarray(LINING_STATES, object)[self.state[-1]]
-        normal = self.normal_force
-        lines = {
-            "largest normal_force (N/m)": normal.max(axis=1),
-            "smallest (N/m)": normal.min(axis=1),
-        }
+        ends = {"largest normal_force": np.max, "smallest": np.min}
+        lines = {f"{name} (N/m)": end(self.normal_force, axis=1) for name, end in ends.items()}
         rows = [("joints", len(self.along)), ("rows", len(self.time))]
         drawing = thumbnails.curves(self.time, lines)
         return thumbnails.side_by_side("Lining, table of the last instant", drawing, rows) + (
@@ -301,7 +294,6 @@ class LiningHistory:
 
 
 BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_TABLE.row.descr[1:]])
-"""One bolt of one frame."""
 
 
 class FrameBolts(Columns):
@@ -316,7 +308,7 @@ class FrameBolts(Columns):
         rows["name"] = name
         for column in BOLT_TABLE.columns if name else ():
             rows[column.name] = row[column.name]
-        super().__init__(rows)
+        super().__init__(rows, BOLT_TABLE)
         self.points = points
         """Points from head to toe of one bolt after the other, m, shape (q, 2)."""
         self.bolt = bolt
@@ -328,13 +320,9 @@ class FrameBolts(Columns):
         return tuple(self["name"])
 
     @property
-    def units(self) -> dict[str, str]:
-        """Unit of each column that has one."""
-        return BOLT_TABLE.units
-
-    def in_words(self) -> dict[str, NDArray[Any]]:
-        """Return the columns, with states in words."""
-        return {**self, "state": np.asarray(BOLT_STATES, object)[self.state]}
+    def drawn(self) -> tuple[str, ...]:
+        """No columns: these are the bolts of one instant."""
+        return ()
 
     def _title(self) -> str:
         return "Bolts"
@@ -386,10 +374,9 @@ class FrameContacts(Columns):
         """Force on the invading vertex's block, N/m, shape (m, 2)."""
         # Polygons run counter-clockwise: the edge's direction is its outward normal turned left.
         along = np.column_stack([-self.normal[:, 1], self.normal[:, 0]])
-        forces: Floats = (
+        return np.asarray(
             self.normal_force[:, None] * self.normal + self.shear_force[:, None] * along
         )
-        return forces
 
     def __repr__(self) -> str:
         total = float(self.normal_force.sum()) if len(self) else 0.0

@@ -428,12 +428,7 @@ def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, A
 
 
 def _growing(
-    group: Any,
-    name: str,
-    shape: tuple[int, ...] = (),
-    *,
-    dtype: DTypeLike = "f8",
-    batch: int = 1,
+    group: Any, name: str, shape: tuple[int, ...] = (), *, dtype: DTypeLike = "f8", batch: int = 1
 ) -> None:
     """Create an empty dataset that is appended to, ``batch`` rows at a time."""
     # Whole batches to a chunk: reading one frame then reads little else.  What shares a chunk with

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 from clast.model.model import Model
 from clast.model.stage_records import Event, StageRecord, events_from, records_from
 from clast.model.state import Ledger, Overlap
+from clast.results.checkpoints.encode import fits
 from clast.step.method import Method
 
 
@@ -55,15 +56,7 @@ class Report:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain numbers and texts, ready for JSON."""
-        plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        plain["ledger"] = dataclasses.asdict(self.ledger)
-        plain["seconds"] = dict(self.seconds)
-        plain["counts"] = dict(self.counts)
-        plain["warnings"] = list(self.warnings)
-        plain["overlaps"] = [dataclasses.asdict(one) for one in self.overlaps]
-        plain["notes"] = list(self.notes)
-        plain["stages"] = [dataclasses.asdict(one) for one in self.stages]
-        plain["events"] = [dataclasses.asdict(one) for one in self.events]
+        plain: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self), default=float))
         return plain
 
     def __repr__(self) -> str:
@@ -88,13 +81,14 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     entries = {name: value for name, value in plain.items() if name in known}
     ledger = {f.name for f in dataclasses.fields(Ledger)}
     entries["ledger"] = Ledger(**{k: v for k, v in plain["ledger"].items() if k in ledger})
-    entries["warnings"] = tuple(plain["warnings"])
-    entries["notes"] = tuple(plain.get("notes", ()))
+    entries["warnings"], entries["notes"] = tuple(plain["warnings"]), tuple(plain["notes"])
     entries["overlaps"] = tuple(
-        Overlap(**{**one, "blocks": tuple(one["blocks"])}) for one in plain.get("overlaps", ())
+        Overlap(**{**one, "blocks": tuple(one["blocks"])}) for one in plain["overlaps"]
     )
-    entries["stages"] = records_from(plain.get("stages", ()))
-    entries["events"] = events_from(plain.get("events", ()))
+    entries["stages"], entries["events"] = (
+        records_from(plain["stages"]),
+        events_from(plain["events"]),
+    )
     return Report(**entries)
 
 
@@ -132,38 +126,32 @@ def about_model(model: Model) -> dict[str, Any]:
 def about_in(text: str) -> dict[str, Any]:
     """Return how a file was made; raises ValueError where the text is no such record."""
     about = json.loads(text)
-    known = isinstance(about, dict) and all(
-        isinstance(about.get(key, kind()), kind) for key, kind in SHAPES.items()
-    )
-    if not known or not all(_is_rock(rock) for rock in about.get("rocks", ())):
+    if not isinstance(about, dict) or not all(
+        is_right(about[key]) for key, is_right in CHECKS.items() if key in about
+    ):
         raise ValueError("/model/about does not say how the run was made")
-    if not all(isinstance(name, str) for name in about.get("stages", ())):
-        raise ValueError("/model/about has a stage without a name")
-    if not all(isinstance(name, str) for name in about.get("begins", {}).values()):
-        raise ValueError("/model/about has a load that begins with no stage")
-    parts = (about[key] for key in ("process", "contact_law") if key in about)
-    if not all(isinstance(part.get("name"), str) for part in parts):
-        raise ValueError("/model/about has a part without a name")
     return dict(about)
 
 
+def _is_part(part: Any) -> bool:
+    return isinstance(part, dict) and isinstance(part.get("name"), str)
+
+
 def _is_rock(rock: Any) -> bool:
-    """Return whether an entry has the parameters of a rock that tables show."""
-    if not isinstance(rock, dict) or not isinstance(rock.get("name"), str):
-        return False
-    return all(isinstance(rock.get(key), int | float) for key in ("young", "poisson", "density"))
+    numbers = ("young", "poisson", "density")
+    return _is_part(rock) and all(isinstance(rock.get(key), int | float) for key in numbers)
 
 
-SHAPES: dict[str, type] = {
-    "process": dict,
-    "contact_law": dict,
-    "rocks": list,
-    "stages": list,
-    "begins": dict,
-    "step": float,
-    "end": float,
+CHECKS: dict[str, Callable[[Any], bool]] = {
+    "process": _is_part,
+    "contact_law": _is_part,
+    "rocks": lambda rocks: isinstance(rocks, list) and all(map(_is_rock, rocks)),
+    "stages": lambda names: fits(names, list[str]),
+    "begins": lambda names: fits(names, dict[str, str]),
+    "step": lambda time: isinstance(time, float),
+    "end": lambda time: isinstance(time, float),
 }
-"""Types of the entries that readers rely on."""
+"""Checks of the entries that readers rely on."""
 
 
 def main_parameters(about: dict[str, Any]) -> dict[str, Any]:
@@ -183,26 +171,21 @@ def texts(about: dict[str, Any]) -> dict[str, str]:
     """Return the parameters in words, one table row each; none where an older file lacks them."""
     if not {"process", "contact_law", "step", "end", "rocks"} <= set(about):
         return {}
+    stiffness = about["contact_law"].get("normal_stiffness")
     rocks = (
         f"{rock['name']}: E = {rock['young']:.4g} Pa, nu = {rock['poisson']:g}, "
         f"rho = {rock['density']:g} kg/m3"
         for rock in about["rocks"][:MOST_ROCKS]
     )
-    more = (
-        "" if len(about["rocks"]) <= MOST_ROCKS else f"and {len(about['rocks']) - MOST_ROCKS} more"
-    )
+    left = len(about["rocks"]) - MOST_ROCKS
     return {
         "process": _numbers_text(about["process"]),
         "contact law": _numbers_text(about["contact_law"]),
-        "p": f"{_number(about['contact_law'].get('normal_stiffness'))} N/m per m",
+        "p": f"{stiffness:.4g} N/m per m" if isinstance(stiffness, int | float) else "? N/m per m",
         "h": f"{about['step']:g} s, to {about['end']:g} s",
         **({"stages": ", ".join(about["stages"])} if about.get("stages") else {}),
-        "rocks": "\n".join((*rocks, *((more,) if more else ()))),
+        "rocks": "\n".join((*rocks, *([f"and {left} more"] if left > 0 else []))),
     }
-
-
-def _number(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, int | float) else "?"
 
 
 def _numbers_text(part: dict[str, Any]) -> str:

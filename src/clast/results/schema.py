@@ -97,6 +97,14 @@ class Column:
         return (self.name, self.kind, shape) if shape else (self.name, self.kind)
 
 
+def _or_nan(name: str, unit: str, meaning: str, parts: tuple[str, ...] = ()) -> Column:
+    return Column(name, unit, meaning, parts, may_be_nan=True)
+
+
+def _number(name: str, meaning: str, words: tuple[str, ...] = ()) -> Column:
+    return Column(name, "", meaning, kind="i8", words=words)
+
+
 @dataclass(frozen=True)
 class Things:
     """The things of which a table has a row each, at every instant."""
@@ -104,7 +112,6 @@ class Things:
     name: str
     """Their singular; a recording has their names as ``NAME_name``."""
     meaning: str
-    """Their name for users."""
     names: Callable[[Model], tuple[str, ...]]
     """Returns the names of those of a model."""
     path: str = ""
@@ -217,15 +224,14 @@ STEPS = TableSchema(
     drawn=("penetration",),
     columns=(
         Column("step", "s", "length of the step"),
-        Column("passes", "", "assemblies and solves", kind="i8"),
-        Column("contacts", "", "contacts of the step", kind="i8"),
+        _number("passes", "assemblies and solves"),
+        _number("contacts", "contacts of the step"),
         Column("penetration", "m", "largest penetration at its end"),
         Column("travel", "m", "largest movement of a vertex"),
-        Column(
+        _or_nan(
             "unbalanced",
             "",
             "largest unbalanced force of a block over all forces on it; NaN: no stages",
-            may_be_nan=True,
         ),
     ),
 )
@@ -254,13 +260,8 @@ BOLT_TABLE = TableSchema(
     drawn=("force",),
     columns=(
         Column("force", "N/m", "force, tension positive"),
-        Column(
-            "elongation",
-            "m",
-            "beyond its length without force when it was installed",
-            may_be_nan=True,
-        ),
-        Column("state", "", "state", kind="i8", words=BOLT_STATES),
+        _or_nan("elongation", "m", "beyond its length without force when it was installed"),
+        _number("state", "state", BOLT_STATES),
     ),
 )
 REACTION_TABLE = TableSchema(
@@ -273,12 +274,11 @@ REACTION_TABLE = TableSchema(
     columns=(
         Column("force", "N/m", "force of the support on the blocks", PLANE),
         Column("moment", "N m/m", "its moment about the point of the reaction"),
-        Column(
+        _or_nan(
             "position",
             "m",
             "point of its line of action nearest to that point, NaN without a force",
             PLANE,
-            may_be_nan=True,
         ),
     ),
 )
@@ -294,7 +294,7 @@ LINK_TABLE = TableSchema(
     columns=(
         Column("force", "N/m", "force on the first block, along and across the link", LINK),
         Column("moment", "N m/m", "moment on the first block, counter-clockwise"),
-        Column("state", "", "state", kind="i8", words=LINK_STATES),
+        _number("state", "state", LINK_STATES),
     ),
 )
 LINING_STATES = ("not installed", "intact", "cracked", "yielded", "lost")
@@ -310,13 +310,12 @@ LINING_TABLE = TableSchema(
         Column("normal_force", "N/m", "normal force N, tension positive"),
         Column("shear_force", "N/m", "shear force Q, to the left on what lies before the joint"),
         Column("moment", "N m/m", "moment M, positive where it stretches the left"),
-        Column(
+        _or_nan(
             "utilisation",
             "",
             "share of the strength of the section, 1 on its curve; NaN without strengths",
-            may_be_nan=True,
         ),
-        Column("state", "", "state", kind="i8", words=LINING_STATES),
+        _number("state", "state", LINING_STATES),
     ),
 )
 CONTACTS = TableSchema(
@@ -335,10 +334,10 @@ CONTACTS = TableSchema(
             "shear force on the vertex along the direction of the edge",
             checked="shear forces",
         ),
-        Column("vertex", "", "number of the vertex, from 0", kind="i8"),
-        Column("edge", "", "first vertex of the entrance edge", kind="i8"),
-        Column("mode", "", "mode", kind="i8", words=("open", "slide", "lock")),
-        Column("joint", "", "joint that it lies along: index into joint_name", kind="i8"),
+        _number("vertex", "number of the vertex, from 0"),
+        _number("edge", "first vertex of the entrance edge"),
+        _number("mode", "mode", ("open", "slide", "lock")),
+        _number("joint", "joint that it lies along: index into joint_name"),
         Column("opening", "m", "gap, negative where pressed"),
         Column("slip", "m", "along the edge since the contact was made"),
         Column("worn", "", "share of the strength lost: 0 at the peak, 1 at the residual one"),
@@ -355,39 +354,26 @@ CONTACT_TABLE = TableSchema(
     columns=(
         Column("normal", "Pa", "normal force per length, compression positive"),
         Column("shear", "Pa", "shear force per length, signed as the slip"),
-        Column(
-            "opening", "m", "gap, negative where pressed; NaN without a contact", may_be_nan=True
-        ),
-        Column("opening_least", "m", "smallest gap", may_be_nan=True),
-        Column("opening_most", "m", "largest gap", may_be_nan=True),
-        Column(
-            "slip", "m", "slip since the contact was made; NaN without a contact", may_be_nan=True
-        ),
-        Column("slip_least", "m", "smallest slip", may_be_nan=True),
-        Column("slip_most", "m", "largest slip", may_be_nan=True),
+        _or_nan("opening", "m", "gap, negative where pressed; NaN without a contact"),
+        _or_nan("opening_least", "m", "smallest gap"),
+        _or_nan("opening_most", "m", "largest gap"),
+        _or_nan("slip", "m", "slip since the contact was made; NaN without a contact"),
+        _or_nan("slip_least", "m", "smallest slip"),
+        _or_nan("slip_most", "m", "largest slip"),
         Column("sliding", "", "share of the length that slides, 0 to 1"),
     ),
 )
 
-TABLES = (
-    CONTACTS,
-    ENERGY,
-    STEPS,
-    BOLT_TABLE,
-    REACTION_TABLE,
-    LINK_TABLE,
-    LINING_TABLE,
-    CONTACT_TABLE,
-    HISTORY,
-)
+TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, LINING_TABLE)
+TABLES = (*TABLES, CONTACT_TABLE, HISTORY)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
 FRAMES = (
     TIME,
-    Column("steps", "", "rows of /steps until then", kind="i8"),
-    Column("instants", "", "rows of tables with a row per instant until then", kind="i8"),
-    Column("contacts", "", "rows of /contacts until then", kind="i8"),
+    _number("steps", "rows of /steps until then"),
+    _number("instants", "rows of tables with a row per instant until then"),
+    _number("contacts", "rows of /contacts until then"),
 )
 """Columns of /frames."""
 FRAME_ROW = np.dtype([one.entry() for one in FRAMES])
@@ -500,6 +486,10 @@ class OfModel:
         return attrgetter(self.value)(model) if isinstance(self.value, str) else self.value(model)
 
 
+def _names(things: Things) -> OfModel:
+    return OfModel(f"{things.name}_name", things.names, f"name of each {things.meaning}", things)
+
+
 MODEL = (
     OfModel("block_name", "block_name", "name of each block"),
     OfModel("rock_name", lambda m: [rock.name for rock in m.rocks], "name of each rock"),
@@ -530,15 +520,10 @@ MODEL = (
         "joint of the edge from each vertex to the next; -1: none of its own",
         kind="i",
     ),
-    OfModel(
-        "measured_contact_name",
-        "measured_contacts.name",
-        "name of each measured contact",
-        MEASURED_CONTACTS,
-    ),
-    OfModel("bolt_name", "bolts.name", "name of each bolt", BOLTS),
+    _names(MEASURED_CONTACTS),
+    _names(BOLTS),
     OfModel("bolt_kind", "bolts.kind", "kind of each bolt", BOLTS),
-    OfModel("reaction_name", "reactions.name", "name of each reaction", REACTIONS),
+    _names(REACTIONS),
     OfModel(
         "reaction_about",
         lambda m: m.reactions.about + m.origin,
@@ -587,13 +572,8 @@ MODEL = (
         "iu",
         (3,),
     ),
-    OfModel("link_name", "links", "name of each link", LINKS),
-    OfModel(
-        "lining_joint_name",
-        "lining_joints.name",
-        "name of each joint of a lining: that of the lining, a slash and its number",
-        LINING_JOINTS,
-    ),
+    _names(LINKS),
+    _names(LINING_JOINTS),
     OfModel(
         "lining_along",
         "lining_joints.along",
@@ -629,12 +609,8 @@ MODEL = (
 """Datasets of the model beside its source and its water (``clast.results.water_record``)."""
 
 
-# a slash would open a group; what stands for it must not be a name of its own
-SPECIAL = str.maketrans({sign: f"%{ord(sign):02X}" for sign in "%/"})
-
-
 def history_path(name: str) -> str:
     """Return where the history of a measured point is."""
     # HDF5 takes "." for the group itself, and "" for nothing; ".." is the group above for others
-    dots = name.replace(".", "%2E") if set(name) <= {"."} else name.translate(SPECIAL)
-    return f"history/{dots or '%'}"
+    dots = name.replace(".", "%2E") if set(name) <= {"."} else name.replace("%", "%25")
+    return f"history/{dots.replace('/', '%2F') or '%'}"

@@ -8,19 +8,16 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
-from typing import Any, get_origin, get_type_hints
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model.model import Bools, Floats, Ints
-from clast.model.stage_records import Event, Mover, StageRecord
-from clast.model.state import Ledger
+from clast.model.model import Ints
 from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
+from clast.results.checkpoints.encode import is_well_typed
 from clast.results.open_file import MalformedError
-from clast.results.recording import BoltLines, EdgeJoints, SupportsRecord
 from clast.results.run_report import Report, about_in, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
@@ -28,68 +25,78 @@ from clast.results.schema import (
     FRAME_STAGE,
     KIND_FIELDS,
     LINING_JOINTS,
+    LINKS,
+    MEASURED_CONTACTS,
     MODEL,
     MOVING_FIELDS,
     POLYGON,
+    REACTIONS,
     TABLES,
     Things,
 )
 
-
-@dataclass(frozen=True, kw_only=True)
-class StoredBlocks:
-    """The blocks of a result file; n blocks."""
-
-    start: Ints
-    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
-    rock: Ints
-    """Rock index of each block, shape (n,)."""
-    fixed: Bools
-    """True where a block cannot move at all, shape (n,)."""
-    name: tuple[str, ...]
-    """Name of each block."""
-    rock_name: tuple[str, ...]
-    """Name of each rock."""
+Parts = dict[str, Any]
+"""Fields of a recording."""
 
 
-def blocks_of(file: Any) -> StoredBlocks:
-    """Return the blocks of a file; raises MalformedError."""
-    start, rock = of_model(file, "block_start"), of_model(file, "block_rock")
-    fixed = of_model(file, "fixed")
+def _require(condition: Any, fault: str) -> None:
+    if not condition:
+        raise MalformedError(fault)
+
+
+def parts_of_model(file: Any, frames: int) -> Parts:
+    """Return what /model of a file with so many frames holds; raises MalformedError."""
+    parts = _blocks(file)
+    blocks, corners = len(parts["block_name"]), int(parts["block_start"][-1])
+    parts |= {**_edge_joints(file, corners), **_points(file), **_bolts(file, frames)}
+    for things in (MEASURED_CONTACTS, REACTIONS, LINKS):
+        parts[f"{things.name}_name"] = _names_of(file, things)
+    parts["lining_joints"] = _lining_joints(file, corners)
+    return {**parts, **_supports(file, blocks, len(parts["reaction_name"]), parts["link_name"])}
+
+
+def _blocks(file: Any) -> Parts:
+    start, rock, fixed = (of_model(file, one) for one in ("block_start", "block_rock", "fixed"))
     name, rock_name = names(file, "model/block_name"), names(file, "model/rock_name")
     count = len(start) - 1
-    if count < 1 or start[0] != 0 or (np.diff(start) < 3).any():
-        raise MalformedError("/model/block_start does not say where blocks start")
-    if not len(rock) == len(fixed) == len(name) == count:
-        raise MalformedError("/model has not one rock, name and mark of each block")
-    if rock.min() < 0 or rock.max() >= len(rock_name):
-        raise MalformedError("/model/block_rock names rocks that do not exist")
-    return StoredBlocks(
-        start=start, rock=rock, fixed=fixed.astype(np.bool_), name=name, rock_name=rock_name
+    _require(
+        count >= 1 and start[0] == 0 and (np.diff(start) >= 3).all(),
+        "/model/block_start does not say where blocks start",
     )
+    _require(
+        len(rock) == len(fixed) == len(name) == count,
+        "/model has not one rock, name and mark of each block",
+    )
+    _require(
+        rock.min() >= 0 and rock.max() < len(rock_name),
+        "/model/block_rock names rocks that do not exist",
+    )
+    parts = {"block_start": start, "block_rock": rock, "fixed": fixed.astype(np.bool_)}
+    return {**parts, "block_name": name, "rock_name": rock_name}
 
 
-def joints_of(file: Any, blocks: StoredBlocks) -> EdgeJoints:
-    """Return the joints of a file; raises MalformedError."""
+def _edge_joints(file: Any, corners: int) -> Parts:
     name, edge = names(file, "model/joint_name"), of_model(file, "edge_joint")
-    if len(edge) != blocks.start[-1]:
-        raise MalformedError("/model/edge_joint has not one joint for each edge")
-    if edge.min() < -1 or edge.max() >= len(name):
-        raise MalformedError("/model/edge_joint names joints that do not exist")
-    return EdgeJoints(name=name, edge=edge)
+    _require(len(edge) == corners, "/model/edge_joint has not one joint for each edge")
+    exist = edge.min() >= -1 and edge.max() < len(name)
+    _require(exist, "/model/edge_joint names joints that do not exist")
+    return {"joint_name": name, "edge_joint": edge}
 
 
 def frames_of(file: Any) -> NDArray[Any]:
     """Return the table of the frames that count; raises MalformedError."""
     frames = _rows_of(file, "frames", FRAME_ROW)
     count = int(_group(file, "VTKHDF/Steps").attrs["NSteps"])
-    if not 1 <= count <= len(frames):
-        raise MalformedError(f"/VTKHDF/Steps says {count} frames, and /frames has {len(frames)}")
+    _require(
+        1 <= count <= len(frames),
+        f"/VTKHDF/Steps says {count} frames, and /frames has {len(frames)}",
+    )
     rows: NDArray[Any] = frames[:count]
     ends = np.column_stack([rows[name] for name in ("steps", "instants", "contacts")])
     forward = np.isfinite(rows["time"]).all() and (np.diff(rows["time"]) >= 0.0).all()
-    if not forward or (np.diff(ends, axis=0, prepend=0) < 0).any():
-        raise MalformedError("/frames does not go forward")
+    _require(
+        forward and (np.diff(ends, axis=0, prepend=0) >= 0).all(), "/frames does not go forward"
+    )
     return rows
 
 
@@ -100,136 +107,131 @@ def stages_of(file: Any, stages: Sequence[str], frames: int) -> tuple[str, ...]:
     rows = _numbers(file, FRAME_STAGE, "iu")
     _check_length(rows, frames)
     number = rows[:frames]
-    if number.min() < 0 or number.max() >= len(stages) or (np.diff(number) < 0).any():
-        raise MalformedError(f"/{FRAME_STAGE} has frames of stages that do not exist")
+    exist = number.min() >= 0 and number.max() < len(stages) and (np.diff(number) >= 0).all()
+    _require(exist, f"/{FRAME_STAGE} has frames of stages that do not exist")
     return tuple(stages[one] for one in number)
 
 
-def points_of(file: Any) -> tuple[tuple[str, ...], Floats]:
-    """Return names and starts (k, 2) of the measured points; raises MalformedError."""
-    name = names(file, "model/point_name")
-    start = of_model(file, "point_start")
-    if len(start) != len(name) or len(set(name)) < len(name) or not np.isfinite(start).all():
-        raise MalformedError("/model/point_start is not a place for each measured point")
-    return name, start
+def _points(file: Any) -> Parts:
+    name, start = names(file, "model/point_name"), of_model(file, "point_start")
+    _require(
+        len(start) == len(name) == len(set(name)) and np.isfinite(start).all(),
+        "/model/point_start is not a place for each measured point",
+    )
+    return {"point_name": name, "point_start": start}
 
 
-def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
-    """Return the bolts of a file, none where there are none; raises MalformedError."""
+def _bolts(file: Any, frames: int) -> Parts:
     if "bolt_name" not in file["model"]:
-        return BoltLines()
+        return {}
     name, point = names(file, "model/bolt_name"), of_model(file, "bolt_of_point")
-    count = len(name)
-    if not count or not np.array_equal(np.unique(point), np.arange(count)):
-        raise MalformedError("/model/bolt_of_point does not match the bolts")
-    if (np.diff(point) < 0).any():
-        raise MalformedError("/model/bolt_of_point is not in the order of the bolts")
-    _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), len(frames) * len(point))
-    return BoltLines(name=name, point=point)
+    each = len(name) and np.array_equal(np.unique(point), np.arange(len(name)))
+    _require(each, "/model/bolt_of_point does not match the bolts")
+    _require((np.diff(point) >= 0).all(), "/model/bolt_of_point is not in the order of the bolts")
+    _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), frames * len(point))
+    return {"bolt_name": name, "bolt_of_point": point}
 
 
-def lining_joints_of(file: Any, blocks: StoredBlocks) -> LiningJoints:
-    """Return the joints of linings of a file, none where there are none; raises MalformedError."""
-    name = names_in(file, LINING_JOINTS)
+def _lining_joints(file: Any, corners: int) -> LiningJoints:
+    name = _names_of(file, LINING_JOINTS)
     if not name:
         return LiningJoints()
     along, face = of_model(file, "lining_along"), of_model(file, "lining_face")
-    if not len(along) == len(face) == len(name) or not np.isfinite(along).all():
-        raise MalformedError("/model/lining_along is not a place for each joint of a lining")
-    if face.min() < 0 or face.max() >= blocks.start[-1]:
-        raise MalformedError("/model/lining_face names vertices that do not exist")
+    _require(
+        len(along) == len(face) == len(name) and np.isfinite(along).all(),
+        "/model/lining_along is not a place for each joint of a lining",
+    )
+    exist = face.min() >= 0 and face.max() < corners
+    _require(exist, "/model/lining_face names vertices that do not exist")
     section = of_model(file, "lining_section")
     fits = len(section) == len(name) and (section[:, [0, 2]] > 0.0).all()
-    if not fits or not (section[:, 1] >= 0.0).all() or not np.isfinite(section[:, 0]).all():
-        raise MalformedError("/model/lining_section is not a section for each joint of a lining")
+    _require(
+        fits and (section[:, 1] >= 0.0).all() and np.isfinite(section[:, 0]).all(),
+        "/model/lining_section is not a section for each joint of a lining",
+    )
     return LiningJoints(name=name, along=along, face=face, section=section)
 
 
-def supports_of(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> SupportsRecord:
-    """Return the supports and links of a file; raises MalformedError."""
-    of_block = _indices(file, "reaction_of_block", (reactions, blocks))
+def _supports(file: Any, blocks: int, reactions: int, links: tuple[str, ...]) -> Parts:
     name = _indices(file, "link_line", (len(links),))
+    at, along = (
+        of_model(file, "link_at", "has no points"),
+        of_model(file, "link_along", "has no points"),
+    )
+    for place, points in (("link_at", at), ("link_along", along)):
+        _require(np.isfinite(points).all(), f"/model/{place} has no points")
     lines = LinkLines(
         name=tuple(links[one] for one in name),
         block=_indices(file, "link_block", (blocks, blocks), (0, GROUND)),
         holds=_indices(file, "link_holds", (RIGID + 1,) * 3),
-        at=_points(file, "link_at"),
-        along=_points(file, "link_along"),
+        at=at,
+        along=along,
     )
-    if len({len(one) for one in (name, lines.block, lines.holds, lines.at, lines.along)}) != 1:
-        raise MalformedError("/model has links that are inconsistent")
-    return SupportsRecord(of_block=of_block, links=lines)
+    counts = {len(one) for one in (name, lines.block, lines.holds, at, along)}
+    _require(len(counts) == 1, "/model has links that are inconsistent")
+    return {
+        "reaction_of_block": _indices(file, "reaction_of_block", (reactions, blocks)),
+        "link_lines": lines,
+    }
 
 
 def _indices(file: Any, name: str, below: tuple[int, ...], least: Any = 0) -> Ints:
     """Return whole numbers of the model from the least to below the limit of a column."""
     numbers = of_model(file, name, "does not match the blocks, supports and links")
-    if (numbers < np.array(least)).any() or (numbers >= np.array(below)).any():
-        raise MalformedError(f"/model/{name} does not match the blocks, supports and links")
+    within = (numbers >= np.array(least)).all() and (numbers < np.array(below)).all()
+    _require(within, f"/model/{name} does not match the blocks, supports and links")
     return numbers
 
 
-def _points(file: Any, name: str) -> Floats:
-    """Return points (k, 2) of the model."""
-    points = of_model(file, name, "has no points")
-    if not np.isfinite(points).all():
-        raise MalformedError(f"/model/{name} has no points")
-    return points
-
-
-def names_in(file: Any, things: Things) -> tuple[str, ...]:
-    """Return the names of the things of a file that has a list of them, none without."""
+def _names_of(file: Any, things: Things) -> tuple[str, ...]:
     name = f"{things.name}_name"
     return names(file, f"model/{name}") if name in file["model"] else ()
 
 
-def check_arrays(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
-    """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
-    count = len(blocks.rock)
+def check_data(file: Any, frames: NDArray[Any], parts: Parts) -> None:
+    """Raise MalformedError unless arrays, tables and polygons of all frames are in a file.
+
+    ``parts`` are those of its model.
+    """
+    vertices, count = int(parts["block_start"][-1]), len(parts["block_name"])
     for one in MOVING_FIELDS:
-        rows = count if one.of_blocks else blocks.start[-1]
+        rows = count if one.of_blocks else vertices
         _check_length(_numbers(file, f"VTKHDF/{one.place}", "f", one.shape), len(frames) * rows)
     for name in KIND_FIELDS:
         _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), count)
+    things = {"lining_joint_name": parts["lining_joints"].name, **parts}
+    for table in TABLES:
+        whose = things.get(f"{table.of.name}_name", ()) if table.of else ()
+        row = table.row if table.of is None or table.apart else table.rows(len(whose))
+        for place in table.places(whose) if table.of is None or whose else ():
+            _check_length(_rows_of(file, place, row), frames[table.counter][-1])
+    _check_grid(file, len(frames), parts["block_start"])
 
 
-def check_tables(file: Any, frames: NDArray[Any], names: Mapping[Things, tuple[str, ...]]) -> None:
-    """Raise MalformedError unless all tables have the rows of all frames.
-
-    ``names`` are those of the things of tables.
-    """
-    for one in TABLES:
-        whose = names[one.of] if one.of else ()
-        row = one.row if one.of is None or one.apart else one.rows(len(whose))
-        for place in one.places(whose) if one.of is None or whose else ():
-            _check_length(_rows_of(file, place, row), frames[one.counter][-1])
-
-
-def check_grid(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
+def _check_grid(file: Any, frames: int, block_start: Ints) -> None:
     """Raise MalformedError unless viewers find the polygons of all frames."""
-    vertices, count = int(blocks.start[-1]), len(blocks.rock)
+    vertices, count = int(block_start[-1]), len(block_start) - 1
     wanted = {
         "NumberOfPoints": np.array([vertices]),
         "NumberOfCells": np.array([count]),
         "NumberOfConnectivityIds": np.array([vertices]),
         "Connectivity": np.arange(vertices),
-        "Offsets": blocks.start,
+        "Offsets": block_start,
         "Types": np.full(count, POLYGON),
     }
     for name, values in wanted.items():
-        if not np.array_equal(_numbers(file, f"VTKHDF/{name}", "iu")[:], values):
-            raise MalformedError(f"/VTKHDF/{name} does not match the blocks")
-    _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), len(frames) - 1)
+        same = np.array_equal(_numbers(file, f"VTKHDF/{name}", "iu")[:], values)
+        _require(same, f"/VTKHDF/{name} does not match the blocks")
+    _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), frames - 1)
     for name, tail in {"NumberOfParts": (), "PartOffsets": (), "CellOffsets": (1,)}.items():
-        _check_length(_numbers(file, f"VTKHDF/Steps/{name}", "iu", tail), len(frames))
-    for frame, vertex in ((0, 0), (len(frames) - 1, (len(frames) - 1) * vertices)):
-        if _numbers(file, "VTKHDF/Steps/PointOffsets", "iu")[frame] != vertex:
-            raise MalformedError("/VTKHDF/Steps/PointOffsets does not match the blocks")
+        _check_length(_numbers(file, f"VTKHDF/Steps/{name}", "iu", tail), frames)
+    for frame in (0, frames - 1):
+        same = _numbers(file, "VTKHDF/Steps/PointOffsets", "iu")[frame] == frame * vertices
+        _require(same, "/VTKHDF/Steps/PointOffsets does not match the blocks")
 
 
 def _check_length(dataset: Any, rows: int) -> None:
-    if dataset.ndim == 0 or len(dataset) < rows:
-        raise MalformedError(f"{dataset.name} ends before the last frame")
+    _require(dataset.ndim and len(dataset) >= rows, f"{dataset.name} ends before the last frame")
 
 
 def report_of(file: Any) -> Report | None:
@@ -237,17 +239,10 @@ def report_of(file: Any) -> Report | None:
     if "report" not in file:
         return None
     try:
-        plain = json.loads(_dataset(file, "report/json").asstr()[()])
-        hints = get_type_hints(Report)
-        for one in fields(Report):
-            if one.name in plain and not _fits(plain[one.name], hints[one.name]):
-                raise TypeError(one.name)
-        if not all(_fits(energy, float) for energy in plain["ledger"].values()):
-            raise TypeError("ledger")
-        for name, kind in (("stages", StageRecord), ("events", Event)):
-            if not all(_is(kind, one) for one in plain.get(name, ())):
-                raise TypeError(name)
-        return report_from_dict(plain)
+        report = report_from_dict(json.loads(_dataset(file, "report/json").asstr()[()]))
+        if not is_well_typed(report):
+            raise TypeError("a part of another type")
+        return report
     except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
         raise MalformedError("/report/json is not a report of a run") from error
 
@@ -270,33 +265,6 @@ def text(file: Any, place: str) -> str:
     return str(_dataset(file, place).asstr()[()])
 
 
-def _is(kind: Any, plain: Any) -> bool:
-    """Return whether plain data have the entries of a record, each of its type, and no others."""
-    hints = get_type_hints(kind)
-    needed = {entry.name for entry in fields(kind) if entry.default is MISSING}
-    if not isinstance(plain, Mapping) or not needed <= set(plain) <= set(hints):
-        return False
-    return all(
-        _is(hints[key], value) if hints[key] is Mover else _fits(value, hints[key])
-        for key, value in plain.items()
-    )
-
-
-def _fits(value: object, hint: Any) -> bool:
-    """Return whether a value of JSON can be of a type of the report."""
-    if hint is float:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-    if hint is int:
-        return isinstance(value, int) and not isinstance(value, bool)
-    if hint in (bool, str):
-        return isinstance(value, hint)
-    if get_origin(hint) is tuple:
-        return isinstance(value, list)
-    if hint is Ledger or get_origin(hint) is Mapping:
-        return isinstance(value, Mapping)
-    return True
-
-
 def _group(file: Any, place: str) -> Any:
     """Return a group, or a dataset, of this file and no other; raises MalformedError."""
     import h5py
@@ -304,8 +272,7 @@ def _group(file: Any, place: str) -> Any:
     here = file
     for name in place.split("/"):
         link = here.get(name, getlink=True) if isinstance(here, h5py.Group) else None
-        if not isinstance(link, h5py.HardLink):
-            raise MalformedError(f"/{place} is missing, or not in this file")
+        _require(isinstance(link, h5py.HardLink), f"/{place} is missing, or not in this file")
         here = here[name]
     return here
 
@@ -322,8 +289,7 @@ def _dataset(file: Any, place: str) -> Any:
     else:
         pieces = [-(-n // rows) for n, rows in zip(dataset.shape, dataset.chunks, strict=True)]
         whole = dataset.id.get_num_chunks() >= math.prod(pieces)
-    if not whole:
-        raise MalformedError(f"/{place} claims more data than the file holds")
+    _require(whole, f"/{place} claims more data than the file holds")
     return dataset
 
 
@@ -337,8 +303,8 @@ def _numbers(
     """Return a dataset of rows of numbers of some ``kinds`` (numpy's letters) and shape."""
     dataset = _dataset(file, place)
     shape = dataset.shape
-    if dataset.dtype.kind not in kinds or not shape or shape[1:] != tail:
-        raise MalformedError(f"/{place} {fault}")
+    fits = dataset.dtype.kind in kinds and shape and shape[1:] == tail
+    _require(fits, f"/{place} {fault}")
     return dataset
 
 
@@ -360,6 +326,6 @@ def _rows_of(file: Any, place: str, row: np.dtype[Any]) -> Any:
     columns = table.dtype.fields or {}
     for name, (kind, *_) in (row.fields or {}).items():
         same = name in columns and columns[name][0].shape == kind.shape
-        if not same or columns[name][0].base.kind != kind.base.kind or table.ndim != 1:
-            raise MalformedError(f"/{place} has no column '{name}' as it should be")
+        same = same and columns[name][0].base.kind == kind.base.kind and table.ndim == 1
+        _require(same, f"/{place} has no column '{name}' as it should be")
     return table

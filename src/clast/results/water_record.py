@@ -88,9 +88,7 @@ def _water(attributes: Any, arrays: dict[str, Any]) -> Water:
     factor = None
     if len(arrays["factor_time"]):
         factor = Factor(
-            name=str(attributes["factor"]),
-            time=arrays["factor_time"],
-            value=arrays["factor_value"],
+            name=str(attributes["factor"]), time=arrays["factor_time"], value=arrays["factor_value"]
         )
 
     def of(kind: str) -> dict[str, Any]:

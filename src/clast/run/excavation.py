@@ -31,7 +31,7 @@ from clast.contact.detection import remembered
 from clast.errors import ModelError, shortened
 from clast.model.drainage import drained
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.state import ContactMemory, Ledger, State
+from clast.model.state import Ledger, State
 from clast.step.method import Method
 
 
@@ -88,7 +88,11 @@ def excavated(
     taken = _energy(model, method, state, contacts, leaving)
     given = Ledger(**{one.name: -getattr(taken, one.name) for one in fields(taken)})
     ledger = state.ledger.plus(given, Ledger(removed=taken.stored))
-    memory = _of_others(model, state.memory, leaving)
+    memory = state.memory
+    stays = ~(leaving[memory.block] | leaving[model.vertex_block[memory.vertex]])
+    memory = replace(
+        memory, **{one.name: getattr(memory, one.name)[stays] for one in fields(memory)}
+    )
     return left, replace(
         state, velocity=velocity, stress=stress, memory=memory, ledger=ledger, actions=states
     )
@@ -214,13 +218,6 @@ def _states_after(
     known = states[at]
     states[at] = forces.plus(known.rows(~forces.absent[known.block]))
     return tuple(states)
-
-
-def _of_others(model: Model, memory: ContactMemory, leaving: Bools) -> ContactMemory:
-    """Return the memory of contacts of which neither block is ``leaving`` (n,)."""
-    stays = ~(leaving[memory.block] | leaving[model.vertex_block[memory.vertex]])
-    names = (one.name for one in fields(memory))
-    return replace(memory, **{name: getattr(memory, name)[stays] for name in names})
 
 
 def _energy(

@@ -13,9 +13,7 @@ from types import FrameType
 from typing import NoReturn
 
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
-ASKING = tuple(getattr(signal, name) for name in NAMES if hasattr(signal, name))
-"""The interrupt key, the signals that systems send before they kill, and the end of the
-terminal."""
+"""The interrupt key, what systems send before they kill, and the end of the terminal."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -67,7 +65,10 @@ def held_back() -> Iterator[Callable[[], None]]:
         if came:
             raise Interrupted(came[0])
 
-    with _handled(hold, lambda number: _is_usual(number) or _is_heard(number)) as before:
+    def wanted(number: int) -> bool:
+        return _is_usual(number) or signal.getsignal(number) is interrupt
+
+    with _handled(hold, wanted) as before:
         yield let_go
     if came and before[came[0]] is signal.SIG_DFL:
         signal.raise_signal(came[0])
@@ -79,7 +80,8 @@ def _handled(
 ) -> Iterator[dict[int, object]]:
     """Give those signals that are ``wanted`` another handler in the block; yield the old ones."""
     ours = threading.current_thread() is threading.main_thread()
-    before = {n: signal.getsignal(n) for n in ASKING if ours and wanted(n)}
+    numbers = [getattr(signal, name) for name in NAMES if hasattr(signal, name)]
+    before = {n: signal.getsignal(n) for n in numbers if ours and wanted(n)}
     for number in before:
         signal.signal(number, handler)
     try:
@@ -91,7 +93,3 @@ def _handled(
 
 def _is_usual(number: int) -> bool:
     return signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler)
-
-
-def _is_heard(number: int) -> bool:
-    return signal.getsignal(number) is interrupt

@@ -22,18 +22,15 @@ TRIALS = 300
 """Contacts that a law is tried on; fewer are taken several times."""
 DEPTHS = -8.0, -2.5
 """Powers of ten between which penetrations are drawn, m."""
-NUDGE = 1e-4
+CHANGE = 1e-4
 """Gaps and slips are changed by this share of themselves to measure the change of forces."""
-NEAR = 1e-3
+CLOSE = 1e-3
 """Differences up to this share of the compared values are put down to rounding and curvature."""
 
 
 def warnings_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
-    """Return a run's warnings about its contact law, tried on some of its contacts.
-
-    Laws of springs with bounds are answered by one kernel, which has its own tests.
-    """
-    if has_limits(law):
+    """Return a run's warnings about its contact law, tried on some of its contacts."""
+    if has_limits(law):  # of one kernel, which has its own tests
         return ()
     name = type(law).__name__
     return tuple(f"contact law {name}: {fault}" for fault in faults_of(law, contacts))
@@ -43,8 +40,7 @@ def faults_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
     """Return the faults of a contact law, tried on these contacts."""
     if not len(contacts):
         return ()
-    rng = np.random.default_rng(1)
-    trial = _trial(law, _spread(contacts, TRIALS), rng)
+    trial = _trial(law, _spread(contacts, TRIALS))
     malformed = tuple(_malformed(trial))
     if malformed:
         return malformed
@@ -72,9 +68,9 @@ class _Trial:
         return self.law.respond(replace(self.contacts, friction_base=base), gap, slip)
 
 
-def _trial(law: ContactLaw, contacts: Contacts, rng: np.random.Generator) -> _Trial:
+def _trial(law: ContactLaw, contacts: Contacts) -> _Trial:
     """Return contacts to try a law on: gaps and slips of many sizes, some shear force."""
-    count = len(contacts)
+    rng, count = np.random.default_rng(1), len(contacts)
     size = 10.0 ** rng.uniform(*DEPTHS, count)
     gap = np.where(rng.random(count) < 0.8, -size, size)
     slip = size * 10.0 ** rng.uniform(-1.5, 1.5, count) * rng.choice([-1.0, 1.0], count)
@@ -129,7 +125,7 @@ def _within_strength(trial: _Trial) -> Iterator[str]:
         yield "contacts without tensile strength pull: normal_force must be 0 or more"
     strength = np.maximum(0.0, normal * contacts.friction + contacts.cohesion * contacts.length)
     strength[normal <= 0.0] = 0.0
-    beyond = shear > (1.0 + NEAR) * strength + NEAR * normal
+    beyond = shear > (1.0 + CLOSE) * strength + CLOSE * normal
     if beyond.any():
         share = float((shear - strength)[beyond].max())
         yield f"the shear force exceeds N tan(phi) + c L by up to {share:.3g} N/m"
@@ -167,7 +163,7 @@ def _shear_side(trial: _Trial) -> Iterator[str]:
     shear, stiffness = here.shear_force, here.shear_stiffness
     if (smooth & _differ(-rate.shear_force, stiffness, np.abs(stiffness))).any():
         yield "shear_stiffness is not -dT/dslip"
-    size = np.abs(shear) + NEAR * np.abs(here.normal_force)
+    size = np.abs(shear) + CLOSE * np.abs(here.normal_force)
     if (smooth & _differ(-(rate.energy + rate.dissipation), shear, size)).any():
         yield (
             "energy and dissipation are inconsistent with shear_force: T must be -d(energy + "
@@ -177,36 +173,26 @@ def _shear_side(trial: _Trial) -> Iterator[str]:
         yield "dissipation is negative: friction would create energy"
 
 
-@dataclass(frozen=True)
-class _Rates:
-    """How an answer changes with gap or slip, (m,) each."""
-
-    normal_force: Floats
-    shear_force: Floats
-    energy: Floats
-    dissipation: Floats
-
-
 def _rates(
     respond: Callable[[Floats, Floats], ContactResponse],
     gap: Floats,
     slip: Floats,
     *,
     along_gap: bool,
-) -> tuple[ContactResponse, _Rates, Bools]:
+) -> tuple[ContactResponse, ContactResponse, Bools]:
     """Return the answer, its rates by differences, and where no change of mode is near."""
-    step = NUDGE * np.abs(gap if along_gap else slip)
+    step = CHANGE * np.abs(gap if along_gap else slip)
     shift = (step, 0.0 * step) if along_gap else (0.0 * step, step)
     here = respond(gap, slip)
     low, high = respond(gap - shift[0], slip - shift[1]), respond(gap + shift[0], slip + shift[1])
-    names = (field.name for field in fields(_Rates))
+    names = ("normal_force", "shear_force", "energy", "dissipation")
     rates = {n: (getattr(high, n) - getattr(low, n)) / (2.0 * step) for n in names}
-    return here, _Rates(**rates), (low.mode == here.mode) & (high.mode == here.mode)
+    return here, replace(here, **rates), (low.mode == here.mode) & (high.mode == here.mode)
 
 
 def _differ(one: Floats, other: Floats, size: Floats) -> Bools:
     """Return where two numbers differ by more than a small share of ``size`` (m,) or themselves."""
-    return np.abs(one - other) > NEAR * np.maximum(size, np.maximum(np.abs(one), np.abs(other)))
+    return np.abs(one - other) > CLOSE * np.maximum(size, np.maximum(np.abs(one), np.abs(other)))
 
 
 def _spread(contacts: Contacts, count: int) -> Contacts:

@@ -24,15 +24,13 @@ from clast.contact.broad_phase import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State
 
-KNOWN = 1.5
-"""An overlap is reported where it is deeper than this times the deepest contact of the pair."""
+DEPTH_RATIO_MIN = 1.5
+"""Depth of an overlap that is reported, in units of the deepest contact of the pair."""
 GRID = 1e-9
 """Grid of the clipper, as a share of a block's extent."""
-NOTABLE = 0.02
-"""And deeper than this, in units of critdis."""
-SIMPLE = 24
-"""Corners of two blocks up to which their overlap is cut out here, if both are convex."""
-ROUNDED = 0.01
+DEPTH_MIN = 0.02
+"""The same, in units of critdis."""
+TIP_RADIUS = 0.01
 """Radius by which corners count as rounded where more blocks meet, by the smaller block's size."""
 
 
@@ -48,7 +46,7 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     contacts = _closed(model, state.memory.corners, pairs)
     box = polygon.boxes(vertices, block_start)
     polygons = polygon.polygon_arrays(vertices, block_start, model.vertex_block)
-    limits, carried = (KNOWN, NOTABLE * critdis), np.zeros(len(pairs), np.bool_)
+    limits, carried = (DEPTH_RATIO_MIN, DEPTH_MIN * critdis), np.zeros(len(pairs), np.bool_)
     crossed = edge_intersections.unseen(polygons, box, pairs, contacts, limits, carried)
     inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
@@ -57,20 +55,13 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     np.maximum.at(give, pairs, deepest[:, None])
     result = []
     for q in np.unique(np.concatenate((crossed[3], np.flatnonzero(inside)))):
-        explained = max(KNOWN * deepest[q], give[pairs[q]].sum(), NOTABLE * critdis)
-        if widest_circle(*_loops(model, vertices, pairs[q])) <= explained:
-            continue
+        explained = max(DEPTH_RATIO_MIN * deepest[q], give[pairs[q]].sum(), DEPTH_MIN * critdis)
         depth, area = _extent(_overlap(model, vertices, pairs[q]))
         if depth > explained:
-            names = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
+            blocks = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
+            known = float(deepest[q])
             result.append(
-                Overlap(
-                    blocks=names,
-                    time=state.time,
-                    depth=depth,
-                    area=area,
-                    known=float(deepest[q]),
-                )
+                Overlap(blocks=blocks, time=state.time, depth=depth, area=area, known=known)
             )
     return result
 
@@ -102,7 +93,7 @@ def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
     shared = shapely.intersection(one, other, grid_size=GRID * np.sqrt(one.area))
     parts = shapely.get_parts(shared)
     parts = parts[shapely.area(parts) > 0.0]
-    radius = ROUNDED * float(np.sqrt(min(one.area, other.area)))
+    radius = TIP_RADIUS * float(np.sqrt(min(one.area, other.area)))
     tips = [_tips(loop, radius) for loop in loops]
     away = model.absent[model.vertex_block] | np.isin(model.vertex_block, pair)
     others = vertices[~away]
@@ -115,46 +106,6 @@ def _loops(model: Model, vertices: Floats, pair: Ints) -> list[Floats]:
     return [vertices[model.block_start[b] : model.block_start[b + 1]] for b in pair]
 
 
-def widest_circle(one: Floats, other: Floats) -> float:
-    """Return a bound on the diameter of circles in the overlap of two outlines (k, 2), m.
-
-    A convex area with the perimeter P and an inscribed circle of radius r is r P/2 at least.
-    Infinite where an outline is not convex, or has many corners.
-    """
-    if len(one) + len(other) > SIMPLE or not (_is_convex(one) and _is_convex(other)):
-        return np.inf
-    origin = one[0]
-    shared = (one - origin).tolist()
-    corners = (other - origin).tolist()
-    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
-        dx, dy = bx - ax, by - ay
-        inside = [dx * (y - ay) - dy * (x - ax) for x, y in shared]
-        kept = []
-        for k, (x, y) in enumerate(shared):
-            before, now = inside[k - 1], inside[k]
-            if (before < 0.0) != (now < 0.0):
-                u, v = shared[k - 1]
-                part = before / (before - now)
-                kept.append((u + part * (x - u), v + part * (y - v)))
-            if now >= 0.0:
-                kept.append((x, y))
-        shared = kept
-        if not shared:
-            return 0.0
-    ends = np.array(shared)
-    sides = np.roll(ends, -1, axis=0) - ends
-    area = 0.5 * float(np.sum(ends[:, 0] * sides[:, 1] - ends[:, 1] * sides[:, 0]))
-    perimeter = float(np.hypot(*sides.T).sum())
-    return 4.0 * area / perimeter if perimeter > 0.0 else 0.0
-
-
-def _is_convex(loop: Floats) -> bool:
-    """Return whether an outline (k, 2) turns left everywhere."""
-    sides = np.roll(loop, -1, axis=0) - loop
-    on = np.roll(sides, -1, axis=0)
-    return bool(np.all(sides[:, 0] * on[:, 1] - sides[:, 1] * on[:, 0] >= 0.0))
-
-
 def _tips(loop: Floats, radius: float) -> Floats:
     """Return how far the arc's centre is from each corner (k,), m; 0 where one does not stand out.
 
@@ -164,14 +115,11 @@ def _tips(loop: Floats, radius: float) -> Floats:
     sine = after[:, 0] * before[:, 1] - after[:, 1] * before[:, 0]
     cosine = np.sum(before * after, axis=1)
     half = 0.5 * np.arctan2(sine, cosine)
-    return np.where(half > 0.0, radius / np.maximum(np.sin(half), ROUNDED), 0.0)
+    return np.where(half > 0.0, radius / np.maximum(np.sin(half), TIP_RADIUS), 0.0)
 
 
 def _is_at_tips(part: Floats, loops: list[Floats], tips: list[Floats], others: Floats) -> bool:
-    """Return whether an area, by its corners (m, 2), is no more than tips of both its blocks.
-
-    And whether a corner of another block is there.
-    """
+    """Return whether an area (m, 2) is but tips of both its blocks, with another's corner there."""
     reach = 0.0
     for loop, tip in zip(loops, tips, strict=True):
         apart = np.hypot(*(loop[:, None] - part).transpose(2, 0, 1)).max(axis=1)

@@ -60,7 +60,6 @@ class CaseSummary:
     largest: tuple[str, float]
     """Name and area, m2, of the largest block."""
     contacts: int
-    """Contacts at the start."""
     touching_pairs: int
     """Pairs of blocks that touch at the start."""
     unsupported: tuple[str, ...]
@@ -77,7 +76,6 @@ class CaseSummary:
     stability_limit: float
     """Largest p h2/m with which contacts settle without passes."""
     warnings: tuple[str, ...]
-    """Warnings, each with its remedy."""
     repairs: tuple[Repair, ...]
     """Repairs to blocks so that they touch, each with its first places."""
     notes: tuple[str, ...]
@@ -85,11 +83,7 @@ class CaseSummary:
 
 
 def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
-    """Return the contents of a case, and the warnings about it.
-
-    Raises ModelError where blocks overlap by more than contacts of this stiffness explain, and for
-    stages that cannot be.
-    """
+    """Return the contents of a case, and the warnings about it; raises ModelError."""
     check_overlaps(model, method)
     check_stages(schedule.stages, model)
     _check_steps(schedule)
@@ -150,11 +144,7 @@ def _check_steps(schedule: Schedule) -> None:
 def _duration_warnings(
     model: Model, method: Method, schedule: Schedule, start: State
 ) -> Iterable[str]:
-    """Warn of long runs: how many steps, and how many hours they are expected to take.
-
-    Where a guess leaves that open, the first step is made some times: compilation in the first of
-    them does not count.
-    """
+    """Warn of long runs; where a guess leaves the duration open, the first step is timed."""
     steps = schedule.steps
     base, more = STEP_SECONDS_MIN
     if steps < STEPS_MAX and steps * (base + more * model.block_count) < 0.1 * WALL_SECONDS_MAX:

@@ -116,10 +116,7 @@ class ProgressLine:
 
 
 def status_text(progress: Progress, speed: float) -> str:
-    """Return where a run is: simulated time, step size, contacts, speed, time left.
-
-    In a stage also how far from equilibrium it is; the time left is that to its limit.
-    """
+    """Return where a run is: time, step, contacts, speed, time left, and balance in a stage."""
     parts = [
         *([progress.stage] if progress.stage else []),
         f"t {progress.time:.4g} of {progress.end:.4g} s",
@@ -154,10 +151,7 @@ WAITING = (
 
 @contextmanager
 def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
-    """Call ``say`` once with the kernels that are compiled, and once at the end.
-
-    The lines are for where nothing can be replaced: pipes and files.
-    """
+    """Call ``say`` once when kernels are compiled, and once at the end: for pipes and files."""
     waited: list[str] = []
     kernels, seconds = COMPILATION.kernels, COMPILATION.seconds
 
@@ -174,7 +168,6 @@ def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
 
 
 PACKAGE = str(Path(__file__).resolve().parents[1])
-"""Where the package is."""
 
 
 class Warner:

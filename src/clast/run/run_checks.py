@@ -92,9 +92,7 @@ class Watch:
         """Return the measurements after an accepted step."""
         held = np.array(_entries(result.state.ledger))
         seen = changed(
-            seen,
-            least=np.minimum(seen.least, held),
-            greatest=np.maximum(seen.greatest, held),
+            seen, least=np.minimum(seen.least, held), greatest=np.maximum(seen.greatest, held)
         )
         if result.penetration <= seen.deepest[0] * self._thickness.min():
             return seen
@@ -114,18 +112,10 @@ class Watch:
 
         ``state`` is the last one, ``step``, s, the length of the step to it, 0 if there was none.
         """
-        return tuple(
-            text
-            for text in (
-                *self._of_overlaps(seen),
-                seen.deepest[1],
-                self._of_energy(seen, state.ledger),
-                self._of_balance(seen, state.ledger),
-                self._of_rest(state, step),
-                self._of_stress(state, step),
-            )
-            if text
-        )
+        ledger = state.ledger
+        texts = [*self._of_overlaps(seen), seen.deepest[1], self._of_energy(seen, ledger)]
+        texts += [self._of_balance(seen, ledger), self._of_rest(state, step)]
+        return tuple(text for text in (*texts, self._of_stress(state, step)) if text)
 
     def _deeper(self, before: tuple[float, str], result: StepResult) -> tuple[float, str]:
         """Return the largest penetration against the thinner of its two blocks."""
@@ -160,10 +150,7 @@ class Watch:
         return texts
 
     def _of_energy(self, seen: Watched, ledger: Ledger) -> str:
-        """Return a warning where the time integration took or gave too much energy.
-
-        Static runs and a dissipative scheme are to take it.
-        """
+        """Return a warning where the time integration took or gave too much energy."""
         ratio = min(self.carried, self.method.dynamic_ratio)
         if ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
@@ -211,10 +198,7 @@ class Watch:
         return LIFT * float(weight @ size) + ROUNDING * ledger.stored
 
     def _of_rest(self, state: State, step: float) -> str:
-        """Return a warning where a static run ends while blocks still move.
-
-        The inertia of a step that begins at rest, 2 m d/h2, is the force that nothing balances.
-        """
+        """Return a warning where a static run ends while blocks still move, by 2 m d/h2."""
         model = self.model
         free = ~model.fixed
         if self.method.dynamic_ratio > 0.0 or step == 0.0 or not free.any():
@@ -237,12 +221,9 @@ class Watch:
         )
 
     def _of_stress(self, state: State, step: float) -> str:
-        """Return a warning where the mean stress of the start has been lost.
-
-        Where blocks have been excavated it has changed because it goes round the void.
-        """
+        """Return a warning where the mean stress of the start has been lost."""
         model = self.model
-        if model.absent.any():
+        if model.absent.any():  # stress goes round the void
             return ""
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
         if not stressed.any() or step == 0.0:

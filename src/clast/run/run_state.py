@@ -1,4 +1,4 @@
-"""The data of a run from one step to the next, and the interface of keepers."""
+"""The data of a run from one step to the next, and the interface of those who lead it."""
 
 from __future__ import annotations
 
@@ -80,27 +80,6 @@ class RunState:
     """Where it is on its path of equilibria; None: it is dynamic."""
 
 
-@runtime_checkable
-class Keeper(Protocol):
-    """Keeps the data of a run, and hears of the ends of stages and of the run."""
-
-    def __call__(self, now: RunState) -> None:
-        """Keep the data of the run after a step."""
-        ...
-
-    def stage_ended(self, stage: str, now: RunState) -> None:
-        """Keep its data at the end of a stage."""
-        ...
-
-    def at_once(self) -> str:
-        """Keep what it carried last; return where, or why that is not possible."""
-        ...
-
-    def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
-        """Keep its last data; return the failures of keeping."""
-        ...
-
-
 @dataclass(frozen=True, kw_only=True)
 class Halt:
     """The control of a run between two of its steps."""
@@ -125,9 +104,7 @@ class Leader(Protocol):
     """That line, to be told of the progress; set when the run begins."""
 
     def __call__(self, progress: Progress) -> None:
-        """Hear where the run is after a step."""
-        ...
+        """Take note of where the run is after a step."""
 
     def lead(self, halt: Halt) -> None:
         """Wait, keep a frame, write a checkpoint, or raise KeyboardInterrupt, before a step."""
-        ...

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,22 +17,23 @@ from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model
-from clast.model.stage_records import Event, StageRecord
+from clast.model.stage_records import StageRecord
 from clast.model.stages import Stage
 from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
 from clast.results.run_report import about_method
 from clast.run import law_check
-from clast.run.events import Listener, bonds_break, joints_wear
+from clast.run.checkpointing import Checkpointing
+from clast.run.events import Listener, bonds_break
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
-from clast.run.run_state import Halt, Keeper, Leader, RunState
+from clast.run.run_state import Halt, Leader, RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.stage_position import EquilibriumStreak, Position
-from clast.run.stages.stage_sequence import StageSequence, fails, failure_warning
+from clast.run.stages.stage_sequence import StageSequence, fails
 from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting
 from clast.run.start_in_situ import in_equilibrium
@@ -42,11 +43,11 @@ from clast.step.remedies import remedy
 
 STEP_GROWTH = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
-COMFORT = 0.8
+APPROACH_MAX = 0.8
 """Approach of blocks up to which the step grows, in units of max_displacement."""
 STEP_MIN = 2.0**-12
 """The smallest step tried, in requested ones, unless the schedule names it."""
-ROUNDING = 1e-9
+TIME_ROUNDING = 1e-9
 """Difference of times that are the same, in steps."""
 
 
@@ -103,13 +104,10 @@ class Stepping:
             return self.statics.is_over(now.path, now.position, now.state)
         if self.judge is not None and now.position is not None and self.judge.is_over(now.position):
             return True
-        return self.schedule.end - now.state.time <= ROUNDING * self.schedule.step
+        return self.schedule.end - now.state.time <= TIME_ROUNDING * self.schedule.step
 
     def next(self, now: RunState) -> tuple[RunState, StepResult]:
-        """Return the run one accepted step later, and that step's result.
-
-        Raises StepRejected where even the smallest step is.
-        """
+        """Return the run one accepted step later, and that step's result; raises StepRejected."""
         result, taken, clock, cuts = self._accepted(now)
         while self.statics is not None and now.path is not None:
             finer = self.statics.finer(now.path, result)
@@ -134,7 +132,7 @@ class Stepping:
             first=first,
             tally=now.tally.with_step(result, cuts),
             seen=self.watch.with_step(now.seen, result),
-            events=(*now.events, *self._happened(now, result)),
+            events=(*now.events, *self.listener.events(now.state, result)),
             position=position,
         )
         if self.statics is not None:
@@ -145,11 +143,6 @@ class Stepping:
             if position is not None:
                 after = replace(after, position=replace(position, over=True))
         return after, result
-
-    def _happened(self, now: RunState, result: StepResult) -> Iterator[Event]:
-        yield from self.listener.heard(now.state, result.state)
-        if len(result.worn):
-            yield from joints_wear(self.model, self.listener.stage, result)
 
     def _along(
         self, now: RunState, after: RunState, result: StepResult, taken: tuple[float, int]
@@ -185,41 +178,34 @@ class Stepping:
         if self.judge is not None and self.is_over(now):
             return True
         time, step = now.state.time, self.schedule.step
-        if time < now.frame * self.schedule.every - ROUNDING * step:
+        if time < now.frame * self.schedule.every - TIME_ROUNDING * step:
             return False
         if self.statics is None or now.path is None or now.path.failure is not None:
             return True
-        if time >= self.schedule.end - ROUNDING * step:
+        if time >= self.schedule.end - TIME_ROUNDING * step:
             return self.is_over(now)
         return not self.statics.waits(now.path, now.state)
 
     def with_frame(self, now: RunState) -> RunState:
         """Return the run after a frame has been kept."""
-        return replace(
-            now,
-            frame=self.next_frame(now.state.time),
-            seen=self.watch.with_frame(now.seen, now.state),
-        )
+        seen = self.watch.with_frame(now.seen, now.state)
+        return replace(now, frame=self.next_frame(now.state.time), seen=seen)
 
     def next_frame(self, time: float) -> int:
         """Return the number of the frame that is due after a time, s."""
-        return int((time + ROUNDING * self.schedule.step) / self.schedule.every) + 1
+        return int((time + TIME_ROUNDING * self.schedule.step) / self.schedule.every) + 1
 
     def _accepted(self, now: RunState) -> tuple[StepResult, float, float, int]:
-        """Return the longest step that is accepted; its length and by how much time went on; cuts.
-
-        Raises the last rejection where a step would become smaller than the smallest.
-        """
+        """Return the longest step accepted, its length and that of time, s, and cuts; or raise."""
         model, method, state, cuts = self.model, self.method, now.state, 0
         step, clock, varies = now.step, None, False
         if self.statics is not None and now.path is not None:
             clock = self.statics.clock(now.path, state)
             varies = clock > 0.0 and self.statics.is_under_way(state)
+            model, method = self.statics.at(now.path, clock)
         else:
             step = min(step, self.schedule.end - state.time)
         smallest = self.schedule.smallest_step or STEP_MIN * self.schedule.step
-        if clock is not None and self.statics is not None and now.path is not None:
-            model, method = self.statics.at(now.path, clock)
         while True:
             try:
                 result = method.process.step(model, method, state, step, self.workspace)
@@ -278,7 +264,8 @@ def simulate(
         try:
             march.to_the_end(let_go)
         except (StepRejected, ResultsLost, ActionFault) as gave_up:
-            march.count_cuts(getattr(gave_up, "cuts", 0))
+            cuts = march.now.tally.cut_steps + getattr(gave_up, "cuts", 0)
+            march.now = replace(march.now, tally=replace(march.now.tally, cut_steps=cuts))
             failure, cause = str(gave_up), gave_up
             outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
@@ -287,7 +274,7 @@ def simulate(
             how = getattr(asked, "how", f"interrupted{by}")
             outcome = f"{how} at t = {march.recorder.state.time:.6g} s"
         finished = not failure and not ended_by
-        if isinstance(keep, Keeper):
+        if isinstance(keep, Checkpointing):
             warnings += keep.over(outcome, finished=finished)
         wall = working_time() - start
         report = march.report(wall, outcome, finished=finished, warnings=warnings)
@@ -309,7 +296,7 @@ def _about(method: Method, schedule: Schedule) -> dict[str, Any]:
 
 @dataclass
 class _March:
-    """A run on its way: where it is, and who hears of it."""
+    """A run that goes on: where it is, and who is informed of it."""
 
     course: StageSequence
     setting: Setting
@@ -340,10 +327,7 @@ class _March:
         return march
 
     def to_the_end(self, let_go: Callable[[], None]) -> None:
-        """Step to the end of the schedule, or through all stages.
-
-        ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
-        """
+        """Step to the end of the schedule, or through all stages; ``let_go`` may interrupt it."""
         self._step_on(let_go)
         while self.now.position is not None:
             self._leave()
@@ -355,10 +339,11 @@ class _March:
     def _step_on(self, let_go: Callable[[], None]) -> None:
         stepping = self.stepping
         leader = self.watch if isinstance(self.watch, Leader) else None
+        keep = self.keep.at_once if isinstance(self.keep, Checkpointing) else None
         halt = Halt(
             let_go=let_go,
             keep_frame=self.recorder.keep_last,
-            checkpoint=self._checkpoint,
+            checkpoint=keep or (lambda: "a run that writes no file has no checkpoints"),
             where=lambda: _progress(self.now, stepping, len(self.now.state.memory), 0.0),
         )
         while not stepping.is_over(self.now):
@@ -382,11 +367,6 @@ class _March:
             if self.keep:
                 self.keep(self.now)
 
-    def _checkpoint(self) -> str:
-        if not isinstance(self.keep, Keeper):
-            return "a run that writes no file has no checkpoints"
-        return self.keep.at_once()
-
     def _enter(self) -> None:
         now, course = self.now, self.course
         position = now.position or Position()
@@ -407,15 +387,10 @@ class _March:
     def _leave(self) -> None:
         now, judge = self.now, self.stepping.judge
         if now.position is not None and judge is not None:
-            if isinstance(self.keep, Keeper):
+            if isinstance(self.keep, Checkpointing):
                 self.keep.stage_ended(judge.stage.name, now)
             position, events = self.course.leave(now.position, now.state, judge, now.path)
             self.now = replace(now, position=position, events=(*now.events, *events))
-
-    def count_cuts(self, cuts: int) -> None:
-        """Count the cuts of a step that was given up."""
-        tally = replace(self.now.tally, cut_steps=self.now.tally.cut_steps + cuts)
-        self.now = replace(self.now, tally=tally)
 
     def report(
         self, wall: float, outcome: str, *, finished: bool, warnings: tuple[str, ...]
@@ -434,7 +409,8 @@ class _March:
         if self.now.path is not None and (failure := self.now.path.failure) is not None:
             taken = 0.0  # its blocks move, and the failure says so
             if position is None:
-                warnings = (*warnings, failure_warning(failure))
+                failed = f"the static run fails: {failure}. Later results show no equilibrium"
+                warnings = (*warnings, failed)
         if position is None and self.now.path is not None and self.now.path.branch:
             warnings = (*warnings, f"the static run: {self.now.path.branch}")
         warnings = *warnings, *watch.warnings(seen, state, taken)
@@ -483,5 +459,5 @@ def _progress(now: RunState, stepping: Stepping, contacts: int, penetration: flo
 
 def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Method) -> float:
     """Return the length of the next step, s: grown back where the last one was comfortable."""
-    comfortable = result.approach * STEP_GROWTH < COMFORT * method.max_displacement
+    comfortable = result.approach * STEP_GROWTH < APPROACH_MAX * method.max_displacement
     return min(schedule.step, taken * STEP_GROWTH if comfortable else taken)

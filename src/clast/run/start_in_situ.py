@@ -42,13 +42,7 @@ from clast.contact.memory import renew
 from clast.errors import ModelError
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
-from clast.linear.system import (
-    BlockSystem,
-    DiagonalTerms,
-    assemble,
-    graph_of,
-    with_contact_forces,
-)
+from clast.linear.system import BlockSystem, DiagonalTerms, assemble, graph_of, with_contact_forces
 from clast.minimise.newton import SolverContext
 from clast.minimise.potential import Potential
 from clast.minimise.strategy import MinimisationStrategy
@@ -61,29 +55,27 @@ from clast.step.start import StepContext, begin, diagonal_terms, springs_between
 
 SOLUTIONS_MAX, SEARCHES_MAX = 200, 5
 """Static solutions, for contacts that slip or open shift their load, and searches of contacts."""
-BALANCED = 1e-12
+FORCE_CHANGE_MAX = 1e-12
 """Force, in units of the largest one, that is none."""
-ROUNDED = 1e-6
+ROUNDING = 1e-6
 """Change, in the same units, that may be rounding if it does not halve any more."""
 STALLED = 10
 """Solutions in which it would have to."""
-OPEN_FORCE = 1e-10
+OPEN_FORCE_MAX = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
 INERTIA = 1e-9
 """Inertia in the static solutions, in units of the stiffness of contacts: nothing floats away."""
-LOOSE = 1e-3
+LOOSE_FORCE_MIN = 1e-3
 """Unbalanced force, in units of all forces on a block, from which it is said to move."""
-NOISE = 1e-9
+FORCE_MIN = 1e-9
 """Force, in units of the largest one, that is not worth a word."""
-FORCE_MIN = 1e-100
-"""The least force that others are compared with, N/m."""
 NAMED = 5
 """Blocks that a message names at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """Forces and stresses on the way to equilibrium; nothing has moved."""
+    """Forces and stresses from solution to solution; nothing has moved."""
 
     state: State
     """Blocks with their stress, and the own states of actions with the reactions of supports."""
@@ -132,7 +124,7 @@ def _settled(model: Model, method: Method, balance: Balance, step: float) -> Bal
     """Return the forces and stresses of the static solution: another one changes them no more."""
     factor, changes = FactorOfStep(inexact(method.solver, DIRECTION)), [np.inf] * STALLED
     for _ in range(SOLUTIONS_MAX):
-        context = begin(model, _still(method), balance.state, step, None)
+        context = _static(model, method, balance.state, step)
         before = balance.contacts
         balance = _shifted(context, balance, _minimum(context, balance, factor))
         after, largest = balance.contacts, _largest(model, balance)
@@ -140,8 +132,8 @@ def _settled(model: Model, method: Method, balance: Balance, step: float) -> Bal
         change = np.maximum(change, np.abs(after.shear_force - before.shear_force))
         changes.append(float(change.max(initial=0.0)))
         # beside a block that falls away, far in these equations, rounding is what is left
-        stalls = changes[-1] > 0.5 * changes[-1 - STALLED] and changes[-1] <= ROUNDED * largest
-        if changes[-1] <= BALANCED * largest or stalls:
+        stalls = changes[-1] > 0.5 * changes[-1 - STALLED] and changes[-1] <= ROUNDING * largest
+        if changes[-1] <= FORCE_CHANGE_MAX * largest or stalls:
             break
     return balance
 
@@ -161,7 +153,7 @@ def _minimum(
         schedule=MinimisationStrategy(),
         friction=FrictionLoop(),
         # by the bound that holds without springs, for which there is nothing but inertia
-        tolerance=(OPEN_FORCE * _largest(model, balance)) ** 2 / (INERTIA * model.stiffest),
+        tolerance=(OPEN_FORCE_MAX * _largest(model, balance)) ** 2 / (INERTIA * model.stiffest),
         work=SolverContext(factor=factor, counts={}, stages=Stages()),
     )
     potential = Potential.of(base, model.fixed, springs)
@@ -175,24 +167,22 @@ def _held_fast(model: Model) -> Model:
     return replace(model, viscous_edges=replace(edges, begins=never)) if len(edges) else model
 
 
-def _still(method: Method) -> Method:
-    return replace(method, dynamic_ratio=0.0, damping=Undamped())
-
-
 def _at_first(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
-    """Return the forces of the mean stress of both blocks on the length of each contact.
-
-    Which corners meet which edges depends on the contacts in force; so it is looked for again with
-    the forces that the first look gives.
-    """
-    bearing = _of_stress(model, method, state, share, step)
+    """Return the forces of the mean stress of both blocks on the length of each contact."""
+    balance = _of_stress(model, method, state, share, step)
+    # which corners meet which edges depends on the contacts in force
     for _ in range(SEARCHES_MAX):
-        before = bearing.contacts
-        known = replace(state, memory=_begun(model, method, bearing).memory)
-        bearing = replace(_of_stress(model, method, known, share, step), state=state)
-        if _same(before, bearing.contacts):
+        before = balance.contacts
+        known = replace(state, memory=_begun(model, method, balance).memory)
+        balance = replace(_of_stress(model, method, known, share, step), state=state)
+        if _same(before, balance.contacts):
             break
-    return bearing
+    return balance
+
+
+def _static(model: Model, method: Method, state: State, step: float) -> StepContext:
+    """Return the context of a static step without damping."""
+    return begin(model, replace(method, dynamic_ratio=0.0, damping=Undamped()), state, step, None)
 
 
 def _same(one: Contacts, other: Contacts) -> bool:
@@ -202,10 +192,9 @@ def _same(one: Contacts, other: Contacts) -> bool:
 def _contacts_of(model: Model, method: Method, state: State, step: float) -> Contacts:
     """Return the contacts that carry at a state which does not move.
 
-    None is open by more than coordinates are rounded, and none a corner that only meets the corner
-    of another block: which of its edges it would rest on is a matter of rounding.
+    Not those of corners that only meet a corner: on which of its edges is a matter of rounding.
     """
-    context = begin(model, _still(method), state, step, None)
+    context = _static(model, method, state, step)
     critdis = method.critdis
     reach = SearchDistance(front=critdis, depth=critdis, critdis=critdis)
     contacts = context.contacts(reach, context.drift)
@@ -251,7 +240,7 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
 
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
-    context = begin(model, _still(method), balance.state, step, None)
+    context = _static(model, method, balance.state, step)
     base = _with_springs(_static_terms(context), context.springs, model.fixed)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
     none = np.zeros(len(contacts))
@@ -272,7 +261,7 @@ def _largest(model: Model, balance: Balance) -> float:
     in_blocks = np.abs(balance.state.stress).max(axis=1) * np.sqrt(model.area)
     weight = model.mass * float(np.hypot(*model.gravity))
     in_contacts = float(balance.contacts.normal_force.max(initial=0.0))
-    return max(in_contacts, float(in_blocks.max()), float(weight.max()), FORCE_MIN)
+    return max(in_contacts, float(in_blocks.max()), float(weight.max()), 1e-100)
 
 
 def _unbalanced(model: Model, system: BlockSystem) -> Floats:
@@ -305,9 +294,7 @@ def _with_springs(base: DiagonalTerms, springs: Springs | None, fixed: Bools) ->
 
 
 def _shifted(
-    context: StepContext,
-    balance: Balance,
-    solution: tuple[Floats, Contacts, ContactResponse],
+    context: StepContext, balance: Balance, solution: tuple[Floats, Contacts, ContactResponse]
 ) -> Balance:
     """Return forces and stresses after a static solution, which moves nothing."""
     unknowns, contacts, response = solution
@@ -325,10 +312,7 @@ def _shifted(
 
 
 def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
-    """Return the points with the fixed ones where their springs carry their reactions.
-
-    Some nanometres off their place in the block, which stays.
-    """
+    """Return the points, the fixed ones nanometres off so that springs carry their reactions."""
     fixed, points = model.point_slices.fixed, state.points.copy()
     block = model.fixed_points.block
     if len(block):
@@ -375,24 +359,20 @@ def _notes(before: float, after: float, capped: int) -> tuple[str, ...]:
         f"in-situ stress: the largest force on a block that nothing balances was {before:.3g} N/m "
         f"with the forces of the stress, and is {after:.3g} N/m at the start"
     )
-    if not capped:
-        return (text,)
-    return text, (
+    slips = (
         f"in-situ stress: {capped} contacts would slip under it; they begin with the strength of "
         "their joints"
     )
+    return (text, slips) if capped else (text,)
 
 
 def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
-    """Return which blocks begin to move; ``force`` (n,) is the unbalanced force, N/m.
-
-    Raises ModelError where they are most of the rock.
-    """
+    """Return which blocks begin to move under unbalanced ``force`` (n,), N/m; raises ModelError."""
     contacts, presses = balance.contacts, model.mass * float(np.hypot(*model.gravity))
     borne = np.hypot(contacts.normal_force, contacts.shear_force)
     np.add.at(presses, contacts.vertex_block, borne)
     np.add.at(presses, contacts.edge_block, borne)
-    loose = force > np.maximum(LOOSE * presses, NOISE * _largest(model, balance))
+    loose = force > np.maximum(LOOSE_FORCE_MIN * presses, FORCE_MIN * _largest(model, balance))
     if not loose.any():
         return ()
     worst = np.argsort(-force, kind="stable")[: np.count_nonzero(loose)]

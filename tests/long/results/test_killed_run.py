@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,9 @@ import pytest
 import clast
 from clast import Stage
 from clast.exports import write_csv
-from clast.results import read_results, summary
+from clast.results import read_results
 from clast.results.journal import read_journal
-from scenes.places import CASES, TESTS
+from scenes.places import TESTS
 from scenes.recorded_run import moved, three_blocks
 
 KILLED = 30
@@ -85,32 +84,6 @@ def is_torn(path: Path) -> bool:
     """
     with open(path, "rb") as file:
         return read_journal(file) is not None
-
-
-def test_summary_says_that_the_run_did_not_end(killed: list[tuple[Path, int]]):
-    rows = summary(read_results(killed[0][0]))
-    assert rows["finished"] is False
-    assert "did not end" in rows["outcome"]
-
-
-def test_run_from_the_command_line_that_is_killed(tmp_path: Path):
-    case = CASES / "heap.toml"
-    path = tmp_path / "heap.vtkhdf"
-    command = [sys.executable, "-m", "clast", "run", str(case), "-o", str(path), "--quiet"]
-    run = subprocess.Popen([*command, "--set", "output.every=0.01"])
-    try:
-        give_up = time.monotonic() + 60.0
-        while (not path.exists() or len(read_results(path).times) < 3) and run.poll() is None:
-            assert time.monotonic() < give_up, "no third frame in a minute"
-            time.sleep(0.02)
-    finally:
-        run.kill()
-        run.wait()
-    rows = summary(read_results(path))
-    assert rows["frames"] >= 3
-    assert rows["report"] is None
-    assert rows["energy"]["time"] == pytest.approx(rows["time"][1])
-    assert np.isfinite(read_results(path).vertices(-1)).all()
 
 
 DIES = """

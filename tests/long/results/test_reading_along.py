@@ -10,9 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from clast.cli.commands import app
 from clast.results import locks, read_results, summary
 from scenes.places import TESTS
 from scenes.recorded_run import moved, record, three_blocks
@@ -55,22 +53,6 @@ def test_a_file_is_read_at_any_moment_while_it_is_written(tmp_path: Path):
         writer.wait()
     assert seen == sorted(seen)
     assert len(set(seen)) > READINGS // 4, "the writer went on"
-
-
-def test_reading_writes_nothing(tmp_path: Path):
-    path = record(three_blocks(), tmp_path / "out.vtkhdf").run.output
-    path.chmod(0o400)
-    tmp_path.chmod(0o500)
-    before, content = path.stat(), path.read_bytes()
-    try:
-        for command in (["info"], ["plot", "-o", os.devnull + ".png"]):
-            CliRunner().invoke(app, [command[0], str(path), *command[1:]])
-        after = path.stat()
-    finally:
-        tmp_path.chmod(0o700)
-    assert path.read_bytes() == content
-    assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
-    assert os.listdir(tmp_path) == [path.name]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs the locks of POSIX systems")

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import clast
@@ -18,7 +17,7 @@ from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_che
 from clast.results.checkpoints.encode import classes_near
 from scenes.own_state import Closer
 from scenes.places import TESTS
-from scenes.restarts import differences, pressed_at, run_with_closer
+from scenes.restarts import differences, pressed_at, run_with_closer, same
 from scenes.shaken import LAWS, PROCESSES, STEPS, shaken_case
 
 STOPPED_AT = 37
@@ -72,19 +71,6 @@ def check_equal(folder: Path, name: str) -> None:
     ends = [read_checkpoint(checkpoint_path(path), known).run for path in (whole, rest)]
     assert same(*ends)
     assert len(ends[0].state.memory) > 10
-
-
-def same(one: object, other: object) -> bool:
-    """Return whether two records hold the same bits, wall times apart."""
-    assert type(one) is type(other)
-    if hasattr(one, "__dataclass_fields__"):
-        names = [name for name in one.__dataclass_fields__ if name != "seconds"]
-        return all(same(getattr(one, name), getattr(other, name)) for name in names)
-    if isinstance(one, tuple):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, np.ndarray):
-        return (one.dtype, one.tobytes()) == (other.dtype, other.tobytes())
-    return bool(one == other)
 
 
 def test_runs_go_on_in_another_process_to_the_same_bits(folder: Path, tmp_path: Path):

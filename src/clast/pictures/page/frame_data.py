@@ -325,7 +325,7 @@ def _points(about: _About) -> list[dict[str, Any]]:
 
 def supports_of(results: Recording) -> dict[str, Any]:
     """Return names, colours and vertices of links, reactions and linings, which stay the same."""
-    links = results.supported.links
+    links = results.link_lines
     looks = [
         ("link" if one == "intact" else f"link, {one}", LINK_COLOURS[one]) for one in LINK_STATES
     ]
@@ -343,7 +343,7 @@ def supports_of(results: Recording) -> dict[str, Any]:
 
 def links_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
     """Return both points, directions and states of the links in some frames; None without any."""
-    links = results.supported.links
+    links = results.link_lines
     if not links.name:
         return None
     places = np.stack([places_of(results, int(k)) for k in numbers]) - origin

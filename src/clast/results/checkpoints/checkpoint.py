@@ -30,7 +30,6 @@ class Source:
     """Where a run came from."""
 
     text: str
-    """The case as TOML."""
     gives: str = TEXT
     """The part of the run in the text: one of the texts above."""
     file: str = "case"
@@ -54,7 +53,6 @@ class Recorded:
     lineage: Lineage
     """Which runs have written it; the last of them is that of the checkpoint."""
     frames: int
-    """Frames in it."""
     frame: NDArray[Any]
     """Row of the last of them in its table of frames, shape (1,)."""
     energy: NDArray[Any]
@@ -72,19 +70,15 @@ class Checkpoint:
     """All that a run needs to go on."""
 
     version: str
-    """Version of clast."""
     time: float
     """Time that the run had come to, s."""
     outcome: str = ""
-    """How the run ended, in words; empty where it went on."""
     finished: bool = False
     """True where the run had reached its end."""
     stage: str = ""
     """The stage that had just ended, where the checkpoint was written for that."""
     source: Source
-    """Where the run came from."""
     recorded: Recorded
-    """How far it was recorded."""
     run: Any
     """Its data from step to step (``clast.run.run_state.RunState``)."""
 

@@ -156,20 +156,14 @@ def damaged(path: Path, why: str) -> CaseError:
 
 def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
     """Return the version of clast that has written a checkpoint of this layout."""
-    version, layout = str(attributes["version"]), int(attributes["layout"])
-    if layout > LAYOUT:
-        raise CaseError(
-            f"was written by a newer version of clast ({shortened(version)})",
-            where=str(path),
-            remedy="update clast",
-        )
-    if layout < LAYOUT:
-        raise CaseError(
-            f"was written by an older version of clast ({shortened(version)})",
-            where=str(path),
-            remedy=f"resume with clast {shortened(version)}, or run the case again",
-        )
-    return shortened(version)
+    version, layout = shortened(str(attributes["version"])), int(attributes["layout"])
+    if layout != LAYOUT:
+        age, remedy = "a newer", "update clast"
+        if layout < LAYOUT:
+            age, remedy = "an older", f"resume with clast {version}, or run the case again"
+        what = f"was written by {age} version of clast ({version})"
+        raise CaseError(what, where=str(path), remedy=remedy)
+    return version
 
 
 def _as_bytes(checkpoint: Checkpoint) -> bytes:

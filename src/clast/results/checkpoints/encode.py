@@ -167,6 +167,17 @@ def _made(kind: type, values: Mapping[str, Any]) -> Any:
     return one
 
 
+def is_well_typed(value: Any) -> bool:
+    """Return whether all fields of a dataclass, and of those in it, are of their types."""
+    if isinstance(value, tuple):
+        return all(map(is_well_typed, value))
+    if not dataclasses.is_dataclass(value):
+        return True
+    hints = _hints(type(value))
+    parts = ((one.name, getattr(value, one.name)) for one in dataclasses.fields(value))
+    return all(fits(part, hints.get(name, Any)) and is_well_typed(part) for name, part in parts)
+
+
 def fits(value: Any, hint: Any) -> bool:
     """Return whether a value is of a type: numbers, texts, arrays, and collections of them.
 

@@ -18,15 +18,7 @@ from clast.errors import CaseError
 
 DIGITS = 16
 """Hexadecimal digits of a fingerprint."""
-SHAPE = (
-    "origin",
-    "block_name",
-    "block_start",
-    "block_rock",
-    "fixed",
-    "vertices",
-    "area",
-)
+SHAPE = ("origin", "block_name", "block_start", "block_rock", "fixed", "vertices", "area")
 """Parts of a model that no stage changes: the blocks."""
 
 
@@ -104,21 +96,16 @@ def content_of(path: Path, most: int) -> bytes:
         return file.read(most + 1)[:most]
 
 
-def print_of(path: Path, most: int) -> str:
-    """Return the SHA-256 of a regular file of at most ``most`` bytes, "" where there is none."""
-    try:
-        return sha256(content_of(path, most)).hexdigest()
-    except (OSError, ValueError, CaseError):
-        return ""
-
-
-LARGEST_NAMED = 500_000_000
+NAMED_BYTES_MAX = 500_000_000
 """Files that a case names are not read above this size, bytes."""
 
 
 def print_of_named(path: Path) -> str:
-    """Return the fingerprint of a file that a case names, "" where there is none."""
-    return print_of(path, LARGEST_NAMED)
+    """Return the SHA-256 of a file that a case names, "" where there is none."""
+    try:
+        return sha256(content_of(path, NAMED_BYTES_MAX)).hexdigest()
+    except (OSError, ValueError, CaseError):
+        return ""
 
 
 def print_of_text(text: str) -> str:
@@ -127,9 +114,9 @@ def print_of_text(text: str) -> str:
     return sha256(plain.encode(errors="surrogatepass")).hexdigest()
 
 
-def print_of_text_in(path: Path, most: int) -> str:
+def print_of_text_in(path: Path) -> str:
     """Return the SHA-256 of the text in a regular file, "" where there is none."""
     try:
-        return print_of_text(content_of(path, most).decode())
+        return print_of_text(content_of(path, NAMED_BYTES_MAX).decode())
     except (OSError, ValueError, CaseError):
         return ""

@@ -163,16 +163,8 @@ def _copy(old: Path, target: Path) -> None:
             ) from error
 
 
-MODES = 3
-"""Modes of a contact: open, slide, lock."""
-
-
-def wrong_record(recorded: Recorded, model: Model, time: float) -> str:
-    """Return the fault in the records of a run until ``time``, s; "" for none."""
-    return next((what for what in _faults(recorded, model, time)), "")
-
-
-def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
+def faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
+    """Yield the faults in the records of a run until ``time``, s."""
     if not is_file_name(recorded.file):
         yield "it names a result file that does not lie beside it"
     if not recorded.wall >= 0.0:
@@ -190,12 +182,8 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
     if not _fits(contacts, CONTACTS.row):
         yield "it has no contacts of the last step"
         return
-    limits = {
-        "vertex": len(model.vertices),
-        "edge": len(model.vertices),
-        "mode": MODES,
-        "joint": len(model.joint_table.joints),
-    }
+    limits = {name: len(model.vertices) for name in ("vertex", "edge")}
+    limits |= {"mode": len(CONTACTS.words["mode"]), "joint": len(model.joint_table.joints)}
     for name, limit in limits.items():
         if ((contacts[name] < 0) | (contacts[name] >= limit)).any():
             yield f"its contacts have a {name} that does not exist"
@@ -214,11 +202,6 @@ def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
             yield f"its table '{one.name}' does not match the run"
         elif wanted and not _goes_on(rows["time"], recorded.frame["time"][0], time):
             yield f"the times of its table '{one.name}' do not continue to {time:.6g} s"
-
-
-def rows_in_all(recorded: Recorded) -> int:
-    """Return how many steps a run has taken by its records."""
-    return int(recorded.frame["steps"][0]) + len(recorded.since["steps"])
 
 
 def _goes_on(times: NDArray[Any], after: float, until: float) -> bool:

@@ -35,6 +35,17 @@ class ForceSums:
     """Sum of their sizes, N/m, shape (n,)."""
 
 
+def mean_movement(movement: Floats, block_start: Ints) -> Floats:
+    """Return the mean movement (n, 2) of the corners of each block from that of all (nv, 2)."""
+    mean = np.add.reduceat(movement, block_start[:-1], axis=0) / np.diff(block_start)[:, None]
+    return np.asarray(mean)
+
+
+def angle_of(vector: Floats) -> float:
+    """Return the direction of a vector (2,), degrees from +x."""
+    return float(np.degrees(np.arctan2(vector[1], vector[0])))
+
+
 class _Sums:
     """Forces and moments of blocks as they are added up."""
 
@@ -73,10 +84,7 @@ class _Sums:
 
 
 def out_of_balance(model: Model, method: Method, state: State, step: float) -> Floats:
-    """Return the sum of all generalised forces on each block at a state, N/m and N, shape (n, 6).
-
-    Contacts carry their forces at the end of the last step; new ones carry none.
-    """
+    """Return the sum of all generalised forces on each block at a state, N/m and N, (n, 6)."""
     method = replace(method, clock=0.0)
     context = begin(
         model, method, replace(state, velocity=np.zeros_like(state.velocity)), step, None
@@ -84,14 +92,13 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
     base = diagonal_terms(context, np.zeros_like(context.velocity), context.scheme)
     contacts = context.contacts(search_within_step(method, travel_expected(context)))
     forces, fixed, springs = base.force, model.fixed, context.springs
-    graph = graph_of(contacts, model.block_count)
-    borne = contacts.normal_force, contacts.shear_force
-    forces = with_contact_forces(forces, contacts, graph, fixed, *borne)
+    links = [(contacts, contacts)]
     if springs is not None:
-        of_springs = springs.at(springs.gap, springs.slip)
-        graph = graph_of(springs, model.block_count)
-        borne = of_springs.normal_force, of_springs.shear_force
-        forces = with_contact_forces(forces, springs, graph, fixed, *borne)
+        links.append((springs, springs.at(springs.gap, springs.slip)))
+    for ends, carried in links:
+        graph = graph_of(ends, model.block_count)
+        both = carried.normal_force, carried.shear_force
+        forces = with_contact_forces(forces, ends, graph, fixed, *both)
     forces[fixed] = 0.0
     if context.held is not None:
         forces[context.held.components] = 0.0

@@ -6,7 +6,7 @@ Kernels look at no index twice: a vertex that does not exist would be read from 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,25 +14,21 @@ import numpy as np
 from clast.actions.active import actions_of
 from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
-from clast.model.model import Floats, Model
+from clast.model.arrays import areas
+from clast.model.model import Model
 from clast.model.state import POINTS, ContactMemory, State
 from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.stages.stage_position import EquilibriumStreak, Position
+from clast.run.stages.equilibrium import MODES
+from clast.run.stages.stage_position import Position
 from clast.run.stages.static_path import OnPath
+from clast.run.stages.transition import memory_order
 from clast.step.method import Method
 
-MODES = 3
-"""Modes of a contact: open, slide, lock."""
 
-
-def wrong_state(run: RunState, model: Model, method: Method, schedule: Schedule) -> str:
-    """Return the fault in the data of a run; "" for none."""
-    return next((what for what in _faults(run, model, method, schedule)), "")
-
-
-def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+def faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+    """Yield the faults in the data of a run."""
     state = run.state
     yield from _of_numbers(run, schedule)
     yield from _of_blocks(state, model)
@@ -83,18 +79,11 @@ def _of_blocks(state: State, model: Model) -> Iterator[str]:
             yield f"it has {name} of other blocks"
         elif not np.isfinite(array).all():
             yield f"its {name} are not finite"
-        elif name == "vertices" and not _have_areas(array, model):
-            yield "it has blocks without an area"
-
-
-def _have_areas(vertices: Floats, model: Model) -> bool:
-    """Return whether all blocks have an area; kernels divide by it."""
-    first = np.repeat(model.block_start[:-1], np.diff(model.block_start))
-    after = model.vertex_after
-    with np.errstate(all="ignore"):
-        x, y = (vertices - vertices[first]).T
-        area = np.add.reduceat(x * y[after] - x[after] * y, model.block_start[:-1])
-        return bool((area > 0.0).all())
+        elif name == "vertices":
+            with np.errstate(all="ignore"):
+                area = areas(array, model.block_start)
+            if not (area > 0.0).all():
+                yield "it has blocks without an area"
 
 
 def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
@@ -102,14 +91,9 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
     if any(array.shape != (len(memory),) for array in arrays.values()):
         yield "its contacts do not have as many numbers each"
         return
-    limits = {
-        "vertex": len(model.vertices),
-        "edge": len(model.vertices),
-        "block": model.block_count,
-        "mode": MODES,
-        "point": POINTS,
-    }
-    for name, limit in limits.items():
+    vertices = len(model.vertices)
+    limits = {"vertex": vertices, "edge": vertices, "block": model.block_count}
+    for name, limit in {**limits, "mode": len(MODES), "point": POINTS}.items():
         if ((arrays[name] < 0) | (arrays[name] >= limit)).any():
             yield f"its contacts have a {name} that does not exist"
             return
@@ -118,9 +102,7 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
     owner = model.vertex_block
     if (owner[memory.edge] != memory.block).any() or (owner[memory.vertex] == memory.block).any():
         yield "its contacts are between other blocks than they say"
-    inside = memory.point > 0
-    faces = np.where(inside, memory.edge, memory.block), np.where(inside, memory.point, memory.edge)
-    order = np.lexsort((*faces[::-1], memory.vertex, inside))
+    order = memory_order(memory.vertex, memory.block, memory.edge, memory.point)
     if (order != np.arange(len(memory))).any():
         yield "its contacts are out of order"
 
@@ -151,19 +133,14 @@ def _alike(own: Any, begun: Any) -> bool:
 
 def _forces_fit(own: SupportForces, model: Model) -> bool:
     count = len(own.block)
-    shapes = [
-        own.absent.shape == (model.block_count,),
-        own.of.shape == own.block.shape == own.share.shape == (count,),
-        own.since.shape == own.duration.shape == (count,),
-        own.vertex.shape == own.force.shape == (count, 2),
-    ]
-    within = [
-        all(((one >= 0) & (one < model.block_count)).all() for one in (own.of, own.block)),
-        ((own.vertex >= 0) & (own.vertex < len(model.vertices))).all(),
-        all(np.isfinite(one).all() for one in (own.share, own.force, own.since)),
-        (own.duration > 0.0).all(),  # infinite: held
-    ]
-    return all(shapes) and all(within)
+    shapes = {name: (count,) for name in ("of", "block", "share", "since")}
+    shapes |= {"absent": (model.block_count,), "vertex": (count, 2), "force": (count, 2)}
+    if not _have_shapes(own, shapes) or own.duration.shape != (count,):
+        return False
+    limits = [(one, model.block_count) for one in (own.of, own.block)]
+    limits.append((own.vertex, len(model.vertices)))
+    exist = all(((rows >= 0) & (rows < limit)).all() for rows, limit in limits)
+    return exist and bool((own.duration > 0.0).all())  # infinite: held
 
 
 def _of_position(position: Position | None, model: Model, schedule: Schedule) -> Iterator[str]:
@@ -182,42 +159,35 @@ def _of_position(position: Position | None, model: Model, schedule: Schedule) ->
     if any(len(one.reset) not in (0, points) for one in records):
         yield "its displacements count from other points"
     reference = position.reference
-    if reference is not None and not _same_shapes(
-        [reference.vertices, reference.points, reference.rotation],
-        [model.vertices.shape, model.material_points.at.shape, (model.block_count,)],
-    ):
+    shapes = {"points": model.material_points.at.shape, "rotation": (model.block_count,)}
+    shapes["vertices"] = model.vertices.shape
+    if reference is not None and not _have_shapes(reference, shapes):
         yield "its displacements count from other blocks"
-    if not _held_fits(position.held, model.block_count):
+    held = position.held
+    count = model.block_count if held.steps else 0
+    moved = {"sliding": (count,), "net": (count, 2), "path": (count,)}
+    halves = ((0,), (model.block_count,)) if held.steps else ((0,),)
+    if held.steps < 0 or held.half.shape not in halves or not _have_shapes(held, moved):
         yield "its steps in equilibrium are those of other blocks"
 
 
 def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
     if path is None:
         return
-    count = model.block_count
-    fits = path.moved.shape in ((0, 2), (count, 2)) and path.missing.shape in ((0, 6), (count, 6))
-    numbers = (path.growth, path.clock, path.reached, path.increment)
-    fits = fits and path.driven.ndim == 2 and path.driven.shape[1] == 2
-    moves, left = path.convergence, path.judged.left
-    fits = fits and path.ahead.shape in ((0, 6), (count, 6)) and moves.ratios.ndim == 1
-    fits = fits and all(
-        one.shape in ((0, 3), (count, 3)) for one in (moves.total, moves.last, left)
-    )
-    arrays = (path.moved, path.missing, path.driven, path.ahead, moves.total, moves.last, left)
+    moves = path.convergence
+    widths = [(path.moved, 2), (path.missing, 6), (path.ahead, 6), (path.judged.left, 3)]
+    widths += [(moves.total, 3), (moves.last, 3)]
+    fits = all(one.shape in ((0, k), (model.block_count, k)) for one, k in widths)
+    fits = fits and path.driven.shape[1:] == (2,) and moves.ratios.ndim == 1
+    arrays = [path.driven, *(one for one, _ in widths)]
     if not fits or not all(np.isfinite(one).all() for one in arrays):
         yield "its path of equilibria is that of other blocks"
+    numbers = (path.growth, path.clock, path.reached, path.increment)
     if not np.isfinite(numbers).all() or min(*numbers, path.steps, path.far, path.broken) < 0:
         yield "the numbers of its path of equilibria are impossible"
 
 
-def _held_fits(held: EquilibriumStreak, blocks: int) -> bool:
-    count = blocks if held.steps else 0
-    arrays, shapes = [held.sliding, held.net, held.path], [(count,), (count, 2), (count,)]
-    return held.steps >= 0 and held.half.shape in ((0,), (count,)) and _same_shapes(arrays, shapes)
-
-
-def _same_shapes(arrays: Sequence[Any], shapes: Sequence[tuple[int, ...]]) -> bool:
-    return all(
-        one.shape == shape and np.isfinite(one).all()
-        for one, shape in zip(arrays, shapes, strict=True)
-    )
+def _have_shapes(parts: Any, shapes: Mapping[str, tuple[int, ...]]) -> bool:
+    """Return whether arrays have these shapes, and only finite numbers."""
+    arrays = [(getattr(parts, name), shape) for name, shape in shapes.items()]
+    return all(one.shape == shape and np.isfinite(one).all() for one, shape in arrays)

@@ -10,7 +10,7 @@ is still to come after one of w.  With q >= 1 there is no equilibrium near by, h
 is that of the blocks that move most, along their movement: what has come to rest plays no part.
 
 Where q is steady, the forces that the movements to come will bring about are known as well: those
-out of balance now, times q + q^2 + ...  Against them the next step goes all the way (Aitken 1926).
+out of balance now, times q + q^2 + ...  The next step anticipates them (Aitken 1926).
 """
 
 from __future__ import annotations
@@ -21,30 +21,26 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 
-ENOUGH = 2e-3
+COMING_MIN = 2e-3
 """Movement still to come that is none, as a share of that of the stage in the same direction."""
-LITTLE = 1e-5
+MOVEMENT_MIN = 1e-5
 """Movement in a step that is none, as a share of the largest of the stage."""
-NOTHING = 1e-7
+MOVEMENT_OF_SIZE_MIN = 1e-7
 """The same, in units of the size of the block."""
-TOGETHER = 0.5
+MOVING_RATIO = 0.5
 """Movement, in units of the largest, of the blocks that move most."""
-STEADY = 0.9
+COSINE_MIN = 0.9
 """Cosine between the movements of two steps from which blocks move on and do not tremble."""
-ALIKE = 0.1
+RATIO_CHANGE_MAX = 0.1
 """Difference of ratios that are the same, as a share of 1 - q."""
-MOST_AHEAD = 50
+STEPS_AHEAD_MAX = 50
 """Steps that one may stand for: of ratios of 1 and more the series has no end."""
-WORTH = 1.5
+STEPS_AHEAD_MIN = 1.5
 """Steps that one must stand for at least."""
 
 
 def _no_motion() -> Floats:
     return np.zeros((0, 3))
-
-
-def _no_ratios() -> Floats:
-    return np.zeros(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,10 +56,10 @@ class Convergence:
     """Movement of the last step, (n, 3); (0, 3) where the next cannot be compared with it."""
     step: float = 0.0
     """Length of the last step, s."""
-    ratios: Floats = field(default_factory=_no_ratios)
+    ratios: Floats = field(default_factory=lambda: np.zeros(0))
     """The last ratios q, two at most, since something else changed the forces, shape (k,)."""
     known: float = 0.0
-    """Ratio by which a step went all the way, 0 once two have been seen since."""
+    """Ratio by which a step anticipated others, 0 once two have been seen since."""
     steady: bool = False
     """True where the last two steps moved blocks in the same direction."""
     moved: float = 0.0
@@ -91,22 +87,24 @@ class Convergence:
         """
         far = _sizes(movement)
         most = int(far.argmax())
-        chosen = far >= TOGETHER * far[most]
+        chosen = far >= MOVING_RATIO * far[most]
         now = replace(self.restarted(movement, step), known=self.known, ratios=self.ratios)
         ratio, shorter, trembles = self.known, 1.0, False
         if len(self.last):
             cosine, ratio = _compared(self.last[chosen], movement[chosen])
             ratios = np.append(self.ratios[-1:], ratio)
-            trembles = len(self.ratios) > 0 and cosine < STEADY
+            trembles = len(self.ratios) > 0 and cosine < COSINE_MIN
             now = replace(
                 now,
                 ratios=ratios,
                 known=self.known if len(ratios) < 2 else 0.0,
-                steady=_compared(self.last, movement)[0] >= STEADY,
+                steady=_compared(self.last, movement)[0] >= COSINE_MIN,
             )
             # in a shorter step the mass held blocks back
             ratio, shorter = max(ratio, now.known), max(1.0, (self.step / step) ** 2)
-        least = max(LITTLE * float(_sizes(now.total).max()), NOTHING * float(size[most]))
+        least = max(
+            MOVEMENT_MIN * float(_sizes(now.total).max()), MOVEMENT_OF_SIZE_MIN * float(size[most])
+        )
         if trembles or far[most] <= least or not pushed[chosen].any():
             return now
         held = ratio * shorter
@@ -114,7 +112,7 @@ class Convergence:
         covered = float(np.sum(now.total[chosen] * movement[chosen])) / float(
             np.sum(movement[chosen] ** 2)
         )
-        return replace(now, coming=coming if coming > ENOUGH * covered * now.moved else 0.0)
+        return replace(now, coming=coming if coming > COMING_MIN * covered * now.moved else 0.0)
 
     def series(self, reach: float) -> float:
         """Return for how many steps the next may stand that moves no block beyond ``reach``, m.
@@ -126,11 +124,13 @@ class Convergence:
             return 1.0
         before, ratio = (float(one) for one in seen[-2:])
         left = abs(1.0 - ratio)
-        if abs(ratio - before) > ALIKE * max(left, 1.0 / MOST_AHEAD):
+        if abs(ratio - before) > RATIO_CHANGE_MAX * max(left, 1.0 / STEPS_AHEAD_MAX):
             return 1.0
-        most = float(np.sum(ratio ** np.arange(MOST_AHEAD))) if ratio > 1.0 - 1e-3 else 1.0 / left
+        most = (
+            float(np.sum(ratio ** np.arange(STEPS_AHEAD_MAX))) if ratio > 1.0 - 1e-3 else 1.0 / left
+        )
         most = min(most, reach / (ratio * self.moved))
-        return most if most > WORTH else 1.0
+        return most if most > STEPS_AHEAD_MIN else 1.0
 
 
 def _sizes(movement: Floats) -> Floats:

@@ -35,7 +35,7 @@ from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stage_records import Mover, towards
 from clast.model.stages import EQUILIBRIUM, Stage, are_constant, factors_in
 from clast.model.state import ContactMemory, State, contact_keys
-from clast.run.stages.balance import ForceSums, forces_of
+from clast.run.stages.balance import ForceSums, angle_of, forces_of, mean_movement
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.step.method import Method, StepResult
 
@@ -105,11 +105,7 @@ class EquilibriumCheck:
         return finest * range_of_springs(self.model, self.method.contact_law.normal_stiffness)[1]
 
     def _judged(
-        self,
-        states: tuple[State, StepResult],
-        sums: ForceSums,
-        movement: Floats,
-        step: float,
+        self, states: tuple[State, StepResult], sums: ForceSums, movement: Floats, step: float
     ) -> Judgement:
         """Return how far from equilibrium a step ended."""
         stage, result = self.stage, states[1]
@@ -182,8 +178,7 @@ class EquilibriumCheck:
     def _slides_on(self, memory: ContactMemory, sums: ForceSums, movement: Floats) -> str:
         """Return that contacts slide in a step as long as blocks move much, "" where not.
 
-        Their friction is bound by normal forces from before they slid.  A contact at its limit may
-        go to and fro between slide and lock for ever, and nothing moves.
+        A contact at its limit may go between slide and lock for ever, and nothing moves.
         """
         farthest = float(np.hypot(*movement.T).max(initial=0.0))
         slides = self._carries(memory, sums) & (memory.mode == SLIDE)
@@ -213,7 +208,8 @@ class EquilibriumCheck:
             return "the ground still moves"
         if time < released_at(state):
             return "support forces are still released"
-        if any(time < one.rest_from(self.model) for one in self.model.actions if _moves(one)):
+        moving = [one for one in self.model.actions if hasattr(one, "rest_from")]
+        if any(time < one.rest_from(self.model) for one in moving):
             return "blocks are still moved"
         return ""
 
@@ -234,10 +230,9 @@ class EquilibriumCheck:
         if not self._free.any():
             return Mover()
         first, past = self.model.block_start[block : block + 2]
-        own = movement[first:past]
-        x, y = own[int(np.hypot(*own.T).argmax())]
-        angle = float(np.degrees(np.arctan2(y, x)))
-        return Mover(block=self.model.block_name[block], speed=speed, direction=angle)
+        corners = movement[first:past]
+        direction = angle_of(corners[int(np.hypot(*corners.T).argmax())])
+        return Mover(block=self.model.block_name[block], speed=speed, direction=direction)
 
     def _carries(self, memory: ContactMemory, sums: ForceSums) -> Bools:
         """Return which contacts carry more than a negligible force, shape (k,)."""
@@ -247,11 +242,7 @@ class EquilibriumCheck:
         return np.asarray(memory.normal_force > np.maximum(least, self._noise))
 
     def _changes(self, before: ContactMemory, after: ContactMemory, sums: ForceSums) -> str:
-        """Return which contact that carries has changed its mode, "" where none has.
-
-        A corner that goes on to the next edge of the same block, with as much force and in the
-        same mode, has changed nothing.
-        """
+        """Return which contact that carries has changed its mode, "" where none has."""
         count = len(self.model.vertices)
         old, new = (one.keys(count) for one in (before, after))
         old_carries, new_carries = (self._carries(one, sums) for one in (before, after))
@@ -318,8 +309,7 @@ class EquilibriumCheck:
     ) -> EquilibriumStreak:
         """Return the steps in equilibrium with one more."""
         model, memory = self.model, result.state.memory
-        start = model.block_start
-        moved = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
+        moved = mean_movement(movement, model.block_start)
         slides = self._carries(memory, sums) & (memory.mode == SLIDE)
         sliding = np.zeros(model.block_count, np.bool_)
         sliding[model.vertex_block[memory.vertex[slides]]] = True
@@ -345,11 +335,6 @@ class EquilibriumCheck:
         on &= np.hypot(*held.net.T) > STRAIGHT * held.path
         on &= held.path > CREEPING * self._limit * held.time
         return self.model.block_name[int(on.argmax())] if on.any() else ""
-
-
-def _moves(action: object) -> bool:
-    """Return whether an action knows from when on all that it moves rests (``rest_from``)."""
-    return hasattr(action, "rest_from")
 
 
 def _rows(known: Ints, wanted: Ints) -> tuple[Ints, Bools]:

@@ -13,12 +13,11 @@ go.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from clast.model.model import Floats, Model
 from clast.model.state import State
+from clast.run.stages.balance import mean_movement
 
 FAR_STEPS = 10
 """Steps that go far without balance from which a system can have none."""
@@ -33,33 +32,18 @@ PATIENCE = 2000
 """Steps without balance from which a system has none, however they go."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scales:
-    """The lengths by which movements of a model are judged."""
-
-    goes: float
-    """Movement from which blocks are going somewhere, m."""
-    within: float
-    """Distance of an equilibrium from where blocks were, m, at most."""
-
-    @classmethod
-    def of(cls, model: Model) -> Scales:
-        """Return those of a model."""
-        return cls(
-            goes=GOES * float(np.sqrt(np.median(model.area))),
-            within=WITHIN * float(np.ptp(model.vertices, axis=0).max()),
-        )
+def goes_from(model: Model) -> float:
+    """Return the movement from which blocks are going somewhere, m."""
+    return GOES * float(np.sqrt(np.median(model.area)))
 
 
 def driven(model: Model, before: State, after: State, inertia: float) -> Floats:
     """Return movement, m, and acceleration, m/s2, of a step with M ``inertia``, 1/s2, (1, 2)."""
-    start = model.block_start
-    movement = after.vertices - before.vertices
-    mean = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
+    mean = mean_movement(after.vertices - before.vertices, model.block_start)
     far = np.where(model.fixed, 0.0, np.hypot(*mean.T))
     momentum = float(np.sum(model.mass * far))
-    mean_movement = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
-    return np.array([[mean_movement, inertia * mean_movement]])
+    movement = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
+    return np.array([[movement, inertia * movement]])
 
 
 def nears(steps: Floats, within: float) -> bool:

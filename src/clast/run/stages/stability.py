@@ -31,6 +31,7 @@ from clast.model.model import Floats, Ints, Model
 from clast.model.stage_records import towards
 from clast.model.state import State
 from clast.read_only import changed
+from clast.run.stages.balance import angle_of
 from clast.step.convex import potential_of
 from clast.step.method import Method, Workspace
 from clast.step.search_distance import search_within_step, travel_expected
@@ -53,7 +54,6 @@ class CriticalMode:
     ratio: float
     """Forces that it brings about, in units of those that resist it, q."""
     block: str
-    """Block that moves most."""
     direction: float
     """Direction in which it moves, or the opposite one, degrees from +x."""
 
@@ -90,13 +90,9 @@ def critical_mode(model: Model, method: Method, state: State, step: float) -> Cr
     far = np.hypot(*mode[:, :2].T) + np.abs(mode[:, 2]) * np.sqrt(model.area)
     most = int(far.argmax())
     first, past = model.block_start[most : most + 2]
-    way = _moved(context, mode).vertices[first:past] - state.vertices[first:past]
-    x, y = way[int(np.hypot(*way.T).argmax())]
-    return CriticalMode(
-        ratio=ratio,
-        block=model.block_name[most],
-        direction=float(np.degrees(np.arctan2(y, x))),
-    )
+    motion = _moved(context, mode).vertices[first:past] - state.vertices[first:past]
+    direction = angle_of(motion[int(np.hypot(*motion.T).argmax())])
+    return CriticalMode(ratio=ratio, block=model.block_name[most], direction=direction)
 
 
 class _Tangent:
@@ -156,23 +152,23 @@ class _Tangent:
             force = with_ground(force)
         return self._factor.solve(changed(self._system, force=force), self._forces)[:count]
 
-    def turned(self, way: Floats) -> Floats:
+    def turned(self, motion: Floats) -> Floats:
         """Return G w (n, 6): forces by which those that act change as they turn with blocks."""
         model, state = self._context.model, self._context.state
-        forces = np.zeros_like(way)
-        forces[:, :3] = self._turning.forces(way)
+        forces = np.zeros_like(motion)
+        forces[:, :3] = self._turning.forces(motion)
         if any(len(one.block) and one.stiffness is None for one in self._context.contributions):
-            far = np.abs(way[:, :2]).max() + (np.abs(way[:, 2]) * np.sqrt(model.area)).max()
+            far = np.abs(motion[:, :2]).max() + (np.abs(motion[:, 2]) * np.sqrt(model.area)).max()
             small = SMALL * float(np.sqrt(np.median(model.area))) / far
-            forces += (self._loads(small * way) - self._loads(-small * way)) / (2.0 * small)
+            forces += (self._loads(small * motion) - self._loads(-small * motion)) / (2.0 * small)
         tension = model.area * (state.stress[:, 0] + state.stress[:, 1])
-        forces[:, 2] += np.maximum(0.0, tension) * way[:, 2]  # K has it (holding_forces.py)
+        forces[:, 2] += np.maximum(0.0, tension) * motion[:, 2]  # K has it (holding_forces.py)
         return np.where(self._held, 0.0, forces)
 
-    def _loads(self, way: Floats) -> Floats:
+    def _loads(self, motion: Floats) -> Floats:
         """Return the forces of loads (n, 6) where blocks move by w (n, 6)."""
-        context, forces = self._context, np.zeros_like(way)
-        moved = _moved(context, way)
+        context, forces = self._context, np.zeros_like(motion)
+        moved = _moved(context, motion)
         at = begin(context.model, context.method, moved, context.step, context.workspace)
         loads = [one for one in at.contributions if one.stiffness is None]
         add_contributions(loads, np.zeros((0, 6, 6)), forces)
@@ -191,9 +187,9 @@ class _Turning:
         self._force = np.stack([normal * nx - shear * ny, normal * ny + shear * nx], axis=1)
         self._turn_with = turn_with
 
-    def forces(self, way: Floats) -> Floats:
+    def forces(self, motion: Floats) -> Floats:
         """Return the change of the sums of forces (n, 3) by a displacement w (n, 6)."""
-        moved, count = with_ground(way), self._count
+        moved, count = with_ground(motion), self._count
         own, other = self._ends
         # the place where a force acts moves with the block that it does not turn with
         carrier = np.where(self._turn_with == own, other, own)
@@ -217,10 +213,10 @@ def _cross(first: Floats, second: Floats) -> Floats:
     return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 
-def _moved(context: StepContext, way: Floats) -> State:
+def _moved(context: StepContext, motion: Floats) -> State:
     """Return the state with blocks moved by w (n, 6)."""
     model, state, rule = context.model, context.state, context.method.rotation
-    place = context.frames.centroid, way, rule.gradient(way)
+    place = context.frames.centroid, motion, rule.gradient(motion)
     points = state.points
     if len(points):
         points = moved_to(points, model.material_points.block, *place)
@@ -228,34 +224,34 @@ def _moved(context: StepContext, way: Floats) -> State:
         state,
         vertices=moved_to(state.vertices, model.vertex_block, *place),
         points=points,
-        rotation=state.rotation + way[:, 2],
+        rotation=state.rotation + motion[:, 2],
     )
 
 
 def _largest_ratio(tangent: _Tangent) -> tuple[float, Floats]:
     """Return the largest q of G w = q K w, and w (n, 6) with w.K w = 1."""
     force = tangent.start()
-    way = tangent.solved(force)
-    ways, forces, ratios = [], [], []
+    motion = tangent.solved(force)
+    modes, forces, ratios = [], [], []
     products = np.zeros((ITERATIONS_MAX, ITERATIONS_MAX))
     mode = np.ones(1)
     for k in range(ITERATIONS_MAX):
-        size = float(np.vdot(way, force))
+        size = float(np.vdot(motion, force))
         if size <= 0.0:
             break
-        ways.append(way / np.sqrt(size))
+        modes.append(motion / np.sqrt(size))
         forces.append(force / np.sqrt(size))
-        force = tangent.turned(ways[k])
-        way = tangent.solved(force)
+        force = tangent.turned(modes[k])
+        motion = tangent.solved(force)
         for j in range(k + 1):
-            products[j, k] = products[k, j] = np.vdot(ways[j], force)
+            products[j, k] = products[k, j] = np.vdot(modes[j], force)
             force = force - products[j, k] * forces[j]
-            way = way - products[j, k] * ways[j]
+            motion = motion - products[j, k] * modes[j]
         values, vectors = np.linalg.eigh(products[: k + 1, : k + 1])
         ratios.append(float(values[-1]))
         mode = vectors[:, -1]
         if k > 2 and abs(ratios[-1] - ratios[-3]) <= ACCURACY * abs(ratios[-1]):
             break
     if not ratios:
-        return 0.0, way
-    return ratios[-1], np.asarray(np.einsum("k,knd->nd", mode, np.array(ways[: len(mode)])))
+        return 0.0, motion
+    return ratios[-1], np.asarray(np.einsum("k,knd->nd", mode, np.array(modes[: len(mode)])))

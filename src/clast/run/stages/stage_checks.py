@@ -33,25 +33,19 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
         _check_lengths(stage)
         _check_relaxation(stage)
         _check_joints(stage, model)
-        _check_ground_motion(stage, model)
-        for names in _NAMED:
-            names.check(stage, model)
     for names in _NAMED:
-        if names.again:
-            _check_once(stages, names)
+        names.check(stages, model)
     _check_excavation(stages, model)
     _check_waiting(stages, model)
-    _check_acts(stages, model)
+    _check_ground_motion(stages, model)
     _check_table_names(stages, model)
 
 
-def excavatable(model: Model) -> tuple[str, ...]:
-    """Return the names that ``excavate`` may have: those of openings, and of blocks."""
+def _excavatable(model: Model) -> tuple[str, ...]:
     return *(one.name for one in model.openings), *model.block_name
 
 
-def installable(model: Model) -> tuple[str, ...]:
-    """Return the names that ``install`` may have: those of bolts, their kinds and patterns."""
+def _installable(model: Model) -> tuple[str, ...]:
     bolts = model.bolts
     return tuple(name for name in (*bolts.name, *bolts.kind, *bolts.group) if name)
 
@@ -67,22 +61,29 @@ class _Names:
     again: str
     """The fault where two stages name the same; "": they may."""
 
-    def check(self, stage: Stage, model: Model) -> None:
-        """Refuse unknown names."""
+    def check(self, stages: Sequence[Stage], model: Model) -> None:
+        """Refuse unknown names, and those that two stages have."""
         known = tuple(dict.fromkeys(self.known(model)))
-        for name in getattr(stage, self.key):
-            if name not in known:
-                raise ModelError(
-                    f"there is no {self.kind} '{shortened(name)}'",
-                    where=f"{_where(stage)}, {self.key}",
-                    remedy=spelling.advice(name, known, kind=self.kind),
-                )
+        for stage in stages:
+            for name in getattr(stage, self.key):
+                if name not in known:
+                    remedy = spelling.advice(name, known, kind=self.kind)
+                    raise _fault(
+                        stage, self.key, f"there is no {self.kind} '{shortened(name)}'", remedy
+                    )
+        first: dict[str, Stage] = {}
+        for stage in stages if self.again else ():
+            for name in getattr(stage, self.key):
+                if name in first:
+                    what = f"'{shortened(name)}' {self.again} in {_where(first[name])}"
+                    raise _fault(stage, self.key, what, "name it once")
+                first[name] = stage
 
 
 _NAMED = (
-    _Names("excavate", "opening or block", excavatable, "was already excavated"),
-    _Names("release", "opening or block", excavatable, ""),
-    _Names("install", "bolt or kind of bolt", installable, "was already installed"),
+    _Names("excavate", "opening or block", _excavatable, "was already excavated"),
+    _Names("release", "opening or block", _excavatable, ""),
+    _Names("install", "bolt or kind of bolt", _installable, "was already installed"),
     _Names("loads", "named load or table", load_names, "already acts"),
 )
 
@@ -91,75 +92,72 @@ def _where(stage: Stage) -> str:
     return f"stage '{shortened(str(stage.name))}'"
 
 
+def _fault(stage: Stage, key: str, what: str, remedy: str) -> ModelError:
+    return ModelError(what, where=f"{_where(stage)}, {key}", remedy=remedy)
+
+
 def _check_lengths(stage: Stage) -> None:
-    where = _where(stage)
     if stage.until == TIME and stage.time is None:
-        raise ModelError(
-            "is missing", where=f"{where}, time", remedy="give the duration of the stage, s"
-        )
+        raise _fault(stage, "time", "is missing", "give the duration of the stage, s")
     if stage.time is not None and stage.step is not None and stage.step > stage.time:
-        raise ModelError(
-            f"{stage.step:g} s is longer than the whole stage of {stage.time:g} s",
-            where=f"{where}, step",
-            remedy="lower step, or raise time",
-        )
+        what = f"{stage.step:g} s is longer than the whole stage of {stage.time:g} s"
+        raise _fault(stage, "step", what, "lower step, or raise time")
 
 
 def _check_relaxation(stage: Stage) -> None:
-    where = _where(stage)
     lasting = stage.relax_time
     given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
     if given and not stage.excavate and not stage.release:
-        raise ModelError(
+        raise _fault(
+            stage,
+            given[0],
             "there is nothing to release: the stage excavates nothing",
-            where=f"{where}, {given[0]}",
-            remedy='name the excavated blocks, e.g. excavate = ["heading"]',
+            'name the excavated blocks, e.g. excavate = ["heading"]',
         )
     if lasting > 0.0 and stage.relax == 1.0:
-        raise ModelError(
+        raise _fault(
+            stage,
+            "relax_time",
             "there is nothing left to release: all support forces end at once",
-            where=f"{where}, relax_time",
-            remedy="give relax, the share that is released at once, below 1, e.g. relax = 0.3",
+            "give relax, the share that is released at once, below 1, e.g. relax = 0.3",
         )
     if lasting == 0.0 and stage.relax < 1.0:
-        raise ModelError(
+        what = (
             f"{lasting:g} s is too short a time in which {1.0 - stage.relax:.3g} of the support "
-            "forces "
-            "could be released",
-            where=f"{where}, relax_time",
-            remedy="give it in s, above 0",
+            "forces could be released"
         )
+        raise _fault(stage, "relax_time", what, "give it in s, above 0")
     if stage.until == EQUILIBRIUM and stage.time is not None and lasting > stage.time:
-        raise ModelError(
-            f"{lasting:g} s is longer than the stage, {stage.time:g} s",
-            where=f"{where}, relax_time",
-            remedy='lower it, raise time, or let later stages go on with it: until = "time"',
-        )
+        what = f"{lasting:g} s is longer than the stage, {stage.time:g} s"
+        remedy = 'lower it, raise time, or let later stages go on with it: until = "time"'
+        raise _fault(stage, "relax_time", what, remedy)
 
 
 def _check_joints(stage: Stage, model: Model) -> None:
     joints = {joint.name: joint for joint in model.joint_table.joints}
     for name in stage.joints:
         if name not in joints:
-            raise ModelError(
-                f"there is no joint '{shortened(name)}'",
-                where=f"{_where(stage)}, joint",
-                remedy=spelling.advice(name, joints, kind="joint"),
-            )
+            remedy = spelling.advice(name, joints, kind="joint")
+            raise _fault(stage, "joint", f"there is no joint '{shortened(name)}'", remedy)
     for joint in with_strengths(model.joint_table, stage.joints).joints:
         is_small = 0.0 < joints[joint.name].friction_angle < SMALL_ANGLE
         fault = contradiction(joint, is_small_meant=is_small)
         if joint.name in stage.joints and fault is not None:
-            where = f"{_where(stage)}, joint '{shortened(joint.name)}', {fault.key}"
-            raise ModelError(fault.what, where=where, remedy=fault.remedy)
+            key = f"joint '{shortened(joint.name)}', {fault.key}"
+            raise _fault(stage, key, fault.what, fault.remedy)
 
 
-def _check_ground_motion(stage: Stage, model: Model) -> None:
-    if stage.ground_motion and isinstance(model.ground_motion, Still):
+def _check_ground_motion(stages: Sequence[Stage], model: Model) -> None:
+    is_used = any(stage.ground_motion for stage in stages)
+    for stage in stages:
+        if stage.ground_motion and isinstance(model.ground_motion, Still):
+            remedy = "give it with [ground_motion], or leave this key out"
+            raise _fault(stage, "ground_motion", "the case has no ground motion", remedy)
+    if stages and not is_used and not isinstance(model.ground_motion, Still):
         raise ModelError(
-            "the case has no ground motion",
-            where=f"{_where(stage)}, ground_motion",
-            remedy="give it with [ground_motion], or leave this key out",
+            "is used in no stage",
+            where="ground_motion",
+            remedy="add ground_motion = true to one of the stages, or remove it",
         )
 
 
@@ -180,17 +178,6 @@ def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
             )
 
 
-def _check_acts(stages: Sequence[Stage], model: Model) -> None:
-    if isinstance(model.ground_motion, Still) or any(stage.ground_motion for stage in stages):
-        return
-    if stages:
-        raise ModelError(
-            "is used in no stage",
-            where="ground_motion",
-            remedy="add ground_motion = true to one of the stages, or remove it",
-        )
-
-
 def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
     since: dict[int, str] = {}
     installed: dict[int, str] = {}
@@ -199,29 +186,34 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
         for name in stage.excavate:
             for block in blocks_called([name], model.openings, model.block_name).tolist():
                 if block in since:
-                    raise ModelError(
-                        f"block '{shortened(model.block_name[block])}' was already excavated "
-                        f"in {since[block]}",
-                        where=f"{_where(stage)}, excavate",
-                        remedy="name it once, by itself or with its opening",
+                    excavated = f"'{shortened(model.block_name[block])}' was already excavated"
+                    raise _fault(
+                        stage,
+                        "excavate",
+                        f"block {excavated} in {since[block]}",
+                        "name it once, by itself or with its opening",
                     )
                 since[block] = _where(stage)
         if len(since) == model.block_count:
-            raise ModelError(
-                "no block would be left",
-                where=f"{_where(stage)}, excavate",
-                remedy="excavate some of the blocks",
-            )
+            what = "no block would be left"
+            raise _fault(stage, "excavate", what, "excavate some of the blocks")
         own = np.array([name == stage.name for name in model.bolts.stage], np.bool_)
         for bolt in np.flatnonzero(own | model.bolts.named(stage.install)).tolist():
-            _check_bolt(bolt, stage, model, since)
-            if bolt in installed:
-                raise ModelError(
-                    f"bolt '{shortened(model.bolts.name[bolt])}' was already installed in "
-                    f"{installed[bolt]}",
-                    where=f"{_where(stage)}, install",
-                    remedy="let one stage install it, by install or by the bolt's own stage",
+            name = f"bolt '{shortened(model.bolts.name[bolt])}'"
+            springs = model.bolts.blocks[model.bolts.of_spring == bolt]
+            left_out = np.isin(springs, list(since))
+            if len(springs) and left_out.any(axis=1).all():
+                block = int(springs[left_out][0])
+                what = (
+                    f"{name} would be anchored in block '{shortened(model.block_name[block])}', "
+                    f"which was excavated in {since[block]}"
                 )
+                remedy = "anchor it in blocks that stay, or install it before"
+                raise _fault(stage, "install", what, remedy)
+            if bolt in installed:
+                what = f"{name} was already installed in {installed[bolt]}"
+                remedy = "let one stage install it, by install or by the bolt's own stage"
+                raise _fault(stage, "install", what, remedy)
             installed[bolt] = _where(stage)
         _check_release(stage, model, since, released)
         _check_room(stage, model, since)
@@ -268,41 +260,10 @@ def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
                 )
 
 
-def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:
-    springs = model.bolts.blocks[model.bolts.of_spring == bolt]
-    left_out = np.isin(springs, list(since))
-    if len(springs) and left_out.any(axis=1).all():
-        block = int(springs[left_out][0])
-        raise ModelError(
-            f"bolt '{shortened(model.bolts.name[bolt])}' would be anchored in block "
-            f"'{shortened(model.block_name[block])}', which was excavated in "
-            f"{since[block]}",
-            where=f"{_where(stage)}, install",
-            remedy="anchor it in blocks that stay, or install it before",
-        )
-
-
-def _check_once(stages: Sequence[Stage], names: _Names) -> None:
-    first: dict[str, Stage] = {}
-    for stage in stages:
-        for name in getattr(stage, names.key):
-            if name in first:
-                raise ModelError(
-                    f"'{shortened(name)}' {names.again} in {_where(first[name])}",
-                    where=f"{_where(stage)}, {names.key}",
-                    remedy="name it once",
-                )
-            first[name] = stage
-
-
 def _check_table_names(stages: Sequence[Stage], model: Model) -> None:
-    loads = set(names_that_act(model))
-    tables = {factor.name for factor in model.factors}
+    both = set(names_that_act(model)) & {factor.name for factor in model.factors}
     for stage in stages:
         for name in stage.loads:
-            if name in loads & tables:
-                raise ModelError(
-                    f"'{name}' names both a load and a table",
-                    where=f"{_where(stage)}, loads",
-                    remedy="give one of them another name",
-                )
+            if name in both:
+                what = f"'{name}' names both a load and a table"
+                raise _fault(stage, "loads", what, "give one of them another name")

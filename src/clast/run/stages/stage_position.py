@@ -11,16 +11,8 @@ from clast.model.stage_records import Mechanism, Mover, StageRecord
 from clast.model.state import ReferenceState
 
 
-def _nothing() -> Floats:
+def _no_values() -> Floats:
     return np.zeros(0)
-
-
-def _no_motion() -> Floats:
-    return np.zeros((0, 2))
-
-
-def _nobody() -> Bools:
-    return np.zeros(0, np.bool_)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +26,6 @@ class Judgement:
     speed: float = np.inf
     """Largest speed of a block, as a share of sqrt(g x its size)."""
     mover: Mover = field(default_factory=Mover)
-    """The block that has it."""
     hindrance: str = ""
     """Why this is not an equilibrium; "" where it is."""
     balanced: bool = False
@@ -48,16 +39,15 @@ class EquilibriumStreak:
     """Steps in a row that ended in equilibrium; n blocks, none where there are no such steps."""
 
     steps: int = 0
-    """How many."""
     time: float = 0.0
     """How long they took, s."""
-    sliding: Bools = field(default_factory=_nobody)
+    sliding: Bools = field(default_factory=lambda: np.zeros(0, np.bool_))
     """True where a block has slid along another in all of them, shape (n,)."""
-    net: Floats = field(default_factory=_no_motion)
+    net: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     """Movement of each block in them, m, shape (n, 2)."""
-    path: Floats = field(default_factory=_nothing)
-    """Length of its way, m, shape (n,)."""
-    half: Floats = field(default_factory=_nothing)
+    path: Floats = field(default_factory=_no_values)
+    """Length of its path, m, shape (n,)."""
+    half: Floats = field(default_factory=_no_values)
     """The same in the first half of the steps, m, shape (n,)."""
 
 
@@ -76,11 +66,9 @@ class Position:
     held: EquilibriumStreak = field(default_factory=EquilibriumStreak)
     """Steps in a row in equilibrium."""
     judged: Judgement = field(default_factory=Judgement)
-    """How the last step ended."""
     over: bool = False
     """True after the last step of the stage."""
     records: tuple[StageRecord, ...] = ()
-    """How the stages before went."""
     failures: tuple[tuple[str, Mechanism], ...] = ()
     """Stages that had no equilibrium, and how they failed."""
     reference: ReferenceState | None = None

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from clast.actions.damping import Undamped
-from clast.model.model import Floats
 from clast.model.stage_records import (
     BROKEN_OFF,
     FAILS,
@@ -30,7 +29,6 @@ from clast.run.stages.transition import (
     entered,
     entered_again,
     events_at_start,
-    events_of_linings,
 )
 from clast.step.method import is_stable_for_any_step
 
@@ -89,18 +87,11 @@ class StageSequence:
             over=False,
         )
         stage = self.stage(position)
-        events = (
-            *events_at_start(stage, state.time),
-            *events_of_linings(self.base.model, stage, state.time),
-        )
+        events = tuple(events_at_start(self.base.model, stage, state.time))
         return setting, state, position, events
 
     def leave(
-        self,
-        position: Position,
-        state: State,
-        judge: EquilibriumCheck,
-        path: OnPath | None = None,
+        self, position: Position, state: State, judge: EquilibriumCheck, path: OnPath | None = None
     ) -> tuple[Position, tuple[Event, ...]]:
         """Return the position at the end of a stage, and the events.
 
@@ -113,18 +104,17 @@ class StageSequence:
         outcome = FAILS if failure is not None else outcome
         reference = here(state) if stage.reset_displacement else position.reference
         record = self.record(position, state, outcome)
-        if path is not None and path.branch:
+        if path is not None:
             record = replace(record, branch=path.branch)
         if failure is not None:
             record = replace(
-                record,
-                mover=failure.mover,
-                mechanism=failure.blocks,
-                hindrance=failure.hindrance,
+                record, mover=failure.mover, mechanism=failure.blocks, hindrance=failure.hindrance
             )
             position = replace(position, failures=(*position.failures, (stage.name, failure)))
         if stage.reset_displacement:
-            record = replace(record, reset=self._moved(state))
+            points = self.base.model.measured_points.at
+            moved = state.points[self.base.model.point_slices.measured] - points
+            record = replace(record, reset=tuple((x, y) for x, y in moved.tolist()))
         records = (*position.records, record)
         position = replace(position, records=records, reference=reference)
         return position, tuple(_events_at_end(stage, record))
@@ -163,9 +153,10 @@ class StageSequence:
                 yield f"stage '{record.name}': {record.branch}"
             if record.outcome == MOVING:
                 lasted = record.end - record.start
+                too_few = f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
                 yield (
                     f"stage '{record.name}' ended at its limit of {lasted:.6g} s without "
-                    f"equilibrium: {record.hindrance or _not_long_enough(stage)}. Most moved "
+                    f"equilibrium: {record.hindrance or too_few}. Most moved "
                     f"{record.mover}. {self._advice(stage)}"
                 )
             elif self._left_unbalanced(stage, record):
@@ -194,32 +185,18 @@ class StageSequence:
     def _advice(self, stage: Stage) -> str:
         """Return the remedies that may bring a stage to rest and are not set yet."""
         damping = self.base.method.damping if stage.damping is None else stage.damping
-        ways = ["raise its time"]
+        remedies = ["raise its time"]
         if self._dynamic_ratio(stage) > 0.0:
-            ways.append("set dynamic_ratio = 0.0")
+            remedies.append("set dynamic_ratio = 0.0")
             if isinstance(damping, Undamped):
-                ways.append('set damping = "adaptive"')
-        return f"If the blocks come to rest: {', or '.join(ways)}"
-
-    def _moved(self, state: State) -> tuple[tuple[float, float], ...]:
-        model = self.base.model
-        moved: Floats = state.points[model.point_slices.measured] - model.measured_points.at
-        return tuple((x, y) for x, y in moved.tolist())
+                remedies.append('set damping = "adaptive"')
+        return f"If the blocks come to rest: {', or '.join(remedies)}"
 
 
 def fails(stage: str, time: float, failure: Mechanism) -> Event:
     """Return that a stage, or a run without stages (""), has no equilibrium from a time on, s."""
     what = failure.blocks[0] if failure.blocks else ""
     return Event(time=time, stage=stage, kind="fails", what=what, text=str(failure))
-
-
-def failure_warning(failure: Mechanism) -> str:
-    """Return the warning of a static run without stages that has no equilibrium."""
-    return f"the static run fails: {failure}. Later results show no equilibrium"
-
-
-def _not_long_enough(stage: Stage) -> str:
-    return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
 
 
 def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
@@ -233,6 +210,5 @@ def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
     yield Event(time=record.end, stage=stage.name, kind="stage ends", what=stage.name, text=text)
     if stage.reset_displacement:
         text = "displacements count from here"
-        yield Event(
-            time=record.end, stage=stage.name, kind="displacements reset", what="", text=text
-        )
+        kind = "displacements reset"
+        yield Event(time=record.end, stage=stage.name, kind=kind, what="", text=text)

@@ -39,7 +39,7 @@ from clast.model.stages import EQUILIBRIUM, HOLD, Stage, has_bonds, with_bonds_h
 from clast.model.state import State
 from clast.run.schedule import Schedule
 from clast.run.stages import failure_verdict
-from clast.run.stages.balance import out_of_balance
+from clast.run.stages.balance import angle_of, mean_movement, out_of_balance
 from clast.run.stages.convergence import Convergence
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.stability import critical_mode
@@ -49,20 +49,20 @@ from clast.step.finish import LARGEST_TURN
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, is_stable_for_any_step
 
-FIRST = 5.0
+FIRST_FALL = 5.0
 """Fall of a free block in the first step of a stage, in units of max_displacement: with a mass term
 that carries little, and two cuts from where nothing carries."""
-RESTING = 0.1
+RESTING_FALL = 0.1
 """The same in balance, where longer steps only let blocks without support drift."""
-LONGEST = 300.0
+STEP_MAX = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
-GROWTH = 10.0
+GROWTH_MAX = 10.0
 """Growth of the pseudo time step from step to step at most."""
-CAREFUL = 1.5
+GROWTH_AFTER_CUT = 1.5
 """The same after a step that was rejected."""
 COMFORT = 0.8
 """Movement to which the pseudo time step is chosen, in units of max_displacement."""
-FAR = 0.2
+FAR_TRAVEL = 0.2
 """Movement in a step, in units of max_displacement, that is as far as it lets blocks go."""
 INCREMENTS = (1.0, 0.125, 0.03125)
 """Share of the imbalance that comes on at once: where bonds break the next is tried."""
@@ -80,15 +80,11 @@ def _no_forces() -> Floats:
     return np.zeros((0, 6))
 
 
-def _not_driven() -> Floats:
-    return np.zeros((0, 2))
-
-
 @dataclass(frozen=True, kw_only=True)
 class OnPath:
     """Where a static run, or a static stage, is on its path; n blocks."""
 
-    growth: float = GROWTH
+    growth: float = GROWTH_MAX
     """By how much the pseudo time step may grow."""
     clock: float
     """Length of the next increment of time, s."""
@@ -96,16 +92,14 @@ class OnPath:
     """Steps since the last balance."""
     far: int = 0
     """Those of them that went as far as max_displacement lets blocks go."""
-    driven: Floats = field(default_factory=_not_driven)
+    driven: Floats = field(default_factory=_no_motion)
     """Movement, m, and acceleration, m/s2, of each of these, shape (k, 2)."""
     moved: Floats = field(default_factory=_no_motion)
     """Movement of each block since then, m, shape (n, 2)."""
     balanced: bool = False
     """True where the last step ended in balance."""
     judged: Judgement = field(default_factory=Judgement)
-    """How it ended."""
     failure: Mechanism | None = None
-    """How the system fails; None: it does not."""
     missing: Floats = field(default_factory=_no_forces)
     """Imbalance when the stage began, N/m and N, (n, 6); (0, 6) where it has come."""
     reached: float = 0.0
@@ -199,7 +193,7 @@ class StaticPath:
         """The first pseudo time step, s."""
         if not self._grows:
             return self.schedule.step
-        return float(np.sqrt(FIRST) * self._falls)
+        return float(np.sqrt(FIRST_FALL) * self._falls)
 
     def clock(self, now: OnPath, state: State) -> float:
         """Return by how much time goes on in the next step, s."""
@@ -254,8 +248,8 @@ class StaticPath:
         judged = self._with_more_to_come(judged, convergence)
         movement, restarts = self._movement(before, result.state)[:, :2], now.begins
         moved = movement if restarts else now.moved + movement
-        driven, far = (_not_driven(), 0) if restarts else (now.driven, now.far)
-        if result.travel > FAR * self.method.max_displacement:
+        driven, far = (_no_motion(), 0) if restarts else (now.driven, now.far)
+        if result.travel > FAR_TRAVEL * self.method.max_displacement:
             inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
             last = failure_verdict.driven(self.model, before, result.state, inertia)
             driven, far = np.concatenate([driven, last]), far + 1
@@ -264,8 +258,8 @@ class StaticPath:
             now,
             convergence=convergence,
             ahead=_no_forces(),
-            clock=min(self.schedule.step, max(now.clock, CAREFUL * taken[1])),
-            growth=min(GROWTH, CAREFUL * now.growth),
+            clock=min(self.schedule.step, max(now.clock, GROWTH_AFTER_CUT * taken[1])),
+            growth=min(GROWTH_MAX, GROWTH_AFTER_CUT * now.growth),
             steps=steps,
             far=far,
             driven=driven,
@@ -281,21 +275,20 @@ class StaticPath:
                 after = self.examined(after, result.state)
             return self._loaded(after)
         after = replace(after, ahead=self._ahead(after, judged.left))
-        if now.failure is None and self._is_lost(after):
-            failure = self._mechanism(after)
-            # where the run goes on all the same, all of its loads act
-            nothing = _no_forces()
-            return replace(
-                after, failure=failure, missing=nothing, ahead=nothing, reached=1.0, held=False
-            )
-        return after
+        if now.failure is not None or not self._is_lost(after):
+            return after
+        failure, nothing = self._mechanism(after), _no_forces()
+        # where the run goes on all the same, all of its loads act
+        return replace(
+            after, failure=failure, missing=nothing, ahead=nothing, reached=1.0, held=False
+        )
 
     def examined(self, now: OnPath, state: State) -> OnPath:
         """Return the path in balance with the word on others that go on from there, if any do."""
         if now.branch or now.failure is not None or not now.balanced or not self._grows:
             return now
-        model, method = self.at(replace(now, ahead=_no_forces()), 0.0)
-        mode = critical_mode(model, method, state, LONGEST * self._falls)
+        judge = self.judge_of(now)
+        mode = critical_mode(judge.model, judge.method, state, STEP_MAX * self._falls)
         if mode is None or mode.ratio < 1.0:
             return now
         return replace(now, branch=mode.stayed(state.time))
@@ -328,7 +321,7 @@ class StaticPath:
         ``left`` (n, 3) are those out of balance after this one.
         """
         turn = 0.5 * LARGEST_TURN * float(np.sqrt(self.model.smallest))
-        steps = now.convergence.series(min(FAR * self.method.max_displacement, turn))
+        steps = now.convergence.series(min(FAR_TRAVEL * self.method.max_displacement, turn))
         if now.failure is not None or not self._grows or steps == 1.0:
             return _no_forces()
         return np.hstack([(steps - 1.0) * left, np.zeros_like(left)])
@@ -342,8 +335,9 @@ class StaticPath:
         if now.far < failure_verdict.FAR_STEPS:
             return False
         moved = float(self._distances(now).max(initial=0.0))
-        left = self._scales.within - moved
-        return moved > self._scales.goes and not failure_verdict.nears(now.driven, left)
+        within = failure_verdict.WITHIN * float(np.ptp(self.model.vertices, axis=0).max())
+        goes = moved > failure_verdict.goes_from(self.model)
+        return goes and not failure_verdict.nears(now.driven, within - moved)
 
     def _loaded(self, now: OnPath) -> OnPath:
         """Return the path where an increment of load is in balance."""
@@ -358,14 +352,14 @@ class StaticPath:
         """Return the path where a step had to be cut, with the clock that it has come to, s."""
         if cuts == 0:
             return now
-        return replace(now, growth=CAREFUL, clock=clock if clock > 0.0 else now.clock)
+        return replace(now, growth=GROWTH_AFTER_CUT, clock=clock if clock > 0.0 else now.clock)
 
     def next_step(self, now: OnPath, taken: float, result: StepResult) -> float:
         """Return the pseudo time step of the next step, s."""
         if now.failure is not None:
             return min(taken, self.schedule.step)
         if not self._grows:
-            return min(self.schedule.step, CAREFUL * taken)
+            return min(self.schedule.step, GROWTH_AFTER_CUT * taken)
         if now.balanced and now.reached == 1.0:
             if now.steps > 1 or self.is_under_way(result.state):
                 # confirmed by a step of the same length: in a shorter one the same creep is more of
@@ -373,12 +367,12 @@ class StaticPath:
                 return taken
             # longer ones would only let what nothing supports drift, a free body under loads that
             # balance each other, for one
-            return min(taken, float(np.sqrt(RESTING)) * self._falls)
+            return min(taken, float(np.sqrt(RESTING_FALL)) * self._falls)
         growth = now.growth
         if result.approach > 0.0:
             comfort = COMFORT * self.method.max_displacement
             growth = min(growth, float(np.sqrt(comfort / result.approach)))
-        return min(LONGEST * self._falls, growth * taken)
+        return min(STEP_MAX * self._falls, growth * taken)
 
     @property
     def _grows(self) -> bool:
@@ -392,10 +386,9 @@ class StaticPath:
 
     def _movement(self, before: State, after: State) -> Floats:
         """Return the movement of each block as ``Convergence`` has it, m, shape (n, 3)."""
-        start, size = self.model.block_start, np.sqrt(self.model.area)
-        movement = after.vertices - before.vertices
-        mean = np.add.reduceat(movement, start[:-1], axis=0) / np.diff(start)[:, None]
-        moved = np.column_stack([mean, size * (after.rotation - before.rotation)])
+        mean = mean_movement(after.vertices - before.vertices, self.model.block_start)
+        turn = np.sqrt(self.model.area) * (after.rotation - before.rotation)
+        moved = np.column_stack([mean, turn])
         return np.where(self.model.fixed[:, None], 0.0, moved)
 
     def _mechanism(self, now: OnPath) -> Mechanism:
@@ -406,9 +399,8 @@ class StaticPath:
         names = self.model.block_name
         mover = now.judged.mover
         if len(chosen):
-            x, y = now.moved[chosen[0]]
-            angle = float(np.degrees(np.arctan2(y, x)))
-            mover = Mover(block=names[chosen[0]], speed=mover.speed, direction=angle)
+            direction = angle_of(now.moved[chosen[0]])
+            mover = Mover(block=names[chosen[0]], speed=mover.speed, direction=direction)
         return Mechanism(
             blocks=tuple(names[block] for block in chosen),
             mover=mover,
@@ -427,8 +419,3 @@ class StaticPath:
     def _with_bonds_held(self) -> Model:
         """The model with bonds that nothing breaks."""
         return with_bonds_held(self.model)
-
-    @cached_property
-    def _scales(self) -> failure_verdict.Scales:
-        """The lengths by which movements are judged."""
-        return failure_verdict.Scales.of(self.model)

@@ -157,7 +157,7 @@ def fraction_released(model: Model, stages: Sequence[Stage]) -> Floats:
     return fraction
 
 
-def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
+def events_at_start(model: Model, stage: Stage, time: float) -> Iterator[Event]:
     """Yield the events at the start of a stage."""
 
     def event(kind: str, what: str, text: str) -> Event:
@@ -177,6 +177,8 @@ def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
         yield event("load begins", name, f"'{name}' begins to act")
     if stage.ground_motion:
         yield event("ground motion begins", "", "the ground begins to move")
+    for lining in _added_by(model, stage):
+        yield event("installed", lining.name, f"lining '{lining.name}' is installed")
 
 
 def _motion(motion: GroundMotion, stages: Sequence[Stage], starts: Sequence[float]) -> GroundMotion:
@@ -212,24 +214,16 @@ def _schedule(schedule: Schedule, stage: Stage, start: float) -> Schedule:
     )
 
 
-def added_by(model: Model, stage: Stage) -> tuple[OneLining, ...]:
-    """Return the linings that a stage installs."""
+def _added_by(model: Model, stage: Stage) -> tuple[OneLining, ...]:
     linings, _ = linings_of(model)
     return tuple(one for one in linings.each if one.stage == stage.name) if linings else ()
-
-
-def events_of_linings(model: Model, stage: Stage, time: float) -> Iterator[Event]:
-    """Yield the events of linings at the start of a stage."""
-    for one in added_by(model, stage):
-        text = f"lining '{one.name}' is installed"
-        yield Event(time=time, stage=stage.name, kind="installed", what=one.name, text=text)
 
 
 def lined(
     model: Model, method: Method, state: State, stage: Stage, step: float
 ) -> tuple[Model, State]:
     """Return model and state with the linings of a stage that begins; its steps are ``step``, s."""
-    fresh = added_by(model, stage)
+    fresh = _added_by(model, stage)
     linings, number = linings_of(model)
     if not fresh or linings is None:
         return model, state
@@ -267,8 +261,8 @@ def present_outline(shape: LiningShape, vertices: Floats, absent: Bools) -> Floa
     if not len(carried):
         return shape.at
     mean = total[carried] / times[carried, None]
-    way = np.stack([np.interp(np.arange(count), carried, mean[:, k]) for k in (0, 1)], axis=1)
-    return np.asarray(shape.at + way)
+    every = np.arange(count)
+    return shape.at + np.stack([np.interp(every, carried, mean[:, k]) for k in (0, 1)], axis=1)
 
 
 def _put(
@@ -357,13 +351,13 @@ def _bonded(
         bonded=whole,
         cohesive=whole,
         mode=np.full(len(near), modes.LOCK),
-        **{name: none for name in ZERO},
+        **dict.fromkeys(WITHOUT_HISTORY, none),
     )
     joined = {
         one.name: np.concatenate([getattr(state.memory, one.name), getattr(ours, one.name)])
         for one in fields(ContactMemory)
     }
-    order = _order(joined["vertex"], joined["block"], joined["edge"], joined["point"])
+    order = memory_order(joined["vertex"], joined["block"], joined["edge"], joined["point"])
     return ContactMemory(**{name: values[order] for name, values in joined.items()})
 
 
@@ -382,21 +376,13 @@ def _beside(model: Model, contacts: Contacts, coming: Bools, direction: Floats) 
     return np.asarray(own_beside | others[contacts.edge])
 
 
-ZERO = (
-    "normal_force",
-    "shear_force",
-    "multiplier",
-    "slip",
-    "slide_length",
-    "slide",
-    "slide_speed",
-    "dilation",
-)
+WITHOUT_HISTORY = ("normal_force", "shear_force", "multiplier", "slip")
+WITHOUT_HISTORY += ("slide_length", "slide", "slide_speed", "dilation")
 """Fields of the memory that contacts without a history lack."""
 
 
-def _order(vertex: Ints, block: Ints, edge: Ints, point: Ints) -> Ints:
-    """Return the order of the memory: vertices, then points of faces."""
+def memory_order(vertex: Ints, block: Ints, edge: Ints, point: Ints) -> Ints:
+    """Return the order of contacts in the memory: vertices, then points of faces."""
     inside = point > 0
     keys = np.where(inside, edge, block), np.where(inside, point, edge)
     return np.lexsort((keys[1], keys[0], vertex, inside))

@@ -11,7 +11,7 @@ from clast.model.stages import Stage
 from clast.pictures.study import figures
 from clast.results import read_results
 from clast.rockmass.drawings.blocks_out import write_blocks_dxf
-from clast.run.stages.failure_verdict import Scales
+from clast.run.stages.failure_verdict import goes_from
 from clast.study.collapsing.collapse import Collapse, ends, listed, undecided
 from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.report_page import Page
@@ -67,7 +67,7 @@ def _curves(page: Page, folder: StudyFolder, result: Collapse, number: int) -> N
     if not file.exists():
         return
     steps = read_results(file).steps
-    limits = Scales.of(folder.base.model()).goes, Stage.force_ratio
+    limits = goes_from(folder.base.model()), Stage.force_ratio
     displacement, unbalanced = np.cumsum(steps["travel"]), steps["unbalanced"]
     path = page.pictures / f"undecided-{number}.png"
     label = f"movement and unbalanced force of trial {number}, step by step"

@@ -30,7 +30,7 @@ from clast.results import Run, RunRecorder
 from clast.results.frame_samples import bolt_states
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.run.stages.failure_verdict import Scales
+from clast.run.stages.failure_verdict import goes_from
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.collapsing.search import FAILED, STANDS, UNDECIDED, Trial
@@ -100,7 +100,7 @@ def settle(case: Case, by: Reduction, base: float) -> Settled:
 
     model = changed(case, staged(by.base(content, base))).model()
     # no step may leap past an equilibrium (decision 186)
-    longest = MOVEMENT_PER_STEP_MAX * Scales.of(model).goes
+    longest = MOVEMENT_PER_STEP_MAX * goes_from(model)
     if TimeTable.model_validate(content["time"]).largest_movement(model) > longest:
         content = {**content, "time": {**content["time"], "max_displacement": longest}}
     ready = changed(case, staged(by.base(content, base)))
@@ -236,7 +236,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
     if last.outcome == REACHED:
         return replace(trial, verdict=STANDS)
     trial = replace(trial, reason=last.hindrance)
-    fails = last.outcome == FAILS and far[farthest] > Scales.of(start.model).goes
+    fails = last.outcome == FAILS and far[farthest] > goes_from(start.model)
     if fails or (last.outcome == MOVING and is_driven(start, run)):
         order = np.argsort(-far, kind="stable")
         together = order[far[order] >= TOGETHER * far[farthest]]
