@@ -126,17 +126,17 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import PackageNotFoundError, version
 
         try:
-            found: Any = version("clast")
+            value: Any = version("clast")
         except PackageNotFoundError:
-            found = "0+uninstalled"
+            value = "0+uninstalled"
     elif name in HOME:
-        found = getattr(import_module(HOME[name]), name)
+        value = getattr(import_module(HOME[name]), name)
     elif name in PARTS:
-        found = import_module(f"clast.{name}")
+        value = import_module(f"clast.{name}")
     else:
         raise AttributeError(f"module 'clast' has no attribute '{name}'")
-    globals()[name] = found
-    return found
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -39,7 +39,7 @@ class CaseError(ClastError):
     """A case file or command line that cannot be used: says where and how to correct it.
 
     ``where`` names file, table and key (or block and vertex), ``what`` is the fault and ``remedy``
-    the way out; the message is made of the three.
+    what to do; the message is made of the three.
     """
 
     def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:

@@ -23,8 +23,8 @@ LONG_LINE = re.compile(r"^(.{1500}).{501,}(.{300})$", re.MULTILINE)
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """Return the known word that looks most like ``word``, or None where none looks like it."""
     by_lower = {name.lower(): name for name in known}
-    found = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
-    return by_lower[found[0]] if found else None
+    close = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
+    return by_lower[close[0]] if close else None
 
 
 def advice(word: str, known: Iterable[str], *, kind: str) -> str:

@@ -135,28 +135,6 @@ def test_ten_thousand_blocks_build_quickly():
     assert time.perf_counter() - start < 5.0
 
 
-@pytest.mark.parametrize(
-    ("loop", "phrases"),
-    [
-        ([(0, 0), (1, 0)], ["block 1", "2 vertices"]),
-        ([(0, 0), (1, 1), (1, 0), (0, 1)], ["block 1", "edge 1-2 meets edge 3-4", "(0.5, 0.5)"]),
-        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], ["block 1", "touches itself", "edge 1-2"]),
-        ([(0, 0), (1, 0), (2, 0)], ["block 1", "no area"]),
-        ([(0, 0), (1, 0), (1, 0), (0, 1)], ["vertex 2 at (1, 0)", "same point as vertex 3"]),
-        ([(0, 0), (1, 0), (0, 1), (0, 0)], ["vertex 4 at (0, 0)", "same point as vertex 1"]),
-        ([(0, 0), (math.nan, 0), (0, 1)], ["[[block]] 1 vertices 2", "finite number"]),
-        ([(0, 0), (1, math.inf), (0, 1)], ["[[block]] 1 vertices 2", "finite number"]),
-        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["[[block]] 1 vertices 1", "3 items instead of 2"]),
-        ([("a", 0), (1, 0), (0, 1)], ["[[block]] 1 vertices 1, number 1", "not 'a'"]),
-    ],
-)
-def test_loops_that_are_no_block(loop, phrases):
-    with pytest.raises(ModelError) as error:
-        builder_with(loop).build()
-    for phrase in phrases:
-        assert phrase in str(error.value)
-
-
 def test_the_block_and_vertex_are_named_in_user_coordinates():
     far = moved(SQUARE, 1e6, 2e6)
     builder = builder_with(far)
@@ -193,25 +171,6 @@ def test_a_block_inside_another_overlaps():
 
 def test_no_blocks_at_all():
     assert "no blocks" in refusal(builder_with())
-
-
-@pytest.mark.parametrize(
-    ("change", "phrases"),
-    [
-        ({"young": 0.0}, ["[rock.bad]", "young"]),
-        ({"young": math.nan}, ["[rock.bad]", "young"]),
-        ({"density": -2700.0}, ["[rock.bad]", "density"]),
-        ({"poisson": 0.6}, ["[rock.bad]", "poisson"]),
-        ({"poisson": -1.0}, ["[rock.bad]", "poisson"]),
-        ({"poisson": math.nan}, ["[rock.bad]", "poisson"]),
-    ],
-)
-def test_impossible_rocks(change, phrases):
-    builder = InputBuilder()
-    with pytest.raises(ModelError) as caught:
-        builder.add_rock("bad", **{"young": 1e9, "poisson": 0.2, "density": 2e3, **change})
-    for phrase in phrases:
-        assert phrase in str(caught.value)
 
 
 def test_the_plane_is_given_by_its_name_or_as_an_object():
@@ -254,37 +213,6 @@ def test_a_small_friction_angle_can_be_meant():
     builder.add_joint(friction_angle=1.0, allow_small_friction_angle=True)
     builder.block(vertices=SQUARE)
     assert builder.build().joint_table.joints[0].friction_angle == 1.0
-
-
-@pytest.mark.parametrize(
-    ("place", "phrases"),
-    [
-        (
-            lambda b: b.fixed_point((-1, 0)),
-            ["fixed point 1 at (-1, 0)", "outside every block", "1 m"],
-        ),
-        (lambda b: b.fixed_point((1, 0.5)), ["common boundary", "block 1, block 2", 'block = "1"']),
-        (lambda b: b.fixed_point((0.5, 0.5), block="2"), ["not lie on block 2", "lies on block 1"]),
-        (lambda b: b.fixed_point((0.5, 0.5), block="3"), ["no block '3'"]),
-        (lambda b: b.fixed_point((0.5, math.nan)), ["[[fixed_point]] 1 at 2", "finite number"]),
-        (lambda b: b.point_load((9, 9), (1, 1)), ["point load 1", "outside every block"]),
-        (lambda b: b.line_load((0, 0), (2, 0), (1, 1)), ["line load 1", "not wholly inside"]),
-        (lambda b: b.measured_point("A", (0.5, 7)), ["measured point 'A'", "outside every block"]),
-        (lambda b: b.add_joint("x", between=[("1", "7")]), ["joint 'x'", "no block '7'"]),
-        (lambda b: b.add_joint("x", between_rocks=[("granit", "granite")]), ["mean 'granite'"]),
-        (lambda b: b.add_joint("x", friction_angle=10), ["joint 'x'", "is assigned to no contact"]),
-        (lambda b: b.add_rock("granite", young=1, poisson=0, density=1), ["two rocks"]),
-        (lambda b: b.block(vertices=moved(SQUARE, 3, 0), rock="granit"), ["mean 'granite'"]),
-        (lambda b: b.block(vertices=SQUARE, velocity=(1, 2)), ["[[block]] 3 velocity", "number 3"]),
-    ],
-)
-def test_places_and_names(place, phrases):
-    builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
-    with pytest.raises(ModelError) as caught:
-        place(builder)
-        builder.build()
-    for phrase in phrases:
-        assert phrase in str(caught.value)
 
 
 ODD = (None, 5, -1, 0, "x", "", [], {}, (1, 2), [1, 2, 3], math.nan, math.inf, 1e308, True, b"a")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import clast
-from clast.errors import CaseError
 
 HEAD = """
 schema = 1
@@ -104,29 +103,3 @@ def test_a_script_and_its_case_have_the_same_openings():
     for mine, theirs in zip(one.openings, other.openings, strict=True):
         assert np.array_equal(mine.block, theirs.block)
         assert np.array_equal(mine.welded, theirs.welded)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "what"),
-    [
-        ('blocks = ["right"]', 'blocks = ["right"]\nshape = "box"', "shape"),
-        ('blocks = ["right"]', 'blocks = ["right"]\nexcavated = true', "void from the start"),
-        ('blocks = ["right"]', 'blocks = ["rigt"]', "did you mean 'right'"),
-        ('blocks = ["right"]', 'shape = "box"\ncorner = [0, 0]\nsize = [1, 1]', "no blocks"),
-        (
-            'blocks = ["right"]\nweld = "seam"',
-            'shape = "box"\ncorner = [0, 0]\nsize = [1, 1]',
-            "no \\[domain\\] to cut",
-        ),
-        ('name = "half"', 'name = "left"', "block with this name"),
-    ],
-)
-def test_openings_that_cannot_be_meant_are_refused(old: str, new: str, what: str):
-    assert old in BLOCKS
-    with pytest.raises(CaseError, match=what):
-        clast.Case.from_toml(BLOCKS.replace(old, new)).model()
-
-
-def test_a_weld_that_no_edge_has_is_refused():
-    with pytest.raises(CaseError, match="no edge has the joint 'seem'"):
-        clast.Case.from_toml(BLOCKS.replace('weld = "seam"', 'weld = "seem"')).model()

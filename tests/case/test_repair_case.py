@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.drawn_case import MOST, blocks_text, put_together
+from clast.case.drawn_case import TOLERANCE_MAX, blocks_text, put_together
 from clast.errors import CaseError, ModelError
 from clast.inputs.builder import InputBuilder
 from clast.rockmass import BlockRepair
@@ -172,7 +172,7 @@ def test_blocks_of_a_file(tmp_path):
 
 def test_the_case_of_finished_blocks(tmp_path):
     found = put_together(written(tmp_path), "wall.csv")
-    assert found.tolerance == MOST and found.largest_movement <= MOST
+    assert found.tolerance == TOLERANCE_MAX and found.largest_movement <= TOLERANCE_MAX
     content = found.as_dict()
     assert content["blocks"] == 13 and content["joints"] == ["bed"]
     assert all(one["count"] > 0 and one["places"] for one in content["repairs"])

@@ -37,7 +37,7 @@ from clast.inputs.linings.linings import Lining
 from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable, OutputTable, TimeTable
 from clast.inputs.stages import given_stages, stage_keys
-from clast.model.model import PLANES, Model, Plane
+from clast.model.model import PLANES, Model
 from clast.model.stages import Stage
 from clast.results import Run, RunRecorder
 
@@ -46,12 +46,8 @@ if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
-END = 1.0
+END_S = 1.0
 """End of a run that does not say when, s."""
-FALLS = 300.0
-"""A step is this part of the time in which a block falls by half its own size."""
-STANDARD_GRAVITY = 9.8
-"""Acceleration by which a step is chosen where there is no gravity, m/s2."""
 
 
 RUN_MODEL = "run the model itself: clast.simulate(builder.build())"
@@ -96,14 +92,18 @@ class ModelBuilder(model_builder.InputBuilder):
 
     def _content(self) -> dict[str, Any]:
         """Return the tables of a case file that hold the system of blocks."""
+        plane = next((name for name, known in PLANES.items() if self.plane == known), None)
+        if plane is None:
+            raise unwritable(self.plane, "plane", RUN_MODEL)
         for action in self.actions[:1]:
             raise unwritable(action, "actions", RUN_MODEL)
+        push = as_plain(np.asarray(self.seismic_coefficient, np.float64))
         content = {
             "title": self.title,
-            "plane": _plane_name(self.plane),
+            "plane": plane,
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
             **({"gravity_amplitude": self.gravity_amplitude} if self.gravity_amplitude else {}),
-            **self._seismic(),
+            **({"seismic_coefficient": push} if any(push) else {}),
             "block": list(self._blocks()),
             **self._tables_given(),
             "joint": self._placed_joints(),
@@ -111,32 +111,27 @@ class ModelBuilder(model_builder.InputBuilder):
         }
         return {key: value for key, value in content.items() if value}
 
-    def _seismic(self) -> dict[str, Any]:
-        """Return the push that lasts, where there is one."""
-        share = as_plain(np.asarray(self.seismic_coefficient, np.float64))
-        return {"seismic_coefficient": share} if any(share) else {}
-
     def _singles(self) -> dict[str, Any]:
         """Return the tables of which there is one each."""
-        found = {}
+        tables = {}
         for name, one in singles(type(self)):
             value = getattr(self, name)
             keys = one.written(value)
             if keys is None:
                 raise unwritable(value, one.key, RUN_MODEL)
-            found[one.key] = keys
-        return {key: found[key] for key in Case.model_fields if key in found}
+            tables[one.key] = keys
+        return {key: tables[key] for key in Case.model_fields if key in tables}
 
     def _tables_given(self) -> dict[str, Any]:
         """Return the tables of all inputs, by their keys in a case file."""
-        found: dict[str, Any] = {}
+        tables: dict[str, Any] = {}
         for key, entry in Case.model_fields.items():
             kind: Any = table_in(entry.annotation)
             if self.has(kind) and kind.NAMED:
-                found[key] = {name: as_plain(one) for name, one in self.named(kind).items()}
+                tables[key] = {name: as_plain(one) for name, one in self.named(kind).items()}
             elif self.has(kind):
-                found[key] = [as_plain(self._with_outline(one)) for one in self.all(kind)]
-        return found
+                tables[key] = [as_plain(self._with_outline(one)) for one in self.all(kind)]
+        return tables
 
     def _with_outline(self, table: Table) -> Table:
         """Return a table; a pattern of bolts has the outline of its opening in place of a name."""
@@ -217,7 +212,14 @@ def simulate(
         remedy = "give builder.build(); a case runs by itself: clast.load(file).run()"
         raise CaseError(f"a {type(model).__name__} is not a model", remedy=remedy)
     tables = _tables(keys)
-    _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
+    for name, given in {"method": method, "damping": method, "time": schedule}.items():
+        if given is not None and tables.get(name):
+            keys_given, kind = (
+                name if name in WHOLE else ", ".join(tables[name]),
+                type(given).__name__,
+            )
+            remedy = f"give the keys, or put them into the {kind}"
+            raise CaseError(f"{keys_given} and a {kind} are both given", remedy=remedy)
     # a bad model is refused before anything slow is loaded
     from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, Source
     from clast.results.checkpoints.fingerprints import fingerprints
@@ -261,8 +263,8 @@ def usual_step(model: Model) -> float:
 
     At most a 300th of the time in which the smallest block falls by half its size.
     """
-    gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
-    wanted = math.sqrt(math.sqrt(float(model.area.min())) / gravity) / FALLS
+    gravity = float(np.hypot(*model.gravity)) or 9.8
+    wanted = math.sqrt(math.sqrt(float(model.area.min())) / gravity) / 300.0
     power = 10.0 ** math.floor(math.log10(wanted))
     rounded = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= wanted)
     return float(f"{rounded:.1g}")
@@ -270,7 +272,7 @@ def usual_step(model: Model) -> float:
 
 def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
     """Return the tables of a script with the end and the step that it does not give."""
-    time = {"end": END, **tables.get("time", {})}
+    time = {"end": END_S, **tables.get("time", {})}
     if "step" not in time:
         step, end = usual_step(model), time["end"]
         time["step"] = min(step, end) if isinstance(end, int | float) and end > 0.0 else step
@@ -290,20 +292,3 @@ def _tables(keys: dict[str, Any]) -> dict[str, Any]:
             raise CaseError(what, remedy=spelling.advice(key, known, kind="key"))
         tables.setdefault(home, {})[key] = as_plain(value)
     return tables
-
-
-def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
-    """Refuse keys for something that an object gives already."""
-    for name, value in given.items():
-        if value is not None and tables.get(name):
-            said = name if name in WHOLE else ", ".join(tables[name])
-            remedy = f"give the keys, or put them into the {type(value).__name__}"
-            raise CaseError(f"{said} and a {type(value).__name__} are both given", remedy=remedy)
-
-
-def _plane_name(plane: Plane) -> str:
-    """Return the name of a plane assumption in case files."""
-    for name, known in PLANES.items():
-        if plane == known:
-            return name
-    raise unwritable(plane, "plane", RUN_MODEL)

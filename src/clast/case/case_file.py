@@ -2,7 +2,7 @@
 
     run = clast.load("incline.toml").run()
 
-Each group of tables has a file in ``tables``; ``clast schema`` prints their keys and units.
+Each group of tables has a file in ``clast.inputs``; ``clast schema`` prints their keys and units.
 """
 
 from __future__ import annotations
@@ -180,18 +180,13 @@ class Case(BaseModel):
         if rock_mass is not None:
             faults = list(rock_mass.faults())
         else:
-            given = {
-                **{key: getattr(self, key) for key in ("joint_set", "trace")},
-                "opening": [one for one in self.opening if not one.blocks],
-                **{key: getattr(self, key) for key in ("region", "block_pattern")},
-            }
+            lists = {key: getattr(self, key) for key in ("joint_set", "trace")}
+            lists["opening"] = [one for one in self.opening if not one.blocks]
+            lists |= {key: getattr(self, key) for key in ("region", "block_pattern")}
+            what, remedy = "there is no [domain] to cut", "give [domain] with its boundary"
             faults = [
-                Fault(
-                    place=(name, getattr(self, name).index(tables[0])),
-                    what="there is no [domain] to cut",
-                    remedy="give [domain] with its boundary",
-                )
-                for name, tables in given.items()
+                Fault(place=(key, getattr(self, key).index(tables[0])), what=what, remedy=remedy)
+                for key, tables in lists.items()
                 if tables
             ]
         if faults:
@@ -201,24 +196,25 @@ class Case(BaseModel):
     @model_validator(mode="after")
     def _stages_are_known(self) -> Self:
         stages = [one.name for one in self.stage]
-        faults = [
-            Fault(
-                place=(key, number, "stage"),
-                what=f"there is no stage '{one.stage}'",
-                remedy=spelling.advice(one.stage, stages, kind="stage"),
-            )
+        given = [
+            ((key, number, "stage"), one.stage)
             for key in ("bolt", "bolt_pattern", "motion", "link", "lining")
             for number, one in enumerate(getattr(self, key))
-            if one.stage is not None and one.stage not in stages
+            if one.stage is not None
         ]
-        faults += [
-            Fault(
-                place=("motion", number, "until"),
-                what=f"there is no stage '{one.until}'",
-                remedy=spelling.advice(one.until, stages, kind="stage"),
-            )
+        given += [
+            (("motion", number, "until"), one.until)
             for number, one in enumerate(self.motion)
-            if isinstance(one.until, str) and one.until not in stages
+            if isinstance(one.until, str)
+        ]
+        faults = [
+            Fault(
+                place=place,
+                what=f"there is no stage '{name}'",
+                remedy=spelling.advice(name, stages, kind="stage"),
+            )
+            for place, name in given
+            if name not in stages
         ]
         if faults:
             raise refusals(faults)
@@ -313,9 +309,9 @@ class Case(BaseModel):
             for name, table in self._tables():
                 table.add_to(builder, name, folder)
             if self.domain is not None:
-                found = self.cut()
-                found.check_room(self.block)
-                found.add_to(builder)
+                cut = self.cut()
+                cut.check_room(self.block)
+                cut.add_to(builder)
             return builder.build()
 
     def cut(self) -> CutCase:
@@ -397,12 +393,12 @@ class Case(BaseModel):
         """Return a summary of the case, with the warnings of its run."""
         from clast.run.preflight import examine
 
+        schedule = self.schedule()
         with self._located():
-            summary = examine(model, method, self.schedule())
-        folder = self._folder
-        remarks = [text for _, table in self._tables() for text in table.remarks(folder)]
+            summary = examine(model, method, schedule)
+        remarks = [text for _, table in self._tables() for text in table.remarks(self._folder)]
         cut = self._cut.warnings if self._cut else ()
-        doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, self.schedule().stages)
+        doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, schedule.stages)
         return dataclasses.replace(summary, warnings=(*summary.warnings, *cut, *remarks, *doubts))
 
     def _not_compared(self) -> Iterator[str]:

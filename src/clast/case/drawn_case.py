@@ -39,7 +39,7 @@ from clast.rockmass.repair import repairs_of
 
 TO_BE_GIVEN = "to be given"
 """Value of a key that a drawing does not know."""
-WIDTH = 98
+COMMENT_WIDTH = 98
 """Most characters of a line of a comment, where words allow."""
 
 
@@ -48,7 +48,7 @@ def comment(text: str, indent: str = "") -> list[str]:
     words = spelling.visible(" ".join(text.split())).split(" ")
     lines, line = [], f"# {indent}{words[0]}"
     for word in words[1:]:
-        if len(line) + 1 + len(word) > WIDTH:
+        if len(line) + 1 + len(word) > COMMENT_WIDTH:
             lines.append(line)
             line = f"# {' ' * len(indent)}{word}"
         else:
@@ -162,13 +162,14 @@ def _unsaid_loads(drawing: Drawing) -> Iterator[LeftOut]:
     """Yield load points without a constant force, and forces without a load point."""
     for number, spot in enumerate(drawing.load_points, 1):
         forces = _forces(drawing.analysis, number)
+        what, reason = f"load point {_at(spot.at)}", ""
         if not forces:
             reason = "no force is given: write [[point_load]] with at and force"
-            yield LeftOut(what=f"load point {_at(spot.at)}", place=spot.place, reason=reason)
-        elif not _is_constant(forces):
+        elif len({force.force for force in forces}) > 1:
             values = "; ".join(f"{f.time:g} {f.force[0]:g} {f.force[1]:g}" for f in forces)
             reason = "it changes with time: write [[point_load]] with an [amplitude.NAME]"
-            what = f"load point {_at(spot.at)}, t fx fy {values}"
+            what = f"{what}, t fx fy {values}"
+        if reason:
             yield LeftOut(what=what, place=spot.place, reason=reason)
     for force in drawing.analysis.forces:
         if force.point > len(drawing.load_points):
@@ -331,16 +332,12 @@ def _loads(drawing: Drawing) -> Iterator[dict[str, Any]]:
     """Yield the load points with a constant force."""
     for number, spot in enumerate(drawing.load_points, 1):
         forces = _forces(drawing.analysis, number)
-        if forces and _is_constant(forces):
+        if len({force.force for force in forces}) == 1:
             yield {"at": _pair(spot.at), "force": [_short(value) for value in forces[0].force]}
 
 
 def _forces(analysis: Analysis, point: int) -> list[PointForce]:
     return [force for force in analysis.forces if force.point == point]
-
-
-def _is_constant(forces: list[PointForce]) -> bool:
-    return len({force.force for force in forces}) == 1
 
 
 def _bolts(drawing: Drawing) -> str:
@@ -393,9 +390,9 @@ def _ends(line: Segment) -> str:
     return f"{_at(line.ends[0])} to {_at(line.ends[1])}"
 
 
-SHARE = 1e-2
+TOLERANCE_OF_EDGE = 1e-2
 """Tolerance as a share of the median edge where none is given."""
-MOST = 1.5e-3
+TOLERANCE_MAX = 1.5e-3
 """Largest such tolerance, m: corners rounded to millimetres lie sqrt(2) of them apart at most."""
 
 
@@ -433,31 +430,31 @@ class DrawnBlocks:
 def put_together(blocks: Blocks, file: str | Path, tolerance: float | None = None) -> DrawnBlocks:
     """Return the blocks of a file put together within a tolerance, m.
 
-    It is SHARE of the median edge if absent, MOST at most.  Raises ModelError for blocks that are
-    no polygons, and where putting them together would spoil one.
+    It is a hundredth of the median edge if absent, TOLERANCE_MAX at most.  Raises ModelError for
+    blocks that are no polygons, and where putting them together would spoil one.
     """
     start = blocks.block_start
     edges = np.hypot(*(blocks.vertices[following(start)] - blocks.vertices).T)
     if tolerance is None:
-        tolerance = min(SHARE * float(np.median(edges)), MOST)
+        tolerance = min(TOLERANCE_OF_EDGE * float(np.median(edges)), TOLERANCE_MAX)
     try:
-        found = repaired(blocks.vertices, start, tolerance)
+        whole = repaired(blocks.vertices, start, tolerance)
         names = tuple(map(str, range(1, blocks.count + 1)))
-        origin = np.floor(found.vertices.min(axis=0))
-        outlines = BlockOutlines(names, found.start, found.vertices - origin, origin)
+        origin = np.floor(whole.vertices.min(axis=0))
+        outlines = BlockOutlines(names, whole.start, whole.vertices - origin, origin)
         check_polygons(outlines, outlines.polygons())
     except ModelError as error:
         where = f"{file}: {error.where}".replace("repair, tolerance", "--tolerance")
         raise ModelError(error.what, where=where, remedy=error.remedy) from None
-    joints = tuple(blocks.edge_joint[k] for k in found.edge.tolist())
+    joints = tuple(blocks.edge_joint[k] for k in whole.edge.tolist())
     return DrawnBlocks(
         file=str(file),
         blocks=dataclasses.replace(
-            blocks, vertices=found.vertices, block_start=found.start, edge_joint=joints
+            blocks, vertices=whole.vertices, block_start=whole.start, edge_joint=joints
         ),
         tolerance=tolerance,
-        repairs=repairs_of(found.report),
-        largest_movement=found.report.largest_movement,
+        repairs=repairs_of(whole.report),
+        largest_movement=whole.report.largest_movement,
     )
 
 

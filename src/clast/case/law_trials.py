@@ -19,7 +19,7 @@ from clast.inputs.builder import InputBuilder
 from clast.model.state import initial_state
 from clast.run.law_check import faults_of
 
-BLOCKS = 60
+BLOCKS_TRIED = 60
 """Blocks whose contacts a law is tried on; each has two."""
 
 
@@ -39,15 +39,19 @@ def _some_contacts() -> Contacts:
     builder = InputBuilder()
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    floor = np.array([[-1.0, -1.0], [2.0 * BLOCKS, -1.0], [2.0 * BLOCKS, 0.0], [-1.0, 0.0]])
+    floor = np.array(
+        [[-1.0, -1.0], [2.0 * BLOCKS_TRIED, -1.0], [2.0 * BLOCKS_TRIED, 0.0], [-1.0, 0.0]]
+    )
     builder.block(vertices=floor, fixed=True)
-    builder.blocks(vertices=square + 2.0 * np.arange(BLOCKS)[:, None, None] * np.array([1.0, 0.0]))
+    builder.blocks(
+        vertices=square + 2.0 * np.arange(BLOCKS_TRIED)[:, None, None] * np.array([1.0, 0.0])
+    )
     model = builder.build()
     centroid = polygon.moments(model.vertices, model.block_start)[1]
     reach = SearchDistance(front=0.01, depth=0.01, critdis=0.01)
-    found = detect(model, Bisector(), initial_state(model), centroid, reach)
+    contacts = detect(model, Bisector(), initial_state(model), centroid, reach)
     rng = np.random.default_rng(2)
-    count = len(found)
+    count = len(contacts)
     cohesion = np.where(rng.random(count) < 0.3, 10.0 ** rng.uniform(2.0, 6.0, count), 0.0)
     friction = np.where(rng.random(count) < 0.1, 0.0, rng.uniform(0.05, 1.5, count))
-    return replace(found, friction=friction, cohesion=cohesion, bonded=cohesion > 0.0)
+    return replace(contacts, friction=friction, cohesion=cohesion, bonded=cohesion > 0.0)

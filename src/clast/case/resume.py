@@ -17,7 +17,6 @@ from clast.case.case_file import Case
 from clast.errors import CaseError, shortened
 from clast.inputs.method import OutputTable
 from clast.model.model import Model
-from clast.model.state import State
 from clast.results import Run
 from clast.results.checkpoints import reopen
 from clast.results.checkpoints.checkpoint import (
@@ -50,16 +49,7 @@ if TYPE_CHECKING:
 
 LATER = frozenset({"time.end", "output.checkpoint_every"})
 """Keys that change nothing before a checkpoint."""
-NAMED = 6
-"""Parts that a message lists, at most."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ScriptParts:
-    """Objects that a script must give again, as no text can hold them."""
-
-    model: Model | None = None
-    method: Method | None = None
+LISTED_MAX = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,21 +100,21 @@ def resume(
         path, checkpoint = stage_before(checkpoint, path, stage, known)
         now = _prepared_again(source, checkpoint, path, settings)
     else:
-        now = _prepared(checkpoint, path, settings, ScriptParts(model=model, method=method))
+        now = _prepared(checkpoint, path, settings, model, method)
     _check_content(checkpoint, path, now)
 
     from clast.run.launch import Launch, Target, launch
 
     def target(say: Callable[[str], None]) -> Target:
-        found, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
-        return Target(output=found, recorded=recorded)
+        file, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
+        return Target(output=file, recorded=recorded)
 
     return launch(
         Launch(
             model=now.model,
             method=now.method,
             schedule=now.source.schedule,
-            remarks=(*_of_versions(checkpoint), *_of_case_file(checkpoint.source)),
+            remarks=tuple(_remarks(checkpoint)),
             foreseen=lambda: now.warnings,
             source=lambda: now.source,
             target=target,
@@ -149,18 +139,40 @@ def result_file(path: str | Path, output: str | Path | None = None) -> Path:
 
 
 def _prepared(
-    checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: ScriptParts
+    checkpoint: Checkpoint,
+    path: Path,
+    settings: Sequence[str],
+    model: Model | None,
+    method: Method | None,
 ) -> Prepared:
     """Rebuild model and method; raises CaseError unless they are unchanged."""
     source = checkpoint.source
-    _check_settings(settings)
-    _check_given(source, path, given)
+    for key, equals in ((one.partition("=")[0].strip(), "=" in one) for one in settings):
+        if key and equals and key not in LATER:
+            raise CaseError(
+                f"'{shortened(key)}' would change the run before its checkpoint",
+                where="--set",
+                remedy="a resumed run may change time.end and output.checkpoint_every; with "
+                "--stage NAME a stage is run again with other numbers; else run the case again",
+            )
+    needed = {TEXT: (), SETTINGS: ("model",), OBJECTS: ("model", "method")}[source.gives]
+    given = {"model": model, "method": method}
+    missing = ", ".join(f"{name}=..." for name in needed if given[name] is None)
+    if missing:
+        what = "comes from a script: the objects that a file cannot hold must be given again"
+        remedy = f"in the script: clast.resume('{path.name}', {missing})"
+        raise CaseError(what, where=str(path), remedy=remedy)
     case = None if source.gives == OBJECTS else _case(source, path, settings)
-    end = _end(case, settings, checkpoint, path)
-    schedule = dataclasses.replace(source.schedule, end=end)
-    model = given.model or _known(case).model()
-    method = given.method or _known(case).method(model)
+    schedule = dataclasses.replace(source.schedule, end=_end(case, settings, checkpoint))
+    model = model or _known(case).model()
+    method = method or _known(case).method(model)
     _check_same(path, checkpoint, fingerprints(model=model, method=method))
+    if case is None or source.gives != TEXT:
+        from clast.run.preflight import examine
+
+        warnings = examine(model, method, schedule).warnings
+    else:
+        warnings = case.foreseen(model, method)
     return Prepared(
         model=model,
         method=method,
@@ -171,7 +183,7 @@ def _prepared(
             schedule=schedule,
         ),
         output=case.output if case else None,
-        warnings=_warnings(case if source.gives == TEXT else None, model, method, schedule),
+        warnings=warnings,
     )
 
 
@@ -213,37 +225,21 @@ def _known(case: Case | None) -> Case:
     return case
 
 
-def _warnings(
-    case: Case | None, model: Model, method: Method, schedule: Schedule
-) -> tuple[str, ...]:
-    """Return the warnings of a run before its first step."""
-    if case is not None:
-        return case.foreseen(model, method)
-    from clast.run.preflight import examine
-
-    return examine(model, method, schedule).warnings
-
-
-def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
-    """Say where another clast has written the checkpoint."""
+def _remarks(checkpoint: Checkpoint) -> Iterator[str]:
+    """Warn where the version or the case file has changed since the run began."""
     from clast.results.run_report import version_of
 
-    here = version_of("clast")
+    here, source = version_of("clast"), checkpoint.source
     if checkpoint.version != here:
         yield (
             f"the checkpoint is of clast {checkpoint.version}, this is {here}: results may differ "
             "in their last digits from those of an uninterrupted run"
         )
-
-
-def _of_case_file(source: Source) -> Iterator[str]:
-    """Warn where the case file has changed since the run began."""
     now = print_of_text_in(Path(source.file))
     if now and source.file_text and now != source.file_text:
         yield (
             f"{source.file} has changed since the run began: the run continues with the case in "
-            "its checkpoint"
-            ". To use the changed file, run it again: clast run"
+            "its checkpoint. To use the changed file, run it again: clast run"
         )
 
 
@@ -294,34 +290,6 @@ def _as_it_was(source: Source, path: Path) -> Case:
     return case
 
 
-def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
-    """Raise CaseError where a script must give objects that no text holds."""
-    missing = {
-        TEXT: (),
-        SETTINGS: ("model",) * (given.model is None),
-        OBJECTS: tuple(name for name in ("model", "method") if getattr(given, name) is None),
-    }[source.gives]
-    if missing:
-        wanted = ", ".join(f"{name}=..." for name in missing)
-        what = "comes from a script: the objects that a file cannot hold must be given again"
-        remedy = f"in the script: clast.resume('{path.name}', {wanted})"
-        raise CaseError(what, where=str(path), remedy=remedy)
-
-
-def _check_settings(settings: Sequence[str]) -> None:
-    """Refuse settings that would have changed the run before the checkpoint."""
-    for setting in settings:
-        key, equals, _ = setting.partition("=")
-        key = key.strip()
-        if key and equals and key not in LATER:
-            raise CaseError(
-                f"'{shortened(key)}' would change the run before its checkpoint",
-                where="--set",
-                remedy="a resumed run may change time.end and output.checkpoint_every; with "
-                "--stage NAME a stage is run again with other numbers; else run the case again",
-            )
-
-
 def _case(source: Source, path: Path, settings: Sequence[str]) -> Case:
     """Return the case of a text with settings; frames stay where they were to be."""
     case = _as_it_was(source, path)
@@ -353,7 +321,7 @@ def _folder(source: Source, path: Path) -> Path:
     )
 
 
-def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:
+def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint) -> float:
     """Return the end of the run, s: as before, or from the settings."""
     end: float = checkpoint.source.schedule.end
     if not any(setting.partition("=")[0].strip() == "time.end" for setting in settings):
@@ -372,13 +340,14 @@ def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> N
     names = sorted(set(before) | set(now))
     other = [name for name in names if before.get(name) != now.get(name)]
     if other:
-        more = f" and {len(other) - NAMED} more" if len(other) > NAMED else ""
-        raise CaseError(
-            f"is the checkpoint of another run; changed parts: {', '.join(other[:NAMED])}{more}",
-            where=str(path),
-            remedy=f"give the model and the method of that run (clast {checkpoint.version}), or "
-            "run the case again",
+        listed = ", ".join(other[:LISTED_MAX])
+        more = f" and {len(other) - LISTED_MAX} more" if len(other) > LISTED_MAX else ""
+        what = f"is the checkpoint of another run; changed parts: {listed}{more}"
+        remedy = (
+            f"give the model and the method of that run (clast {checkpoint.version}), or run the "
+            "case again"
         )
+        raise CaseError(what, where=str(path), remedy=remedy)
 
 
 KEPT = (*SHAPE, "measured_points")
@@ -393,7 +362,7 @@ def stage_before(
     Raises CaseError where there is no such stage, or none before it, and where that checkpoint is
     of another run or of another moment.  ``known`` are classes of scripts.
     """
-    names = [one.name for one in _stages(checkpoint.source.schedule)]
+    names = [one.name for one in checkpoint.source.schedule.stages]
     if stage not in names:
         what = f"the run has no stage '{shortened(stage)}'"
         remedy = spelling.advice(stage, names, kind="stage") if names else "leave it out"
@@ -412,8 +381,8 @@ def stage_before(
         what = f"there is no checkpoint of the end of stage '{shortened(names[at - 1])}'"
         remedy = "put it beside the named one, or run the case again"
         raise CaseError(what, where=str(before), remedy=remedy)
-    found = _at_its_end(read_checkpoint(before, known), before, names[:at])
-    runs = [(one.recorded.lineage, one.recorded.frames) for one in (found, checkpoint)]
+    ended = _at_its_end(read_checkpoint(before, known), before, names[:at])
+    runs = [(one.recorded.lineage, one.recorded.frames) for one in (ended, checkpoint)]
     (first, frames), (second, later) = runs
     if not belongs(first, frames, second) and not belongs(second, later, first):
         what = f"belongs to another run than {path.name}"
@@ -421,7 +390,7 @@ def stage_before(
             "name a checkpoint of the run that wrote the result file last, or run the case again"
         )
         raise CaseError(what, where=str(before), remedy=remedy)
-    return before, found
+    return before, ended
 
 
 def _at_its_end(checkpoint: Checkpoint, path: Path, names: Sequence[str]) -> Checkpoint:
@@ -448,13 +417,18 @@ def check_fits(
     if other:
         what = f"has other blocks or points than the case with these settings: {', '.join(other)}"
         raise CaseError(what, where=str(path), remedy=remedy)
-    for was, now in zip(_stages(source.schedule), _stages(schedule), strict=False):
+    for was, now in zip(source.schedule.stages, schedule.stages, strict=False):
         if digest(was) != digest(now):
             what = f"the settings change stage '{was.name}', which has already finished"
             raise CaseError(what, where="--set", remedy=remedy)
         if was.name == checkpoint.stage:
             break
-    if not _same_things(state, model, stiffness):
+    from clast.actions.active import actions_of
+    from clast.actions.damping import Undamped
+
+    acting = actions_of(model, stiffness, Undamped())
+    same = len(state.actions) in (0, len(acting))
+    if not same or state.points.shape != model.material_points.at.shape:
         what = "the settings add or remove loads, supports or other actions"
         raise CaseError(what, where="--set", remedy=remedy)
 
@@ -468,18 +442,3 @@ def not_as_before(checkpoint: Checkpoint, now: Mapping[str, str]) -> Iterator[st
             f"the stages until '{checkpoint.stage}' were run with other numbers of "
             f"{', '.join(other)}: run the case again if they should change there too"
         )
-
-
-def _same_things(state: State, model: Model, stiffness: float) -> bool:
-    """Return whether the same things act on blocks as when a state was kept."""
-    from clast.actions.active import actions_of
-    from clast.actions.damping import Undamped
-
-    acting = actions_of(model, stiffness, Undamped())
-    same = len(state.actions) in (0, len(acting))
-    return same and state.points.shape == model.material_points.at.shape
-
-
-def _stages(schedule: Any) -> tuple[Any, ...]:
-    """Return the stages of a schedule."""
-    return tuple(schedule.stages)

@@ -50,22 +50,16 @@ def write_csv(
         if tables:
             raise CaseError(said, where=results.name, remedy=f"leave the table {name} out")
     paths = {name: folder / f"{name}.csv" for name in tables or TABLES if name not in lacking}
-    _check_folder(folder, paths.values())
-    for name, path in paths.items():
-        write_rows(path, TABLES[name](results, chosen))
-    return list(paths.values())
-
-
-def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
-    """Make the folder; raise CaseError where that cannot be, or where a file already exists."""
-    check_free(path for path in paths if folder.is_dir())
+    check_free(path for path in paths.values() if folder.is_dir())
     try:
         folder.mkdir(exist_ok=True)
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        what = f"cannot be the folder of tables: {reason}"
+        what = f"cannot be the folder of tables: {getattr(error, 'strerror', None) or error}"
         remedy = "name a folder; it is made in one that exists and may be written"
         raise CaseError(what, where=str(folder), remedy=remedy) from error
+    for name, path in paths.items():
+        write_rows(path, TABLES[name](results, chosen))
+    return list(paths.values())
 
 
 def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
@@ -79,9 +73,6 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
         yield "stages", "it has no stages, or did not come to its end"
     if not results.events:
         yield "events", "nothing has happened in it, or it did not come to its end"
-
-
-# Tables -------------------------------------------------------------------------------------------
 
 
 IN_BLOCKS = ("block", "name", "rock", "fixed")
@@ -150,11 +141,11 @@ def _lists(columns: Columns) -> Iterator[Sequence[Any]]:
 
 
 def _stages(results: Recording, frames: Sequence[int]) -> Rows:
-    own = ("name", "start", "end", "steps", "outcome", "force_ratio", "seconds")
-    yield (*own, "mover", "mover_speed", "mover_direction")
+    columns = ("name", "start", "end", "steps", "outcome", "force_ratio", "seconds")
+    yield (*columns, "mover", "mover_speed", "mover_direction")
     for one in results.stages:
         mover = one.mover
-        numbers = (getattr(one, name) for name in own)
+        numbers = (getattr(one, name) for name in columns)
         yield (*numbers, mover.block, mover.speed, mover.direction)
 
 

@@ -9,19 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from clast.exports.targets import check_ending, check_free, edge_joints, frames_in, numbered
-from clast.model.model import Floats
 from clast.pictures.fields import round_below
-from clast.results import FrameContacts, Recording
+from clast.results import Recording
 from clast.results.frames import absent_in_frame
 from clast.rockmass.drawings.blocks_out import Extras, write_blocks_dxf
 
-LONGEST = 0.05
+FORCE_LENGTH_MAX = 0.05
 """Length of the largest force as a share of the size of all blocks, at most."""
-LAST = (-1,)
 
 
 def write_dxf(
-    results: Recording, path: Path | str, frames: Sequence[int] | None = LAST
+    results: Recording, path: Path | str, frames: Sequence[int] | None = (-1,)
 ) -> list[Path]:
     """Write frames to DXF files, in metres, and return their paths; the last frame alone if absent.
 
@@ -42,7 +40,9 @@ def write_dxf(
     joints = [name.replace(":", "-") for name in edge_joints(results)]
     length = _length_of_forces(results, chosen)
     for frame, file in zip(chosen, paths, strict=True):
-        lines = _force_lines(results.contacts(frame), length)
+        contacts = results.contacts(frame)
+        half = 0.5 * length * contacts.force
+        lines = np.stack([contacts.position - half, contacts.position + half], axis=1)
         left = ~absent_in_frame(results, frame)
         counts = np.diff(results.block_start)
         edge = np.repeat(left, counts)
@@ -64,10 +64,4 @@ def _length_of_forces(results: Recording, frames: Sequence[int]) -> float:
     for frame in frames:
         largest = max(largest, float(np.hypot(*results.contacts(frame).force.T).max(initial=0.0)))
     size = float(np.hypot(*np.ptp(results.vertices(0), axis=0)))
-    return round_below(LONGEST * size / largest) if largest > 0.0 else 1.0
-
-
-def _force_lines(contacts: FrameContacts, length: float) -> Floats:
-    """Return the ends of the lines of contact forces, m, shape (m, 2, 2)."""
-    half = 0.5 * length * contacts.force
-    return np.stack([contacts.position - half, contacts.position + half], axis=1)
+    return round_below(FORCE_LENGTH_MAX * size / largest) if largest > 0.0 else 1.0

@@ -14,8 +14,6 @@ from clast.exports.targets import check_ending, check_free, frames_in, numbered
 from clast.results import Recording
 from clast.rockmass.drawings.drawing_files import replaced
 
-POLYGON = 7
-"""VTK's number for a polygonal cell."""
 KINDS = {"f": "Float64", "i": "Int64", "u": "UInt8"}
 """numpy's letter for a kind of number -> VTK's name for the type that it is written as."""
 PLANE = ("displacement", "velocity")
@@ -73,7 +71,8 @@ def _mesh(results: Recording, frame: int) -> Iterator[str]:
     yield "<Points>\n" + _array("Points", _with_z(vertices)) + "</Points>\n<Cells>\n"
     yield _array("connectivity", np.arange(len(vertices)))
     yield _array("offsets", start[1:])
-    yield _array("types", np.full(count, POLYGON, np.uint8))
+    # 7 is VTK's polygon
+    yield _array("types", np.full(count, 7, np.uint8))
     yield "</Cells>\n<PointData>\n"
     yield _array("displacement", _with_z(vertices - results.vertices(0)))
     yield _array("edge_joint", results.edge_joint)

@@ -13,7 +13,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
 from clast.inputs.declaring.text import asked_by
-from clast.inputs.declaring.validation_messages import SHOWN, Fault, refusals
+from clast.inputs.declaring.validation_messages import FAULTS_LISTED_MAX, Fault, refusals
 from clast.model.model import Floats
 
 
@@ -98,7 +98,9 @@ class GeometryTable(Table):
         used = {vertex for block in self.blocks for vertex in block.loop}
         idle = [k for k in range(1, len(self.vertices) + 1) if k not in used]
         if idle:
-            shown = ", ".join(map(str, idle[:SHOWN])) + (", ..." if len(idle) > SHOWN else "")
+            shown = ", ".join(map(str, idle[:FAULTS_LISTED_MAX])) + (
+                ", ..." if len(idle) > FAULTS_LISTED_MAX else ""
+            )
             yield (
                 f"[geometry] {len(idle)} of {len(self.vertices)} vertices belong to no block: "
                 f"{shown}. Check for a missing loop."
@@ -146,7 +148,9 @@ class BlockFileTable(Table):
             if name == WELDED or name.startswith(CONSTRUCTION):
                 builder.add_weld(name)
         builder.notes += [f"{self.file}: {note}" for note in blocks.notes]
-        builder.notes += [f"{self.file}: left out: {one}" for one in blocks.left_out[:SHOWN]]
+        builder.notes += [
+            f"{self.file}: left out: {one}" for one in blocks.left_out[:FAULTS_LISTED_MAX]
+        ]
         builder.blocks(
             vertices=blocks.vertices,
             start=blocks.block_start,

@@ -91,9 +91,6 @@ from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.ranges import check_names
 from clast.model.surroundings import InSituStress
 
-FAR = 10.0
-"""A case is far from the origin where its distance exceeds this many times its own size."""
-
 
 @dataclass
 class InputBuilder(Inputs):
@@ -483,7 +480,7 @@ def _origin(vertices: Floats) -> Floats:
     """
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = float(np.hypot(*(high - low)))
-    if size == 0.0 or np.abs([low, high]).max() <= FAR * size:
+    if size == 0.0 or np.abs([low, high]).max() <= 10.0 * size:
         return np.zeros(2)
     unit = 10.0 ** math.floor(math.log10(size))
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)

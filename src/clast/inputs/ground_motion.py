@@ -23,7 +23,7 @@ from clast.inputs.records.components import (
     is_other_unit,
     together,
 )
-from clast.inputs.records.conversion import STOPPING, Samples, brought_to_rest, correction_of
+from clast.inputs.records.conversion import STOP_TIME_S, Samples, brought_to_rest, correction_of
 from clast.inputs.records.formats import format_of
 from clast.model import ranges
 from clast.model.ground_motion import (
@@ -40,7 +40,7 @@ GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase] | type[Incoming
     "base": MovingBase,
     "incoming": IncomingWave,
 }
-OFFSET = 0.05
+OFFSET_SHARE = 0.05
 """Mean acceleration, as a share of the peak, above which a record's base line is off."""
 OF_FILES = ("format", "quantity", "unit", "direction")
 """Keys that only a record in a file has."""
@@ -197,7 +197,7 @@ class GroundMotionTable(Table):
         peak = float(np.hypot(*stopped.acceleration[-2]))
         speed = record.velocity(end).tolist()
         said.notes.append(
-            f"after its record, from {end:g} to {end + STOPPING:g} s, the ground is brought to "
+            f"after its record, from {end:g} to {end + STOP_TIME_S:g} s, the ground is brought to "
             f"rest from ({speed[0]:.3g}, {speed[1]:.3g}) m/s by up to {peak:.3g} m/s2"
         )
         return stopped
@@ -292,7 +292,7 @@ def _offset(samples: Samples, file: str) -> Iterator[str]:
     record = samples.accelerogram()
     end, peak = float(record.time[-1]), float(np.abs(record.acceleration).max())
     mean = float(np.hypot(*record.velocity(end))) / (end - float(record.time[0]))
-    if mean > OFFSET * peak:
+    if mean > OFFSET_SHARE * peak:
         yield (
             f"the mean acceleration of {shortened(file)} is {mean:.3g} m/s2, "
             f"{100.0 * mean / peak:.2g} % of its peak: an instrument offset, removed by "

@@ -296,16 +296,16 @@ def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Flo
     low = np.clip(np.minimum(first[0], last[0]), 0.0, line.length)
     high = np.clip(np.maximum(first[0], last[0]), 0.0, line.length)
     long = np.flatnonzero(high - low > reach)  # with a length along the line, so none across it
-    way, side = last[0][long] - first[0][long], last[1][long] - first[1][long]
-    share = (np.stack([low, high], axis=1)[long] - first[0][long, None]) / way[:, None]
+    run, side = last[0][long] - first[0][long], last[1][long] - first[1][long]
+    share = (np.stack([low, high], axis=1)[long] - first[0][long, None]) / run[:, None]
     share = np.sort(share, axis=1)
     beside = np.abs(first[1][long, None] + share * side[:, None]).max(axis=1)
     near = beside <= reach[long]
     chosen, share = long[near], share[near]
     # what ends at a corner ends there to the last digit
-    close = reach[chosen, None] / np.abs(way[near, None])
+    close = reach[chosen, None] / np.abs(run[near, None])
     share = np.where(share < close, 0.0, np.where(share > 1.0 - close, 1.0, share))
-    return edges[chosen], share, first[0][chosen, None] + share * way[near, None]
+    return edges[chosen], share, first[0][chosen, None] + share * run[near, None]
 
 
 def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: BlockOutlines) -> NoReturn:

@@ -98,9 +98,9 @@ class Joint(Table):
         faults = tuple(_faults_of_law(self))
         if faults:
             raise refusals(faults)
-        found = contradiction(self.joint("default"), is_small_meant=self.allow_small_friction_angle)
-        if found is not None:
-            raise refusal(found.what, found.remedy, found.key)
+        fault = contradiction(self.joint("default"), is_small_meant=self.allow_small_friction_angle)
+        if fault is not None:
+            raise refusal(fault.what, fault.remedy, fault.key)
         return self
 
     def joint(self, name: str) -> joints.Joint:
@@ -119,7 +119,7 @@ class Joint(Table):
         return joints.BartonBandis(
             jrc=self.jrc or 0.0,
             jcs=self.jcs or 0.0,
-            sample_length=self.sample_length or SAMPLE,
+            sample_length=self.sample_length or SAMPLE_LENGTH,
             field_length=self.field_length,
             initial_aperture=self.initial_aperture,
             initial_stiffness=self.normal_stiffness,
@@ -158,7 +158,7 @@ OF_COULOMB = {
     "dilation_until": "it opens until its roughness is worn off",
 }
 """Keys that a rough joint has no use for, and why."""
-SAMPLE = 0.1
+SAMPLE_LENGTH = 0.1
 """Length of a sample, m (Barton & Choubey 1977)."""
 WEAKEST_WALL, WIDEST, LONGEST = 1e5, 5e-3, 10.0
 """Compressive strength, Pa, opening and length of samples, m, that look like other units."""
@@ -201,26 +201,28 @@ def _faults_of_units(joint: Joint) -> Iterator[Fault]:
         if value is not None and value > most:
             what = f"{value:g} looks like millimetres, but lengths are in m"
             yield Fault(place=(key,), what=what, remedy=f"write {1e-3 * value:g}")
-    if joint.field_length is not None and joint.field_length < (joint.sample_length or SAMPLE):
+    if joint.field_length is not None and joint.field_length < (
+        joint.sample_length or SAMPLE_LENGTH
+    ):
         yield Fault(
             place=("field_length",),
             what=f"{joint.field_length:g} m is less than the length of the sample, "
-            f"{joint.sample_length or SAMPLE:g} m",
+            f"{joint.sample_length or SAMPLE_LENGTH:g} m",
             remedy="give the length of the joint between cross joints, or leave it out",
         )
     angle = joint.residual_friction_angle
-    if angle is not None and angle >= STEEPEST:
+    if angle is not None and angle >= FRICTION_ANGLE_MAX:
         yield Fault(
             place=("residual_friction_angle",),
             what=(
                 f"{angle:g} degrees leave no room for roughness: the total friction angle is "
-                f"capped at {STEEPEST:g}"
+                f"capped at {FRICTION_ANGLE_MAX:g}"
             ),
             remedy="give the friction angle of a smooth joint of this rock, 20 to 35 degrees",
         )
 
 
-STEEPEST = 70.0
+FRICTION_ANGLE_MAX = 70.0
 """Largest friction angle of rough joints, degrees."""
 
 
@@ -290,11 +292,11 @@ def joints_of_edges(table: JointTable, names: Names) -> Ints:
     """Return the joint index of each edge by its name, -1 where it has none of its own, (nv,)."""
     number = {joint.name: index for index, joint in enumerate(table.joints)}
     distinct, which = np.unique(names, return_inverse=True)
-    found = [
+    numbers = [
         number_of(name, number, "joint", "blocks, edge_joint") if name else -1
         for name in distinct.tolist()
     ]
-    return np.asarray(np.array(found, np.int64)[which])
+    return np.asarray(np.array(numbers, np.int64)[which])
 
 
 def _assign(
@@ -308,9 +310,9 @@ def _assign(
     """Give pairs of blocks or rocks to a joint; refuse pairs that two joints claim."""
     where = f"joint '{names[index]}'"
     for one, other in pairs:
-        found = (number_of(one, number, kind, where), number_of(other, number, kind, where))
-        pair = (min(found), max(found))
-        if kind == "block" and found[0] == found[1]:
+        both = (number_of(one, number, kind, where), number_of(other, number, kind, where))
+        pair = (min(both), max(both))
+        if kind == "block" and both[0] == both[1]:
             what = f"block '{one}' cannot have a joint with itself"
             raise ModelError(what, where=f"{where}, between", remedy="name two different blocks")
         before = assigned.setdefault(pair, index)

@@ -143,8 +143,8 @@ class Supported:
     @property
     def motions(self) -> dict[str, OneMotion]:
         """The motions by their names."""
-        found = [action.each for action in self.actions if isinstance(action, Motions)]
-        return {one.name: one for each in found for one in each}
+        groups = [action.each for action in self.actions if isinstance(action, Motions)]
+        return {one.name: one for each in groups for one in each}
 
     @property
     def moved(self) -> Ints:

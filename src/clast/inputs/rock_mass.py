@@ -259,13 +259,13 @@ def openings_of(
     ``block_number`` are the numbers of the blocks by name, ``edge_joint`` (nv,) the names of the
     joints of edges.  Raises ModelError for names that are taken or unknown, and blocks of two.
     """
-    found: dict[str, OpeningBlocks] = {}
+    openings: dict[str, OpeningBlocks] = {}
     owner: dict[int, str] = {}
     for one in entries:
         where = f"opening '{shortened(one.name)}'"
         check_text(one.name, "opening")
-        if one.name in found or one.name in block_number:
-            taken = "an opening" if one.name in found else "a block"
+        if one.name in openings or one.name in block_number:
+            taken = "an opening" if one.name in openings else "a block"
             remedy = "give it another name: stages excavate openings and blocks by their names"
             raise ModelError(f"there already is {taken} with this name", where=where, remedy=remedy)
         numbers = []
@@ -284,5 +284,5 @@ def openings_of(
                 remedy = "name the joint between the inside and the outside"
                 raise ModelError(what, where=f"{where}, weld", remedy=remedy)
         block = np.array(sorted(numbers), np.int64)
-        found[one.name] = OpeningBlocks(name=one.name, block=block, welded=welded)
-    return tuple(found.values())
+        openings[one.name] = OpeningBlocks(name=one.name, block=block, welded=welded)
+    return tuple(openings.values())

@@ -124,12 +124,12 @@ def given_stages(stages: Any) -> tuple[Stage, ...]:
     """
     if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
         stages = [stages]
-    found = tuple(stages)
-    for one in found:
+    listed = tuple(stages)
+    for one in listed:
         if not isinstance(one, Stage):
             remedy = 'give a list of them: stages=[clast.Stage(name="gravity"), ...]'
             raise CaseError(f"{shortened(repr(one))} is not a stage", where="stages", remedy=remedy)
-    return tuple(_table(one).stage() for one in found)
+    return tuple(_table(one).stage() for one in listed)
 
 
 def _table(stage: Stage) -> StageTable:

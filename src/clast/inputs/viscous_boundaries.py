@@ -88,7 +88,7 @@ def with_where(keys: dict[str, Any]) -> dict[str, Any]:
 
 STATIC = {"hold": 1.0, "none": 0.0}
 """Share of the support reactions that stays, by name."""
-BESIDE = 1e-6
+BESIDE_SHARE = 1e-6
 """An edge lies on a line or beside another block up to this share of its own length."""
 OUTSIDE = np.array([0.05, 0.5, 0.95])
 """Places along an edge, as shares of its length, where rock beyond it would be in a block."""
@@ -174,7 +174,7 @@ def _edges(label: str, place: Where, ground: Ground) -> Ints:
 def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockOutlines) -> Ints:
     """Return the edges that lie along straight lines."""
     here, there = outlines.vertices, outlines.vertices[outlines.following]
-    near = BESIDE * np.sqrt(np.abs(outlines.area))[outlines.owner]
+    near = BESIDE_SHARE * np.sqrt(np.abs(outlines.area))[outlines.owner]
     edges = [np.zeros(0, np.int64)]
     for number, line in enumerate(lines, start=1):
         where = f"{label}, where, edges {number}"
@@ -227,7 +227,7 @@ def _is_outer(edge: Ints, ground: Ground) -> Bools:
     outlines = ground.outlines
     first = outlines.vertices[edge]
     line = outlines.vertices[outlines.following[edge]] - first
-    out = BESIDE * np.stack([line[:, 1], -line[:, 0]], axis=1)
+    out = BESIDE_SHARE * np.stack([line[:, 1], -line[:, 0]], axis=1)
     at = first[:, None] + OUTSIDE[:, None] * line[:, None] + out[:, None]
     hit, block = ground.tree.query(shapely.points(at.reshape(-1, 2)), predicate="intersects")
     number = hit // len(OUTSIDE)

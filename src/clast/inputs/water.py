@@ -45,7 +45,7 @@ from clast.model.water import (
     wetted,
 )
 
-LIGHTEST = 100.0
+LIQUID_DENSITY_MIN = 100.0
 """Densities below are not kg/m3."""
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
 """Ranges of density in other units, and the factors that convert them."""
@@ -105,7 +105,7 @@ class Water(Table):
         if not self.density > 0.0:
             what = f"{self.density:g} is not a valid density"
             raise refusal(what, remedy, "density")
-        if self.density < LIGHTEST:
+        if self.density < LIQUID_DENSITY_MIN:
             what = f"{self.density:g} kg/m3 is not the density of a liquid"
             raise refusal(what, remedy, "density")
         return self
@@ -150,7 +150,7 @@ ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)
 """Whether outer edges and whether joints are wetted, by the name in ``acts_on``."""
 OPENED = {"open-and-closed": 1.0, "closed": 0.0}
 """Opening of a joint at which its water runs out, in lengths of the joint."""
-CLOSED = 1e-3
+CLOSED_OPENING = 1e-3
 """Opening that counts as closed, in units of the distance that faces may lie apart."""
 
 
@@ -318,7 +318,7 @@ def _joints(
         edge=joints.edge,
         share=joints.share,
         lowered=joints.lowered,
-        widest=gap + np.maximum(opened * length, CLOSED * near),
+        widest=gap + np.maximum(opened * length, CLOSED_OPENING * near),
         ends=ends,
         near=near,
         conducts=np.asarray(~bed.waits[bed.ground.outlines.owner[joints.edge]].any(axis=1)),

@@ -323,6 +323,9 @@ def lined(keys: str, thickness: float = 0.1) -> list[str]:
 STILL = ["viscous_boundary=[]", "ground_motion.acts='body-force'"]
 """Leaves the dashpots out, that blocks may be fixed."""
 
+RING = "opening=[[0.3, -0.5], [0.7, -0.5], [0.5, -0.3]], spacing=0.5"
+"""A pattern of bolts round a hole in the base."""
+
 SETTINGS: dict[str, list[str]] = {
     "two surfaces": ["water.1.line=[[0, 1], [4, 1]]"],
     "water below": ["water.1.level=-5"],
@@ -426,6 +429,22 @@ SETTINGS: dict[str, list[str]] = {
     "two waters of a name": ["water.2.name=lake"],
     "water without gravity": ["gravity=[0, 0]"],
     "water on joints of faces": ['water.1.acts_on="faces"'],
+    "water that falls upright": ["water.2.line=[[0, 1], [1, 1], [1, 0]]"],
+    "water of one point": ["water.2.line=[[0, 1]]"],
+    "water line below": ["water.2.line=[[0, -2], [4, -9]]"],
+    "water in kN/m3": ["water.1.density=9.81"],
+    "water that is a gas": ["water.1.density=50"],
+    "water of negative density": ["water.1.density=-1000"],
+    "water in no joint": ["water.1.joints=['defalt']"],
+    "water in joints that are none": ["water.1.joints=[]"],
+    "water beyond its full head": [
+        "amplitude.wild={time=[0, 1], value=[0, 2]}",
+        "water.2.amplitude=wild",
+    ],
+    "water of a share above one": ["water.1.amplitude=1.5"],
+    "water aslant": ["gravity=[1, -9]"],
+    "water that wets nothing": ["water.1={level=-0.5, acts_on='joints'}"],
+    "water of no file": ["water.2.line={file='none.csv'}"],
     "bolt outside": ["bolt.1.end=[9, 9]"],
     "bolt in a block": ["bolt.1.end=[0.5, 1.5]"],
     "bolt of no length": ["bolt.1.end=[0.5, 1.0]"],
@@ -436,6 +455,14 @@ SETTINGS: dict[str, list[str]] = {
     "bolt of no stage": ["bolt.1.stage=late"],
     "bolts of a name": ["bolt.2.name=first"],
     "bolt beyond all": ["bolt.2.end=[0.7, -3]"],
+    "bolt that begins outside": ["bolt.2.start=[-2, 0.5]", "bolt.2.end=[0.5, 0.5]"],
+    "bolt within a block": ["bolt.2.end=[0.7, 0.5]"],
+    "bolt along a joint": ["bolt.2.start=[0.1, 0]", "bolt.2.end=[0.9, 0]"],
+    "bolt where blocks touch": ["bolt.1={start=[0.5, 0], end=[0.5, 1], kind='bar'}"],
+    "bolt without a free length": [
+        "bolt.2={start=[0.7, 1], end=[0.7, -0.5], kind='bar', anchorage='grouted'}"
+    ],
+    "kind torn by its jack": ["bolt_kind.bar={stiffness=1e7, pretension=1e5, rupture_strain=1e-3}"],
     "kind twice stiff": ["bolt_kind.bar.young=2e11"],
     "kind not stiff": ["bolt_kind.bar={yield_force=1e5}"],
     "kind half stiff": ["bolt_kind.bar={young=2e11, area=1e-4}"],
@@ -443,6 +470,12 @@ SETTINGS: dict[str, list[str]] = {
     "kind ruptures twice": ["bolt_kind.bar.rupture_strain=0.1"],
     "kind breaks early": ["bolt_kind.bar.rupture_elongation=1e-3"],
     "jack of nothing": ["bolt_kind.bar.pretension=0"],
+    "pattern longer than the rock": [f"bolt_pattern=[{{{RING}, kind='bar', length=9}}]"],
+    "pattern that turns back": [
+        f"bolt_pattern=[{{{RING}, kind='bar', length=0.6, from=170, to=160}}]"
+    ],
+    "pattern of no stage": [f"bolt_pattern=[{{{RING}, kind='bar', length=0.6, stage='late'}}]"],
+    "pattern of no kind": [f"bolt_pattern=[{{{RING}, kind='bare', length=0.6, from=60, to=120}}]"],
     "pattern of no opening": ["bolt_pattern=[{opening='x', kind='bar', length=1, spacing=1}]"],
     "pattern of blocks": ["bolt_pattern=[{opening='void', kind='bar', length=1, spacing=1}]"],
     "pattern round a bay": [
@@ -466,6 +499,10 @@ SETTINGS: dict[str, list[str]] = {
     "overburden too low": ["in_situ={vertical='overburden', k0=1, datum=-9}"],
     "pressure at no edge": ["pressure.1.start=[-0.1, 0]", "pressure.1.end=[-0.1, 2]"],
     "pressure of no length": ["pressure.1.end=[0, 0]"],
+    "pressure of three": ["pressure.1.value=[1, 2, 3]"],
+    "pressure of infinity": ["pressure.1.value=[1, inf]"],
+    "pressure between two blocks": ["pressure.1={start=[0, 0], end=[1, 0], value=1}"],
+    "pressure on another block": ["pressure.1.block=base"],
     "pressure on no block": ["pressure.1.block=wal"],
     "pressure by no table": ["pressure.1.amplitude=rmap"],
     "load in the air": ["point_load.1.at=[9, 9]"],
@@ -548,6 +585,29 @@ SETTINGS: dict[str, list[str]] = {
     "blocks of a name": ["block.2.name=base"],
     "opening of no block": ["opening.1.blocks=['wal']"],
     "opening by a block's name": ["opening.1.name=wall"],
+    "opening of blocks with a shape": ["opening.1.shape=box"],
+    "opening of blocks that is void": ["opening.1.excavated=true"],
+    "opening of no weld": ["opening.1.weld=seem"],
+    "opening of a shape with a weld": [
+        "opening.1={name='void', shape='box', corner=[0, 0], size=[1, 1], weld='default'}"
+    ],
+    "opening without a domain": [
+        "opening.1={name='void', shape='box', corner=[0, 0], size=[1, 1]}"
+    ],
+    **{
+        f"block that {name}": [f"block.1.vertices={vertices}"]
+        for name, vertices in {
+            "has two corners": [[0, 0], [1, 0]],
+            "crosses itself": [[0, 0], [1, 1], [1, 0], [0, 1]],
+            "touches itself": [[0, 0], [2, 0], [2, 2], [1, 0], [0, 2]],
+            "has no area": [[0, 0], [1, 0], [2, 0]],
+            "has a corner twice": [[0, 0], [1, 0], [1, 0], [0, 1]],
+            "comes back": [[0, 0], [1, 0], [0, 1], [0, 0]],
+            "has three coordinates": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+        }.items()
+    },
+    "held where blocks touch": ["fixed_point.1={at=[0.5, 0]}"],
+    "held in another block": ["fixed_point.1={at=[0.5, 1], block='base'}"],
     "gravity by no table": ["gravity_amplitude=rmap"],
     "motion falls": ["ground_motion.time=[1, 0]"],
     "motion uneven": ["ground_motion.time=[0, 1, 2]"],
@@ -558,6 +618,31 @@ SETTINGS: dict[str, list[str]] = {
     "stage of no bolt": ["stage.2.install=['bars']"],
     "stage of no load": ["stage.2.loads=['pull']"],
     "stages of a name": ["stage.2.name=first"],
+    "stage relaxes too long": [
+        "bolt=[]",
+        "stage.2.install=[]",
+        "stage.2.relax_time=9",
+        "stage.2.until=equilibrium",
+        "stage.2.time=5",
+    ],
+    "stage damped the wrong way": ["stage.1.damping={name='adaptive', ratio=-1}"],
+    "stage damped by another's number": ["stage.1.damping={name='kinetic', ratio=1}"],
+    "stage loads twice": ["stage.2.time=0.005", "stage.2.loads=['push', 'push']"],
+    "stages load twice": ["stage.2.time=0.005", "stage.1.loads=['push']"],
+    "stages excavate twice": ["stage.2.time=0.005", "stage.1.excavate=['void']"],
+    "stages without the motion": [
+        "bolt=[]",
+        "stage.2.install=[]",
+        "stage.2.time=0.005",
+        "stage.2.ground_motion=false",
+    ],
+    "load called as a table": [
+        "bolt=[]",
+        "stage.2.install=[]",
+        "stage.2.time=0.005",
+        "point_load.1.name=ramp",
+        "stage.2.loads=['ramp']",
+    ],
     "stage of no joint": ["stage.2.joint={defalt={cohesion=1}}"],
     "stage of joint of nothing": ["stage.2.joint={default={}}"],
     "step over end": ["time.step=1"],
@@ -575,136 +660,45 @@ def scene() -> clast.ModelBuilder:
     return builder
 
 
+CONTENT = tomllib.loads(BASE)
+
+
+def first(key: str, **changes: Any) -> dict[str, Any]:
+    """Return the keys of the first table of a kind as a script gives them, at no stage."""
+    table = {**CONTENT[key][0], **changes}
+    return {name: value for name, value in table.items() if name not in ("stage", "until")}
+
+
+BEAM = {"name": "plate", "polyline": [(2.0, 0.0), (3.5, 0.0)], "side": "left", "closed": False}
+BEAM |= {"thickness": 0.1, "segment": 0.25, "young": 2e10, "poisson": 0.2, "density": 2400.0}
+BEAM |= {"tension": 2e6, "compression": 2e7, "joint": None, "start": "free", "end": "free"}
+DASHPOTS = {"side": "bottom", "normal": 1.0, "tangential": 1.0, "static": "hold", "begins": 0.0}
+PATTERN = {"opening": [(0.3, -0.5), (0.7, -0.5), (0.5, -0.3)], "kind": "bar", "length": 0.6}
+PATTERN |= {"spacing": 0.5, "angles": (60, 120), "name": "ring", "anchorage": "ends"}
+CORNERS = [(5, 0), (6, 0), (6, 1)]
 CALLS: dict[str, dict[str, Any]] = {
-    "add_rock": {
-        "name": "r",
-        "young": 1e9,
-        "poisson": 0.2,
-        "density": 2500.0,
-        "initial_stress": (0, 0, 0),
-    },
-    "add_joint": {
-        "name": "default",
-        "friction_angle": 30.0,
-        "cohesion": 2.0,
-        "tensile_strength": 1.0,
-        "residual_cohesion": 0.0,
-        "restitution": 0.1,
-        "normal_stiffness": 1e9,
-        "shear_stiffness": 1e9,
-        "between": [("base", "wall")],
-        "between_rocks": [("stone", "stone")],
-    },
-    "block": {
-        "vertices": [(5, 0), (6, 0), (6, 1)],
-        "name": "c",
-        "rock": "stone",
-        "fixed": False,
-        "velocity": (0, 0, 0),
-        "initial_stress": (0, 0, 0),
-        "edge_joint": ["", "", ""],
-    },
-    "fixed_point": {"at": (2.0, -0.5), "block": "base"},
-    "add_amplitude": {"name": "t", "time": [0, 1], "value": [0, 1]},
-    "point_load": {
-        "at": (0.5, 1),
-        "force": (1, 0),
-        "block": "wall",
-        "amplitude": "ramp",
-        "name": "p",
-    },
-    "line_load": {
-        "start": (0, 2),
-        "end": (1, 2),
-        "traction": (0, -1),
-        "block": "wall",
-        "amplitude": "ramp",
-        "name": "p",
-    },
-    "pressure": {
-        "start": (0, 0),
-        "end": (0, 2),
-        "value": (1.0, 0.0),
-        "block": "wall",
-        "amplitude": "ramp",
-        "name": "p",
-    },
-    "measured_point": {"name": "A", "at": (1, 2), "block": "wall"},
-    "measured_contact": {"name": "C", "at": (0, 0)},
-    "measured_reaction": {"name": "R", "block": "wall"},
-    "link": {"at": (0.5, 0), "blocks": ["wall", "base"], "x": "rigid", "rotation": 1e6},
-    "moment": {"block": "wall", "moment": 1.0, "amplitude": "ramp"},
-    "lining": {
-        "name": "plate",
-        "polyline": [(2.0, 0.0), (3.5, 0.0)],
-        "side": "left",
-        "closed": False,
-        "thickness": 0.1,
-        "segment": 0.25,
-        "young": 2e10,
-        "poisson": 0.2,
-        "density": 2400.0,
-        "tension": 2e6,
-        "compression": 2e7,
-        "joint": None,
-        "start": "free",
-        "end": "free",
-    },
-    "motion": {
-        "name": "m",
-        "block": "wall",
-        "x": 1.0,
-        "y": {"velocity": "ramp"},
-        "rotation": 1.0,
-        "about": (0, 0),
-        "ease": 0.1,
-        "until": 1.0,
-    },
-    "add_bolt_kind": {
-        "name": "k",
-        "stiffness": 1e7,
-        "yield_force": 1e5,
-        "rupture_elongation": 0.05,
-        "pretension": 1.0,
-        "compression": True,
-    },
-    "bolt": {
-        "start": (0.5, 1),
-        "end": (0.5, -0.5),
-        "kind": "bar",
-        "blocks": ["wall", "base"],
-        "name": "b",
-        "anchorage": "ends",
-        "pretension_is": "initial",
-        "stage": None,
-    },
-    "bolt_pattern": {
-        "opening": [(0.3, -0.5), (0.7, -0.5), (0.5, -0.3)],
-        "kind": "bar",
-        "length": 0.6,
-        "spacing": 0.5,
-        "angles": (60, 120),
-        "name": "ring",
-        "anchorage": "ends",
-    },
-    "water": {
-        "level": 1.0,
-        "acts_on": "both",
-        "name": "lake",
-        "density": 1e3,
-        "amplitude": 1.0,
-        "drained_at": [(1, 0)],
-        "wetted": "closed",
-    },
-    "viscous_boundary": {
-        "side": "bottom",
-        "normal": 1.0,
-        "tangential": 1.0,
-        "static": "hold",
-        "begins": 0.0,
-        "stage": None,
-    },
-    "opening": {"name": "void", "blocks": ["wall"]},
+    "add_rock": {"name": "r", **CONTENT["rock"]["stone"]},
+    "add_joint": {"name": "default", **CONTENT["joint"]["default"]},
+    "block": {**CONTENT["block"][1], "name": "c", "vertices": CORNERS, "rock": "stone"}
+    | {"edge_joint": ["", "", ""]},
+    "add_amplitude": {"name": "t", **CONTENT["amplitude"]["ramp"]},
+    "fixed_point": first("fixed_point"),
+    "point_load": first("point_load", name="p"),
+    "line_load": first("line_load", name="p"),
+    "pressure": first("pressure", name="p"),
+    "measured_point": first("measured_point"),
+    "measured_contact": first("measured_contact"),
+    "measured_reaction": first("measured_reaction"),
+    "link": first("link"),
+    "moment": first("moment"),
+    "lining": BEAM,
+    "motion": first("motion"),
+    "add_bolt_kind": {"name": "k", **CONTENT["bolt_kind"]["bar"]},
+    "bolt": first("bolt"),
+    "bolt_pattern": PATTERN,
+    "water": first("water"),
+    "viscous_boundary": DASHPOTS,
+    "opening": first("opening"),
 }
 
 

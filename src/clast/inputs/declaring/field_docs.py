@@ -58,7 +58,7 @@ def _docstrings(table: type) -> dict[str, str]:
         tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
     except (OSError, TypeError):
         return {}
-    found = {}
+    meanings = {}
     body = tree.body if isinstance(tree, ast.ClassDef) else []
     for pair in pairwise(body):
         match pair:
@@ -66,8 +66,8 @@ def _docstrings(table: type) -> dict[str, str]:
                 ast.AnnAssign(target=ast.Name(id=name)),
                 ast.Expr(value=ast.Constant(value=str(written))),
             ):
-                found[name] = inspect.cleandoc(written)
-    return found
+                meanings[name] = inspect.cleandoc(written)
+    return meanings
 
 
 def explain(table: type[BaseModel]) -> None:

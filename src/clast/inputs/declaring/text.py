@@ -18,11 +18,11 @@ from clast.errors import CaseError, ModelError, shortened
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML allows without quotes."""
 BYTE_ORDER_MARK = "\ufeff"
-LONGEST_ECHO = 100
+ECHO_LENGTH_MAX = 100
 """Most characters of a line that a message repeats."""
 
 
-LARGEST_FILE = 300_000_000
+TEXT_FILE_BYTES_MAX = 300_000_000
 """Text files above this size are not read, bytes."""
 
 
@@ -83,13 +83,13 @@ def _check_regular(path: Path) -> None:
     if not stat.S_ISREG(status.st_mode):
         what = "is a pipe, a socket or a device, not a regular file"
         raise CaseError(what, where=str(path), remedy="write its content into a file first")
-    if status.st_size > LARGEST_FILE:
+    if status.st_size > TEXT_FILE_BYTES_MAX:
         raise CaseError(
             f"has {status.st_size:.3g} bytes, which is more than any text file of clast should "
             "have",
             where=str(path),
-            remedy=f"files of up to {LARGEST_FILE:.0e} bytes are read; make large systems with "
-            "clast.ModelBuilder",
+            remedy=f"files of up to {TEXT_FILE_BYTES_MAX:.0e} bytes are read; make large systems "
+            "with clast.ModelBuilder",
         )
 
 
@@ -108,13 +108,15 @@ def parse(text: str, file: str) -> dict[str, Any]:
         return tomllib.loads(text.removeprefix(BYTE_ORDER_MARK))
     except tomllib.TOMLDecodeError as error:
         message = str(error)
-        found = re.search(r"\(at line (\d+), column (\d+)\)", message)
-        place = f"{file}: line {found[1]}, column {found[2]}" if found else f"{file}: at its end"
-        what = shortened(message.partition(" (at ")[0], LONGEST_ECHO)
+        at = re.search(r"\(at line (\d+), column (\d+)\)", message)
+        place = f"{file}: line {at[1]}, column {at[2]}" if at else f"{file}: at its end"
+        what = shortened(message.partition(" (at ")[0], ECHO_LENGTH_MAX)
         lines = text.splitlines()
-        number = int(found[1]) if found else 0
+        number = int(at[1]) if at else 0
         line = (
-            shortened(lines[number - 1].strip(), LONGEST_ECHO) if 1 <= number <= len(lines) else ""
+            shortened(lines[number - 1].strip(), ECHO_LENGTH_MAX)
+            if 1 <= number <= len(lines)
+            else ""
         )
         remedy = f"the line reads: {line}" if line else "a bracket or quote is not closed"
         raise CaseError(
@@ -141,7 +143,7 @@ def with_values(content: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         if not equals or not path.strip():
             remedy = "write it as table.key=value, e.g. --set time.end=2"
             raise CaseError(f"'{shortened(setting)}' sets no value", where="--set", remedy=remedy)
-        where = f"--set {shortened(setting, LONGEST_ECHO)}"
+        where = f"--set {shortened(setting, ECHO_LENGTH_MAX)}"
         _set(result, path.strip().split("."), _value(written.strip(), where), where)
     return dict(result)
 
@@ -159,7 +161,7 @@ def _value(written: str, where: str) -> Any:
 
 
 def _set(table: Any, keys: list[str], value: Any, where: str) -> None:
-    """Replace one value, making tables on the way."""
+    """Replace one value, making tables where there are none."""
     here = table
     for depth, key in enumerate(keys):
         last = depth == len(keys) - 1

@@ -62,7 +62,7 @@ class Own(str):
 
 UNKNOWN_KEY = "there is no such key"
 """Fault of a key that no table has."""
-SHOWN = 10
+FAULTS_LISTED_MAX = 10
 """Most faults that one message lists."""
 
 
@@ -129,11 +129,11 @@ def error_of(
         where = ": ".join(filter(None, (file, place_text(only.place, content))))
         return kind(only.what, where=where, remedy=only.remedy)
     lines = []
-    for fault in faults[:SHOWN]:
+    for fault in faults[:FAULTS_LISTED_MAX]:
         lines.append("  " + ": ".join(filter(None, (place_text(fault.place, content), fault.what))))
         lines += [f"    {fault.remedy}"] if fault.remedy else []
-    if len(faults) > SHOWN:
-        lines.append(f"  and {len(faults) - SHOWN} more")
+    if len(faults) > FAULTS_LISTED_MAX:
+        lines.append(f"  and {len(faults) - FAULTS_LISTED_MAX} more")
     return kind(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
 
 

@@ -13,7 +13,7 @@ from clast.model import ranges
 from clast.model.model import Floats
 from clast.model.ranges import check_names
 
-LONGEST_TITLE = 1000
+TITLE_LENGTH_MAX = 1000
 """Most characters of a title."""
 ACTION = ("begin", "contribution", "finish")
 """Methods of an action."""
@@ -64,9 +64,9 @@ def check_title(title: str) -> None:
     if not isinstance(title, str):
         what = f"{shortened(repr(title))} is not text"
         raise ModelError(what, where="title", remedy="give it in quotes")
-    if "\0" in title or len(title) > LONGEST_TITLE:
+    if "\0" in title or len(title) > TITLE_LENGTH_MAX:
         what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
-        remedy = f"give a text of at most {LONGEST_TITLE} characters"
+        remedy = f"give a text of at most {TITLE_LENGTH_MAX} characters"
         raise ModelError(what, where="title", remedy=remedy)
 
 

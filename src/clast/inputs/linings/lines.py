@@ -23,7 +23,7 @@ from clast.model.bodies import loops_round
 from clast.model.checks import point_text
 from clast.model.model import Floats, Ints
 
-GRID = 1e-8
+OUTLINE_GRID = 1e-8
 """Grid on which outlines are joined, in units of the size of the case."""
 DECIMALS_COMPARED = 6
 """Decimals of turns, and of shares of an outline, that are compared."""
@@ -50,7 +50,7 @@ class LinesOfRock:
         self._openings = openings
         self._blocks = blocks_of_openings
         bounds = shapely.total_bounds(polygons) if len(polygons) else np.array([0.0, 0, 1, 1])
-        self._grid = GRID * float(np.hypot(*(bounds[2:] - bounds[:2])))
+        self._grid = OUTLINE_GRID * float(np.hypot(*(bounds[2:] - bounds[:2])))
         self._tree = shapely.STRtree(polygons)
 
     def line(self, one: Any, where: str) -> tuple[Floats, bool]:
@@ -181,9 +181,9 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
 
 MITRE_TURN_RAD = np.radians(20.0)
 """Turn of a line, rad, that is an end of segments."""
-APART = 0.1
+POINTS_APART_MIN = 0.1
 """Distance between points of the line, in units of a segment, below which they are one."""
-ROUNDED = 1e-9
+ROUNDING = 1e-9
 """Difference that is rounding, rad and in units of a length: ties must not hang on it."""
 SEGMENTS_MAX = 10_000
 """Segments of a lining: more are a wrong unit or corner."""
@@ -231,7 +231,7 @@ def cut_line(
     does not fit.
     """
     if comes_back:
-        sharp = np.flatnonzero(np.abs(_turns(line)) > MITRE_TURN_RAD + ROUNDED)
+        sharp = np.flatnonzero(np.abs(_turns(line)) > MITRE_TURN_RAD + ROUNDING)
         line = np.roll(line, -int(sharp[0]), axis=0) if len(sharp) else line
     given = _whole(line, comes_back)
     if is_middle:
@@ -293,20 +293,20 @@ def _ends(points: Floats, marks: Floats, comes_back: bool, length: float) -> Flo
     turns = np.zeros(len(points))
     ring = points[:-1] if comes_back else points
     turns[: len(ring)] = _turns(ring)
-    sharp = np.abs(turns) > MITRE_TURN_RAD + ROUNDED
+    sharp = np.abs(turns) > MITRE_TURN_RAD + ROUNDING
     sharp[[0, -1]] = True
     corners = marks[sharp]
     ends = [corners[:1]]
     for low, high in itertools.pairwise(corners):
-        pieces = max(1, math.ceil((high - low) / length * (1.0 - ROUNDED) - 0.5))
+        pieces = max(1, math.ceil((high - low) / length * (1.0 - ROUNDING) - 0.5))
         ends.append(np.linspace(low, high, pieces + 1)[1:])
     marked = np.concatenate(ends)
     # a corner close by is where the segment ends; of two as close on either side, neither
     spacing = np.diff(marked)
-    room = APART * np.minimum(spacing[:-1], spacing[1:]) * (1.0 - ROUNDED)
+    room = POINTS_APART_MIN * np.minimum(spacing[:-1], spacing[1:]) * (1.0 - ROUNDING)
     away = np.abs(marks[:, None] - marked[1:-1])
     least = away.min(axis=0)
-    one = (away <= least + ROUNDED * length).sum(axis=0) == 1
+    one = (away <= least + ROUNDING * length).sum(axis=0) == 1
     marked[1:-1] = np.where(one & (least < room), marks[away.argmin(axis=0)], marked[1:-1])
     return marked
 
@@ -323,7 +323,7 @@ def _points(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -> tu
     for low, high in itertools.pairwise(ends):
         first.append(len(at))
         at.append(_place(points, marks, np.array([low]))[0])
-        room, middle = APART * (high - low) * (1.0 - ROUNDED), 0.5 * (low + high)
+        room, middle = POINTS_APART_MIN * (high - low) * (1.0 - ROUNDING), 0.5 * (low + high)
         inside = np.flatnonzero((marks > low + room) & (marks < high - room))
         order = np.lexsort((np.abs(marks[inside] - middle), -sharpness[inside]))
         kept: list[int] = []

@@ -26,7 +26,7 @@ from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
-from clast.inputs.linings.lines import ROUNDED, CutLine, LinesOfRock, cut_line
+from clast.inputs.linings.lines import ROUNDING, CutLine, LinesOfRock, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.place_blocks import BlockArrays
@@ -36,7 +36,7 @@ from clast.model.ranges import check_names
 from clast.model.supports import GROUND
 
 End = Literal["free", "hinged", "clamped"]
-WEAKEST = 1e-6
+STRENGTH_BY_MODULUS_MIN = 1e-6
 """Strength, in units of the modulus, below which it looks like another unit."""
 
 
@@ -124,7 +124,7 @@ class Lining(Table):
             remedy = "give longer segments: a beam segment is longer than it is thick"
             raise refusal(what, remedy, "thickness")
         strength = self.compression
-        if strength is not None and strength < WEAKEST * self.young:
+        if strength is not None and strength < STRENGTH_BY_MODULUS_MIN * self.young:
             what = f"{strength:g} looks like another unit than that of young, {self.young:g}"
             raise refusal(what, f"if these are MPa and Pa, write {strength * 1e6:g}", "compression")
         if self.tension and self.compression and self.tension > self.compression:
@@ -145,16 +145,14 @@ class Lining(Table):
         return self.is_ring and self.closed is not False
 
 
-OF_JOINTS = 0.5
+JOINT_STRAIN_SHARE = 0.5
 """Share of the strain along a lining that is left to its joints, whose springs are not too stiff
 then: steps turn blocks by chords, which stretch springs by r^2 l/4."""
-SHEAR = 5.0 / 6.0
-"""Share k of the area that resists shear in a rectangular section."""
-TOUCHES = 1e-3
+TOUCH_DISTANCE = 1e-3
 """How far from a face of a segment its rock may be, in units of the thickness."""
-SOFTEST = 1e-5
+MODULUS_BY_ROCK_MIN = 1e-5
 """Modulus, in units of that of the softest rock, below which it looks like another unit."""
-ROOM = 1e-3
+IN_ROCK_SHARE_MAX = 1e-3
 """Share of a segment that may lie in rock."""
 
 
@@ -219,7 +217,7 @@ def placed_linings(
             k, j = shapely.STRtree(other.polygons).query(one.polygons, predicate="intersects")
             common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
             thin = min(table.thickness, other.table.thickness)
-            if common.max(initial=0.0) > ROOM * thin**2:
+            if common.max(initial=0.0) > IN_ROCK_SHARE_MAX * thin**2:
                 what = f"crosses lining '{shortened(other.table.name)}'"
                 remedy = "end one at the other, or place it on the inner face of the first"
                 raise ModelError(what, where=where, remedy=remedy)
@@ -252,7 +250,7 @@ def _placed(
             polygons[segment], tree.geometries[block], grid_size=1e-6 * one.thickness
         )
     )
-    deep = common > ROOM * shapely.area(polygons[segment])
+    deep = common > IN_ROCK_SHARE_MAX * shapely.area(polygons[segment])
     inside = tuple(names[k] for k in np.unique(block[deep]).tolist())
     if inside and one.stage is None:
         what = f"lies in rock: block '{shortened(inside[0])}'" + (
@@ -260,7 +258,7 @@ def _placed(
         )
         remedy = "give it a stage that comes after their excavation, or another side"
         raise ModelError(what, where=where, remedy=remedy)
-    near = TOUCHES * one.thickness
+    near = TOUCH_DISTANCE * one.thickness
     segment, block = tree.query(polygons, predicate="dwithin", distance=near)
     own = [f"{one.name}/{k + 1}" for k in range(count)]
     within = {names.index(name) for name in inside}
@@ -281,11 +279,11 @@ def material(one: Lining, plane: Plane, rocks: Sequence[Rock]) -> LiningMaterial
     ModelError where its modulus is in another unit than those of the ``rocks``.
     """
     softest = min((rock.young for rock in rocks), default=one.young)
-    if one.young < SOFTEST * softest:
+    if one.young < MODULUS_BY_ROCK_MIN * softest:
         what = f"{one.young:g} looks like another unit than that of the rock, {softest:g}"
         remedy = f"if these are GPa and Pa, write {one.young * 1e9:g}"
         raise ModelError(what, where=f"lining '{shortened(one.name)}', young", remedy=remedy)
-    young = _modulus(one, plane) / (1.0 - OF_JOINTS)
+    young = _modulus(one, plane) / (1.0 - JOINT_STRAIN_SHARE)
     return LiningMaterial(young=young, poisson=0.0, density=one.density)
 
 
@@ -382,7 +380,7 @@ def _without_contacts(one: PlacedLining, springs: _JointSprings, ground: Ground)
     pairs += [(blocks[-1], blocks[0])] if one.table.is_ring else []
     for pair, at in zip(springs.pair.tolist(), springs.at, strict=True):
         if GROUND in pair:
-            near = TOUCHES * one.table.thickness
+            near = TOUCH_DISTANCE * one.table.thickness
             close = ground.tree.query(shapely.points(at), predicate="dwithin", distance=near)
             pairs += [(max(pair), int(block)) for block in close if ground.fixed[block]]
     return np.array(pairs, np.int64).reshape(-1, 2)
@@ -413,11 +411,16 @@ def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _
     length = np.hypot(*chord.T)
     unit, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
     young = _modulus(table, plane)
-    shear = SHEAR * table.young / (2.0 * (1.0 + table.poisson))
+    # 5/6 of a rectangular section resists shear
+    shear = 5.0 / 6.0 * table.young / (2.0 * (1.0 + table.poisson))
     # what the segments strain by themselves is not left to the joints
-    of_segments = 2.0 * (1.0 - OF_JOINTS) / young
+    of_segments = 2.0 * (1.0 - JOINT_STRAIN_SHARE) / young
     section = table.thickness * np.array(
-        [young / OF_JOINTS, 1.0 / (1.0 / shear - of_segments), young * table.thickness**2 / 12.0]
+        [
+            young / JOINT_STRAIN_SHARE,
+            1.0 / (1.0 / shear - of_segments),
+            young * table.thickness**2 / 12.0,
+        ]
     )
     count = len(blocks)
     held = (table.end, table.start) if one.turned else (table.start, table.end)
@@ -487,12 +490,12 @@ def _shape(one: PlacedLining, ground: Ground) -> LiningShape:
     tangent = np.roll(at, -1, axis=0) - np.roll(at, 1, axis=0)
     tangent = tangent if cut.closed else np.gradient(at, axis=0)
     tangent = tangent / np.hypot(*tangent.T)[:, None]
-    near = TOUCHES * one.table.thickness + ground.moved
+    near = TOUCH_DISTANCE * one.table.thickness + ground.moved
     point, edge, share = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
     for k, place in enumerate(at if len(edges) else ()):
         along = ((place - begin) * line).sum(axis=1) / length**2
         foot = begin + np.clip(along, 0.0, 1.0)[:, None] * line
-        against = (line @ tangent[k]) / length < -0.5 + ROUNDED
+        against = (line @ tangent[k]) / length < -0.5 + ROUNDING
         on = np.flatnonzero((np.hypot(*(place - foot).T) <= near) & against)
         point.append(np.full(len(on), k))
         edge.append(edges[on])

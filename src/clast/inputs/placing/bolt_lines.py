@@ -71,12 +71,12 @@ class Ground:
         """Return the numbers of the fixed points at a place, (k,); raises ModelError for none."""
         place = np.array(at) - self.outlines.origin
         near = TOUCHING * float(np.hypot(*np.ptp(self.outlines.vertices, axis=0)))
-        found = np.flatnonzero(np.hypot(*(self.points.at - place).T) <= near)
-        if not len(found):
+        points = np.flatnonzero(np.hypot(*(self.points.at - place).T) <= near)
+        if not len(points):
             what = f"there is no fixed point at {self.text(place)}"
             remedy = "give the coordinates of a [[fixed_point]]"
             raise ModelError(what, where=f"{where}, fixed_point", remedy=remedy)
-        return found
+        return points
 
     def text(self, at: Floats) -> str:
         """Return a point (2,) about the origin as messages write it."""
@@ -97,13 +97,13 @@ class Ground:
 
         shapes = np.array(shapely.points(line))
         try:
-            found = locate(shapes, named, where, self.outlines, self.tree, self.moved)
+            blocks_there = locate(shapes, named, where, self.outlines, self.tree, self.moved)
         except ModelError as error:
             if "common boundary" not in error.what:
                 raise
             remedy = 'name the blocks of its ends, the head first: blocks = ["1", "2"]'
             raise ModelError(error.what, where=error.where, remedy=remedy) from None
-        return [int(one) for one in found]
+        return [int(one) for one in blocks_there]
 
     def pieces(self, line: Floats) -> LinePieces:
         """Return the parts of a line (2, 2) that lie in blocks."""

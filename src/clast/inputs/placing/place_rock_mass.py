@@ -47,9 +47,9 @@ SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
     "top": (1, np.max),
 }
 """Side of a rectangle -> the coordinate that it has, and whether it is the least or the largest."""
-ON = 1.5
+ON_SIDE_CELLS = 1.5
 """Vertices nearer to a side than this many cells of the grid are on it."""
-OVERLAP = 0.01
+OVERLAP_SHARE_MAX = 0.01
 """Blocks by hand of which more than this share lies in blocks that were cut are in their place."""
 DEFAULT = "default"
 
@@ -231,7 +231,7 @@ class CutCase:
                 continue  # what is wrong with it the builder says
             near = tree.geometries[tree.query(shape)]
             common = float(shapely.area(shapely.intersection(shape, near)).sum())
-            if common > OVERLAP * shape.area:
+            if common > OVERLAP_SHARE_MAX * shape.area:
                 raise ModelError(
                     f"{common:.3g} m2 of it overlap the rock that is cut into blocks",
                     where=f"block {number}" + (f" '{one.name}'" if one.name else ""),
@@ -271,7 +271,7 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
     for side in sides:
         axis, outermost = SIDES[side]
         at = float(outermost(corners[:, axis]))
-        on = np.abs(cut.vertices[:, axis] - at) <= ON * cut.report.tolerance
+        on = np.abs(cut.vertices[:, axis] - at) <= ON_SIDE_CELLS * cut.report.tolerance
         here = np.logical_or.reduceat(on, cut.block_start[:-1])
         if not here.any():
             what = f"no block is at the {side}"

@@ -13,11 +13,11 @@ from clast.inputs.records.conversion import CONVERSIONS, Samples
 from clast.inputs.records.formats import READERS, format_of
 from clast.inputs.records.series import UNITS, RecordSeries
 
-SAME = 0.01
+INSTANT_OFFSET_MAX = 0.01
 """Share of an interval by which the instants of two components may be apart."""
-LONGEST_NAME = 60
+NAME_LENGTH_MAX = 60
 """Most characters of a file's name in a note."""
-OTHER_UNIT = 5.0
+UNIT_RATIO_MAX = 5.0
 """A unit that is off by more than this factor is another one than a heading names."""
 
 
@@ -65,7 +65,7 @@ def component(
     except CaseError as error:
         raise CaseError(error.what, where=series.name, remedy=error.remedy) from None
     source = "as the file says" if unit is None and series.unit else "as the case says"
-    name = shortened(path.name, LONGEST_NAME)
+    name = shortened(path.name, NAME_LENGTH_MAX)
     doubt = doubted_times(series.time, name)
     size = abs(scale) * UNITS["acceleration"].get(known, 0.0)
     if is_other_unit(series, size):
@@ -86,7 +86,7 @@ def is_other_unit(series: RecordSeries, size: float) -> bool:
     """Return whether the heading names another unit of acceleration than one of a size, m/s2."""
     if series.guess is None or size == 0.0:
         return False
-    return not series.guess[1] / OTHER_UNIT <= size <= series.guess[1] * OTHER_UNIT
+    return not series.guess[1] / UNIT_RATIO_MAX <= size <= series.guess[1] * UNIT_RATIO_MAX
 
 
 def _unit(series: RecordSeries, quantity: str, given: str | None, other: str | None) -> str:
@@ -127,7 +127,7 @@ def together(first: Component, second: Component) -> tuple[Samples, str | None]:
     one, other = first.samples, second.samples
     count = min(len(one.time), len(other.time))
     apart = float(np.abs(one.time[:count] - other.time[:count]).max())
-    if apart > SAME * min(one.interval, other.interval):
+    if apart > INSTANT_OFFSET_MAX * min(one.interval, other.interval):
         raise CaseError(
             f"begins at {other.time[0]:g} s with a value every {other.interval:g} s, the first "
             f"component at {one.time[0]:g} s with one every {one.interval:g} s",

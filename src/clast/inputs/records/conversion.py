@@ -28,9 +28,9 @@ from clast.inputs.records.series import number_of
 from clast.model.ground_motion import Accelerogram
 from clast.model.model import Floats
 
-AT_REST = 0.01
+START_VELOCITY_SHARE_MAX = 0.01
 """Share of the largest velocity up to which a velocity at the first instant is taken as none."""
-STOPPING = 1.0
+STOP_TIME_S = 1.0
 """Time in which the ground is brought to rest after its record, s."""
 
 
@@ -66,11 +66,11 @@ def from_velocity(time: Floats, values: Floats) -> Samples:
     """Return the acceleration of velocities, m/s, shape (k, c), that are linear between instants.
 
     Every velocity but the first is met exactly; the first is none, as the ground starts from rest.
-    Raises CaseError where it is more than AT_REST of the largest.
+    Raises CaseError where it is more than START_VELOCITY_SHARE_MAX of the largest.
     """
     most = float(np.abs(values).max())
     first = float(np.abs(values[0]).max())
-    if first > AT_REST * most:
+    if first > START_VELOCITY_SHARE_MAX * most:
         raise CaseError(
             f"the velocity begins with {first:.3g} m/s, of {most:.3g} m/s at most, but the ground "
             "must start from rest",
@@ -112,16 +112,14 @@ def brought_to_rest(record: Accelerogram) -> Accelerogram:
     the end of the record: (a + 2 peak) / 4 x 1 s = -v.
     """
     end, last = float(record.time[-1]), record.acceleration[-1]
-    peak = -2.0 * record.velocity(end) / STOPPING - 0.5 * last
+    peak = -2.0 * record.velocity(end) / STOP_TIME_S - 0.5 * last
     return Accelerogram(
-        np.append(record.time, [end + 0.5 * STOPPING, end + STOPPING]),
+        np.append(record.time, [end + 0.5 * STOP_TIME_S, end + STOP_TIME_S]),
         np.concatenate([record.acceleration, [peak, np.zeros(2)]]),
     )
 
 
-ORDER = 4
-"""Order of the Butterworth filter; it runs forwards and backwards, so the phase is kept."""
-UNEVEN = 1e-3
+FILTER_INTERVAL_CHANGE_MAX = 1e-3
 """Share of the interval by which the instants of a record that is filtered may be off."""
 KNOWN = '"none", "linear", or "highpass:0.1" with the corner frequency in Hz'
 HIGHPASS = re.compile(r"highpass:\s*([0-9.eE+-]+)")
@@ -166,15 +164,15 @@ def _highpassed(samples: Samples, corner: float) -> Floats:
             remedy=f"give a corner from {1.0 / (count * interval):.3g} Hz, one period in the "
             f"record, to below {0.5 / interval:g} Hz, two instants a period",
         )
-    sections = butter(ORDER, corner, btype="highpass", fs=1.0 / interval, output="sos")
-    memory = min(count - 1, math.ceil(ORDER / (corner * interval)))
+    sections = butter(4, corner, btype="highpass", fs=1.0 / interval, output="sos")
+    memory = min(count - 1, math.ceil(4 / (corner * interval)))
     return np.asarray(sosfiltfilt(sections, samples.acceleration, axis=0, padlen=memory))
 
 
 def _check_even(samples: Samples) -> None:
     """Refuse intervals that change: neither the line nor the filter knows them."""
     interval = np.diff(samples.time)
-    if np.abs(interval - samples.interval).max() > UNEVEN * samples.interval:
+    if np.abs(interval - samples.interval).max() > FILTER_INTERVAL_CHANGE_MAX * samples.interval:
         raise CaseError(
             f"the instants lie {interval.min():g} to {interval.max():g} s apart, and a base line "
             "needs equal intervals",

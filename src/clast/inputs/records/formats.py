@@ -21,7 +21,7 @@ from clast.inputs.records.series import (
     unit_of_heading,
 )
 
-HEADING = 12
+AT2_HEADING_LINES_MAX = 12
 """Lines within which NPTS and DT are looked for."""
 NUMBER = r"([-+.\dEe]+)"
 COUNTED = (
@@ -82,16 +82,20 @@ def read_at2(path: Path) -> RecordSeries:
 
 def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
     """Return the index of the line with NPTS and DT, and the two as they are written."""
-    for index, line in enumerate(lines[:HEADING]):
+    for index, line in enumerate(lines[:AT2_HEADING_LINES_MAX]):
         for pattern in COUNTED:
-            found = pattern.search(line)
-            if found:
-                return index, (found[1], found[2])
+            match = pattern.search(line)
+            if match:
+                return index, (match[1], match[2])
     what = "its heading has no line with NPTS and DT"
-    raise CaseError(what, where=f"{name}: lines 1 to {min(len(lines), HEADING)}", remedy=AT2_LAYOUT)
+    raise CaseError(
+        what,
+        where=f"{name}: lines 1 to {min(len(lines), AT2_HEADING_LINES_MAX)}",
+        remedy=AT2_LAYOUT,
+    )
 
 
-KNET_HEADING = 17
+KNET_HEADING_LINES = 17
 """Lines of the heading."""
 FREQUENCY, DURATION, SCALE, LAST = 11, 12, 14, 17
 """Lines of the heading that are read, counted from 1."""
@@ -139,7 +143,9 @@ def read_knet(path: Path) -> RecordSeries:
     scale = given(SCALE, rf"\s{NUMBER}\s*\(gal\)", example)
     scale /= given(SCALE, rf"\(gal\)\s*/\s*{NUMBER}", example)
     remedy = "give whole counts separated by spaces"
-    counts = numbers_of(enumerate(lines[KNET_HEADING:], start=KNET_HEADING + 1), name, remedy)
+    counts = numbers_of(
+        enumerate(lines[KNET_HEADING_LINES:], start=KNET_HEADING_LINES + 1), name, remedy
+    )
     if len(counts) < 2 or abs(len(counts) - frequency * duration) >= frequency:
         what = (
             f"{duration:g} s at {frequency:g} Hz are {frequency * duration:g} values, but "
@@ -165,7 +171,7 @@ SAC_LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or gi
 def read_sac(path: Path) -> RecordSeries:
     """Return the record in a file; raises CaseError where it is none, or obspy is not installed.
 
-    The first value is at 0 s.  Files do not say in a reliable way which unit they are in.
+    The first value is at 0 s.  Files do not reliably say which unit they are in.
     """
     name = str(path)
     trace = _trace(read_bytes(path, SAC_LAYOUT), name)
@@ -236,4 +242,8 @@ def format_of(path: Path) -> str:
     text = read_text(path, BESIDE)
     if re.match(r"\s*Origin Time", text):
         return "k-net"
-    return "at2" if any("NPTS" in line.upper() for line in text.splitlines()[:HEADING]) else "csv"
+    return (
+        "at2"
+        if any("NPTS" in line.upper() for line in text.splitlines()[:AT2_HEADING_LINES_MAX])
+        else "csv"
+    )

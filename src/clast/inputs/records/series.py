@@ -98,8 +98,8 @@ def unit_of_heading(lines: Sequence[str]) -> str | None:
 
     None where it names none, one that is not known, or several.
     """
-    found = [unit_of(marked[1]) for line in lines if (marked := MARKED.search(line))]
-    return found[0] if len(set(found)) == 1 else None
+    units = [unit_of(marked[1]) for line in lines if (marked := MARKED.search(line))]
+    return units[0] if len(set(units)) == 1 else None
 
 
 def unit_of(text: str) -> str | None:

@@ -103,7 +103,7 @@ class Link(Table):
 
     def components(self) -> dict[str, dict[str, float]]:
         """Return the numbers of each component that is not free."""
-        found = {}
+        parts = {}
         for name, key in zip(COMPONENTS, ("x", "y", "rotation"), strict=True):
             given, turns = getattr(self, key), key == "rotation"
             damping = self.rotation_damping if turns else self.damping
@@ -112,14 +112,14 @@ class Link(Table):
             strength = self.yield_moment if turns else self.yield_force
             rupture = self.rupture_rotation if turns else self.rupture
             limit = np.inf if rupture is None else float(np.radians(rupture) if turns else rupture)
-            found[name] = {
+            parts[name] = {
                 "stiffness": np.inf if given == "rigid" else float(given or 1e-12),
                 "strength": np.inf if strength is None else strength,
                 "rupture": limit,
                 "gap": 0.0 if turns else self.gap or 0.0,
                 "damping": damping,
             }
-        return found
+        return parts
 
     @classmethod
     def actions(cls, records: Sequence[Any], ground: Ground) -> Iterable[Any]:
