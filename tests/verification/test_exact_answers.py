@@ -30,8 +30,8 @@ def test_newmark():
     assert pytest.approx((1.729768, 1.137158), rel=1e-6) == (newmark.YIELD, newmark.FACTOR)
     assert newmark.begin() == pytest.approx(0.0573604, abs=1e-7)
     assert newmark.end() == pytest.approx(0.6777028, abs=1e-7)
-    assert newmark.exact_way(1.0) == pytest.approx(0.31361979, rel=1e-7)
-    assert newmark.exact_way(2.0) == pytest.approx(0.6272396, rel=1e-7)
+    assert newmark.exact_displacement(1.0) == pytest.approx(0.31361979, rel=1e-7)
+    assert newmark.exact_displacement(2.0) == pytest.approx(0.6272396, rel=1e-7)
 
 
 def test_stick_and_slip_against_small_steps():
@@ -42,7 +42,7 @@ def test_stick_and_slip_against_small_steps():
         most = moving_base.GRIP * step
         speed += float(np.clip(base - speed, -most, most))
         way += step * speed
-    exact = moving_base.exact_way(np.array([moving_base.DURATION]))[0]
+    exact = moving_base.exact_displacement(np.array([moving_base.DURATION]))[0]
     assert way == pytest.approx(exact, abs=2e-4)
 
 

@@ -29,7 +29,7 @@ TABLE_1 = {
 
 @pytest.mark.parametrize(("angle", "way"), TABLE_1.items())
 def test_incline(angle, way):
-    assert incline.exact_way(angle) == pytest.approx(way, abs=6e-7)
+    assert incline.exact_displacement(angle) == pytest.approx(way, abs=6e-7)
 
 
 def test_deceleration():

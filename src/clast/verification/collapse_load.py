@@ -38,6 +38,8 @@ class StaticRun:
     """Number of steps."""
     max_displacement: float = 0.02
     """Largest displacement of a step, and of blocks that stand, m."""
+    bisections: int = 4
+    """Halvings of the range in which a limit is searched."""
     unit: float | None = None
     """Acceleration of reference, m/s2; gravity if None."""
 
@@ -65,18 +67,13 @@ class StaticRun:
         return self.unbalanced(model, variant) < AT_REST
 
     def limit(
-        self,
-        loaded: Callable[[float], Model],
-        variant: Variant,
-        low: float,
-        high: float,
-        bisections: int,
+        self, variant: Variant, loaded: Callable[[float], Model], low: float, high: float
     ) -> Bracket:
         """Return the bracket of the value between ``low``, which fails, and ``high``, which stands.
 
         ``loaded`` makes the model of a value.
         """
-        return limit(lambda value: self.stands(loaded(value), variant), low, high, bisections)
+        return limit(lambda value: self.stands(loaded(value), variant), low, high, self.bisections)
 
 
 def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> Bracket:

@@ -197,9 +197,10 @@ class Trial:
         """Computed values, row by row."""
         return [row.computed for row in self.rows]
 
-    def chart(self, title: str, x_label: str, y_label: str, **scales: Any) -> Plot:
-        """Add a chart, whose curves its Plot draws; ``scales`` as of Chart."""
+    def chart(self, title: str, x_label: str, y_label: str, *, log: str = "") -> Plot:
+        """Add a chart, whose curves its Plot draws; ``log`` names axes with a logarithmic scale."""
         curves: list[Curve] = []
+        scales: dict[str, Any] = {f"{axis}_scale": "log" for axis in log}
         chart = Chart(title=title, x_label=x_label, y_label=y_label, curves=curves, **scales)
         self.charts.append(chart)
         return Plot(self.variant.name, curves)

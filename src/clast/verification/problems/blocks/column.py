@@ -2,16 +2,8 @@
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    Plane,
-    PlaneStrain,
-    PlaneStress,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Model, Plane, PlaneStrain, PlaneStress, Trial, problem
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25

@@ -2,15 +2,8 @@
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    PointHistory,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, Model, PointHistory, Trial, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 GRAVITY, WATER, DENSITY = 9.81, 1000.0, 500.0
@@ -23,7 +16,7 @@ ROLL = 2.0 * np.pi * float(np.sqrt((BREADTH**2 + HEIGHT**2) / (12.0 * GRAVITY * 
 """Periods, s: 1.419 and 1.640."""
 DOWN, TILT = 0.08, np.radians(2.0)
 """By how much the raft begins too low, m, or tilted, rad."""
-STEP, PERIODS, FEW = 2e-2, 20, 5
+PERIODS, FEW = 20, 5
 OF_STEP = "70 to 80 steps a period: (w h)^2/24 is 3e-4"
 
 
@@ -52,7 +45,7 @@ def swings(time: Floats, value: Floats) -> tuple[float, float]:
 
 def moved(down: float, tilt: float, end: float, variant: Variant) -> PointHistory:
     """Return how a raft moves."""
-    return variant.run(raft(down, tilt), step=STEP, end=end, p=1e9, max_displacement=0.05).history(
+    return variant.run(raft(down, tilt), step=2e-2, end=end, p=1e9, max_displacement=0.05).history(
         "middle"
     )
 

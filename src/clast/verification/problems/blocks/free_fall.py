@@ -2,13 +2,8 @@
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Model, Trial, problem
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE
 
 GRAVITY = 9.8

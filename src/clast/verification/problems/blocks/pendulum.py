@@ -3,15 +3,8 @@
 import numpy as np
 from scipy.special import ellipk
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    PointHistory,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, Model, PointHistory, Trial, problem
 from clast.verification.variants import LAGGED, WITH_EULER, Variant
 
 GRAVITY, DENSITY = 9.8, 2700.0

@@ -12,15 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    KnownFailure,
-    Model,
-    Trial,
-    new_model,
-    problem,
-)
-from clast.verification.variants import LAGGED, Variant
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Floats, KnownFailure, Model, Trial, problem
+from clast.verification.variants import LAGGED
 
 SPIN = 10.0
 """Spin, rad/s."""
@@ -44,15 +38,6 @@ def spinning_block() -> Model:
     for number, corner in enumerate(CORNERS):
         builder.measured_point(f"corner {number}", corner)
     return builder.build()
-
-
-def outline_over_time(variant: Variant) -> Floats:
-    """Return the corners of the block after every step, m, shape (t, 4, 2)."""
-    run = variant.run(
-        spinning_block(), step=STEP, end=STEP * STEPS, every=1.0, p=1e9, max_displacement=0.1
-    )
-    moved = [run.history(f"corner {k}").displacement for k in range(len(CORNERS))]
-    return np.array(CORNERS) + np.stack(moved, axis=1)
 
 
 def area(outline: Floats) -> Floats:
@@ -90,14 +75,17 @@ def spin(trial: Trial) -> None:
     Source: determinant of the placement of a step: 1 exact and sine, 1 + d^2 linear (Ke 1995).
     Not run with: open-close and convex: nothing touches, and all processes take the same step.
     """
-    outline = outline_over_time(trial.variant)
+    run = trial.variant.run(
+        spinning_block(), step=STEP, end=STEP * STEPS, every=1.0, p=1e9, max_displacement=0.1
+    )
+    moved = [run.history(f"corner {k}").displacement for k in range(len(CORNERS))]
+    outline = np.array(CORNERS) + np.stack(moved, axis=1)
     growth = area(outline) / area(outline)[0] - 1.0
     turned = STEPS * ANGLE_OF_STEP[trial.variant.rotation]
     trial.absolute("growth of the area", "", growth[-1], 0.0, 1e-12, ROUND_OFF)
     trial.relative("angle turned by the rule", "rad", angle(outline), turned, 1e-12, ROUND_OFF)
-    trial.relative(
-        "angle turned", "rad", angle(outline), SPIN * STEP * STEPS, 4e-5, "(w h)^2/3 at most"
-    )
+    quantity = "angle turned"
+    trial.relative(quantity, "rad", angle(outline), SPIN * STEP * STEPS, 4e-5, "(w h)^2/3 at most")
     step = np.arange(STEPS + 1)
     by_rule = (1.0 + UNKNOWN**2) ** step - 1.0
     if trial.variant.rotation == "linear":

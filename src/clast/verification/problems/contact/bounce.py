@@ -81,12 +81,14 @@ def bounce(trial: Trial, steps: tuple[float, ...] = STEPS) -> None:
     """
     trial.rows, computed = [], []
     for step in steps:
-        found = [restitution_of(step / FREQUENCY, arrival, trial.variant) for arrival in ARRIVALS]
-        computed.append(found)
+        restitutions = [
+            restitution_of(step / FREQUENCY, arrival, trial.variant) for arrival in ARRIVALS
+        ]
+        computed.append(restitutions)
         quantity = f"restitution at w h = {step:g}, mean of 8 arrivals"
         exact = exact_restitution(step, trial.variant)
         reason = "the formula neglects (w h)^2"
-        trial.absolute(quantity, "", float(np.mean(found)), exact, 0.3 * step**2, reason)
+        trial.absolute(quantity, "", float(np.mean(restitutions)), exact, 0.3 * step**2, reason)
     fine = np.linspace(0.0, max(STEPS), 51)
     chart = trial.chart("restitution", "ω h", "speed after / speed before")
     chart.exact(

@@ -13,20 +13,9 @@ is the weight with either law.
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
-from clast.verification.variants import (
-    BOTH_LAWS,
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    MULTIPLIERS,
-    Variant,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Model, Trial, problem
+from clast.verification.variants import BOTH_LAWS, CONVEX, CONVEX_MULTIPLIERS, MULTIPLIERS, Variant
 
 GRAVITY = 9.8
 MASS = 2700.0
@@ -79,10 +68,10 @@ def penetration(trial: Trial) -> None:
     the convex process carries multipliers over.
     Source: equilibrium; geometric series of the solves of a step.
     """
-    found, step = [], STEP
+    penetrations, step = [], STEP
     for stiffness in STIFFNESSES:
         penetration, force, step = rest(stiffness, trial.variant)
-        found.append(penetration)
+        penetrations.append(penetration)
         exact = exact_penetration(stiffness, trial.variant, step)
         at = f"at p = {stiffness:.0e}"
         if exact:
@@ -94,9 +83,8 @@ def penetration(trial: Trial) -> None:
     if trial.variant is CONVEX_MULTIPLIERS:
         return
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 50)
-    scales = {"x_scale": "log", "y_scale": "log"}
     labels = ("normal stiffness p, N/m per m", "penetration, m")
-    chart = trial.chart("penetration at rest", *labels, **scales)
+    chart = trial.chart("penetration at rest", *labels, log="xy")
     label = "W/(n p), four solves" if "solves" in trial.variant.contact_law else "W/(n p)"
     chart.exact(label, fine, [exact_penetration(p, trial.variant, step) for p in fine])
-    chart.computed(STIFFNESSES, found)
+    chart.computed(STIFFNESSES, penetrations)

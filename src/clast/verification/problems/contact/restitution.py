@@ -115,7 +115,7 @@ def restitution(
     Not run with: modified and open-close: they know no restitution, but rebound from their springs
     as in the problem bounce.
     """
-    found: dict[float, list[float]] = {e: [] for e in RESTITUTIONS}
+    speeds_of: dict[float, list[float]] = {e: [] for e in RESTITUTIONS}
     for mass in masses:
         other = "a fixed square" if mass == FIXED else f"a free square, masses 1:{mass:g}"
         for e in RESTITUTIONS:
@@ -127,7 +127,7 @@ def restitution(
                     for arrival in arrivals
                 ]
             )
-            found[e].extend(speeds)
+            speeds_of[e].extend(speeds)
             worst = float(speeds[np.argmax(np.abs(speeds - e))])
             quantity = f"restitution {e:g}, {other}: the worst"
             trial.absolute(quantity, "", worst, e, 1e-6, ASKED)
@@ -142,7 +142,7 @@ def restitution(
     for gap in (0.0, 1e-4):
         quantity = f"speed of the last of {ROW} in a row, {1e3 * gap:g} mm apart"
         trial.absolute(quantity, "", last_of_row(trial.variant, gap), 1.0, 1e-6, "round-off")
-    asked = np.repeat(RESTITUTIONS, [len(found[e]) for e in RESTITUTIONS])
+    asked = np.repeat(RESTITUTIONS, [len(speeds_of[e]) for e in RESTITUTIONS])
     chart = trial.chart("speed of parting", "restitution", "speed after / speed before")
     chart.exact("e", (0.0, 1.0), (0.0, 1.0))
-    chart.computed(asked, np.concatenate([found[e] for e in RESTITUTIONS]))
+    chart.computed(asked, np.concatenate([speeds_of[e] for e in RESTITUTIONS]))

@@ -2,23 +2,9 @@
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    State,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
-from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    EULER,
-    LAGGED,
-    MULTIPLIERS,
-    OPEN_CLOSE,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, Model, State, Trial, problem
+from clast.verification.variants import BOTH_LAWS
 
 GRAVITY = 9.8
 STIFFNESS = 1e9
@@ -54,10 +40,7 @@ def joint_loads(model: Model, state: State) -> tuple[Floats, Floats]:
     return force, depth / count
 
 
-@problem(
-    set_up=model_of_stack,
-    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
-)
+@problem(set_up=model_of_stack, variants=BOTH_LAWS)
 def stack(trial: Trial) -> None:
     """Stack of blocks at rest.
 

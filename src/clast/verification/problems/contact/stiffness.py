@@ -10,16 +10,13 @@ end of the step will have know no such limit.
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.verification.problems import (
-    KnownFailure,
-    Model,
-    Run,
-    Trial,
-    box,
-    new_model,
-    problem,
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import KnownFailure, Model, Run, Trial, problem
+from clast.verification.problems.friction.incline import (
+    GRAVITY,
+    exact_displacement,
+    model_of_incline,
 )
-from clast.verification.problems.friction.incline import GRAVITY, exact_way, model_of_incline
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, PASSES, Variant
 
 FRICTION_ANGLE = 20.0
@@ -37,6 +34,15 @@ STEP, MASS = 1e-3, 2700.0
 NORMAL_FORCE = float(MASS * 4.5 * GRAVITY * np.cos(np.radians(45.0)))
 """Normal force of the slider of 4.5 m2, N/m."""
 SOFT = "the paper's 0.66 %, and what the springs give, W cos 45/(2p)"
+
+
+SLID = ("displacement on the incline", "penetration on the incline")
+UNSTABLE = "one pass, springs only after invasion: unstable above p h2/m = 6"
+LATE = "friction is that of the pass before: the run does not reach its end"
+THROWN = (
+    "constant acceleration throws stiff impacts back (p h2/m = 165), and the process has no "
+    "remedy: the block hops where its two corners do not land alike"
+)
 
 
 def dropped_block() -> Model:
@@ -72,49 +78,19 @@ def energy_left(number: float, variant: Variant) -> float:
     return float(run.energy["kinetic"][-50:].max()) / (MASS * GRAVITY * DROP)
 
 
+KNOWN = (
+    *((LAGGED, f"{what} at p = {p}", UNSTABLE) for what in SLID for p in ("1e+11", "1e+12")),
+    (LAGGED, "energy left of a drop at p h2/m = 12", UNSTABLE),
+    *((PASSES, f"{what} at p = 1e+12", LATE) for what in SLID),
+    *((OPEN_CLOSE, f"{what} at p = 1e+12", THROWN) for what in SLID),
+)
+
+
 @problem(
     set_up=model_of_incline,
     variants=(LAGGED, PASSES, OPEN_CLOSE, CONVEX),
     quick=(),
-    known_failures=(
-        *(
-            KnownFailure(
-                LAGGED,
-                quantity,
-                "one pass, springs only after invasion: unstable above p h2/m = 6",
-            )
-            for quantity in (
-                "displacement on the incline at p = 1e+11",
-                "displacement on the incline at p = 1e+12",
-                "penetration on the incline at p = 1e+11",
-                "penetration on the incline at p = 1e+12",
-                "energy left of a drop at p h2/m = 12",
-            )
-        ),
-        *(
-            KnownFailure(
-                PASSES,
-                quantity,
-                "friction is that of the pass before: the run does not reach its end",
-            )
-            for quantity in (
-                "displacement on the incline at p = 1e+12",
-                "penetration on the incline at p = 1e+12",
-            )
-        ),
-        *(
-            KnownFailure(
-                OPEN_CLOSE,
-                quantity,
-                "constant acceleration throws stiff impacts back (p h2/m = 165), and the "
-                "process has no remedy: the block hops where its two corners do not land alike",
-            )
-            for quantity in (
-                "displacement on the incline at p = 1e+12",
-                "penetration on the incline at p = 1e+12",
-            )
-        ),
-    ),
+    known_failures=tuple(KnownFailure(*each) for each in KNOWN),
 )
 def stiffness(trial: Trial) -> None:
     """How stiff contacts may be.
@@ -127,18 +103,20 @@ def stiffness(trial: Trial) -> None:
     rest.
     Source: Newton's law; the paper's Section 3 has the study.
     """
-    exact = exact_way(FRICTION_ANGLE, SLIDE)
+    exact = exact_displacement(FRICTION_ANGLE, SLIDE)
     errors = []
     for stiffness in STIFFNESSES:
-        way, penetration = slide(stiffness, trial.variant)
+        displacement, penetration = slide(stiffness, trial.variant)
         sunk = 0.5 * NORMAL_FORCE / stiffness
         at = f"at p = {stiffness:.0e}"
         tolerance = 0.0066 + sunk / exact
-        trial.relative(f"displacement on the incline {at}", "m", way, exact, tolerance, SOFT)
+        trial.relative(
+            f"displacement on the incline {at}", "m", displacement, exact, tolerance, SOFT
+        )
         if stiffness >= SETTLED:
             quantity = f"penetration on the incline {at}"
             trial.relative(quantity, "m", penetration, sunk, 2e-3, "vibration has not died out yet")
-        errors.append(100.0 * abs(way / exact - 1.0))
+        errors.append(100.0 * abs(displacement / exact - 1.0))
     for number in NUMBERS:
         quantity = f"energy left of a drop at p h2/m = {number:g}"
         trial.absolute(quantity, "", energy_left(number, trial.variant), 0.0, 1e-6, "at rest")
@@ -147,8 +125,7 @@ def stiffness(trial: Trial) -> None:
         "error of the displacement on the incline",
         "normal stiffness p, N/m per m",
         "error, %",
-        x_scale="log",
-        y_scale="log",
+        log="xy",
     )
     chart.exact("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact))
     chart.computed(STIFFNESSES, errors)

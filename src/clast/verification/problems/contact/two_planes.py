@@ -3,29 +3,20 @@
 import numpy as np
 
 from clast.verification.problems import Model, Trial, new_model, problem
-from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    EULER,
-    LAGGED,
-    MULTIPLIERS,
-    OPEN_CLOSE,
-    Variant,
-)
+from clast.verification.variants import BOTH_LAWS, MULTIPLIERS, Variant
 
-GRAVITY, DENSITY = 9.8, 2600.0
+GRAVITY = 9.8
 DIP_A, DIPS_B = 30.0, (40.0, 50.0, 60.0)
 """Dip of the left plane, and dips of the right one, degrees."""
 DEPTH = 1.0
 """Depth of the trough, m."""
-STEP, DURATION = 1e-3, 0.2
 SETTLED = "at rest; the block turns by about 1e-5 on its springs"
 
 
 def trough(dip_b: float = 45.0) -> Model:
     """Return two fixed planes and a triangular block that fills the trough between them."""
     a, b = DEPTH / np.tan(np.radians(DIP_A)), DEPTH / np.tan(np.radians(dip_b))
-    builder = new_model("Block on two planes", gravity=GRAVITY, young=50e9, density=DENSITY)
+    builder = new_model("Block on two planes", gravity=GRAVITY, young=50e9, density=2600.0)
     below = -0.3
     left = [(-a - 0.3, below), (0.0, below), (0.0, 0.0), (-a, DEPTH), (-a - 0.3, DEPTH)]
     right = [(0.0, below), (b + 0.3, below), (b + 0.3, DEPTH), (b, DEPTH), (0.0, 0.0)]
@@ -41,9 +32,7 @@ def trough(dip_b: float = 45.0) -> Model:
 def computed_shares(dip_b: float, variant: Variant) -> tuple[float, float]:
     """Return the normal forces of both planes over the weight."""
     model = trough(dip_b)
-    memory = variant.static(
-        model, step=STEP, end=DURATION, p=5e8, max_displacement=0.01
-    ).state.memory
+    memory = variant.static(model, step=1e-3, end=0.2, p=5e8, max_displacement=0.01).state.memory
     owner, edge = model.vertex_block[memory.vertex], memory.block
     weight = float(model.mass[2] * GRAVITY)
     left, right = (
@@ -59,11 +48,7 @@ def exact_shares(dip_b: float) -> tuple[float, float]:
     return float(np.sin(b) / np.sin(a + b)), float(np.sin(a) / np.sin(a + b))
 
 
-@problem(
-    set_up=trough,
-    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
-    quick=(MULTIPLIERS,),
-)
+@problem(set_up=trough, variants=BOTH_LAWS, quick=(MULTIPLIERS,))
 def two_planes(trial: Trial) -> None:
     """Block on two planes.
 
@@ -73,14 +58,14 @@ def two_planes(trial: Trial) -> None:
     Exact: N_a = W sin b/sin(a + b), N_b = W sin a/sin(a + b).
     Source: equilibrium.
     """
-    found = []
+    forces = []
     for dip in DIPS_B:
-        found.append(computed_shares(dip, trial.variant))
-        for plane, one, other in zip(("left", "right"), found[-1], exact_shares(dip), strict=True):
+        forces.append(computed_shares(dip, trial.variant))
+        for plane, one, other in zip(("left", "right"), forces[-1], exact_shares(dip), strict=True):
             quantity = f"force on the {plane} plane, right dip {dip:g} degrees"
             trial.relative(quantity, "W", one, other, 1e-4, SETTLED)
     fine = np.linspace(10.0, 70.0, 61)
-    exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(found)
+    exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(forces)
     chart = trial.chart(
         "forces on the planes", "dip of the right plane, degrees", "normal force / weight"
     )

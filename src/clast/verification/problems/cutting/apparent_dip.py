@@ -70,8 +70,8 @@ def joints(plane: JointPlane) -> JointSet:
 def measured(plane: JointPlane) -> tuple[float, float]:
     """Return angle, degrees in (-90, 90], and spacing, m, of the lines that a section shows."""
     ends = lines_of(joints(plane), section(plane.azimuth))
-    way = ends[:, 1] - ends[:, 0]
-    longest = way[np.hypot(*way.T).argmax()]
+    displacement = ends[:, 1] - ends[:, 0]
+    longest = displacement[np.hypot(*displacement.T).argmax()]
     angle = 90.0 - (90.0 - np.degrees(np.arctan2(longest[1], longest[0]))) % 180.0
     normal = np.array([-longest[1], longest[0]]) / np.hypot(*longest)
     return float(angle), float(np.median(np.diff(np.sort(ends[:, 0] @ normal))))

@@ -26,12 +26,12 @@ def cells(count: int, seed: int = 3) -> tuple[float, float, float]:
     The mean area is that of all cells, the others those of cells that do not touch the rim.
     """
     network = [JointSet(name="cells", model=Voronoi(count=count))]
-    found = cut(rectangle(SIDE, SIDE, smallest_block=0.0), network, seed=seed)
-    low = np.minimum.reduceat(found.vertices, found.block_start[:-1], axis=0)
-    high = np.maximum.reduceat(found.vertices, found.block_start[:-1], axis=0)
+    rock_mass = cut(rectangle(SIDE, SIDE, smallest_block=0.0), network, seed=seed)
+    low = np.minimum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
+    high = np.maximum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
     inner = ((low > 1e-6) & (high < SIDE - 1e-6)).all(axis=1)
-    sizes = areas(found)
-    corners = np.diff(found.block_start)[inner]
+    sizes = areas(rock_mass)
+    corners = np.diff(rock_mass.block_start)[inner]
     variation = sizes[inner].std() / sizes[inner].mean()
     return float(sizes.mean()), float(corners.mean()), float(variation)
 
@@ -56,22 +56,19 @@ def voronoi_cells(trial: Trial, counts: tuple[int, ...] = COUNTS) -> None:
     Exact: mean area A/n; six corners; coefficient of variation of the areas sqrt(0.280) = 0.529.
     Source: Euler's formula; Gilbert (1962), Ann. Math. Statist. 33, for the variance.
     """
-    found = [cells(count) for count in counts]
-    area, corners, variation = found[-1]
+    computed = [cells(count) for count in counts]
+    area, corners, variation = computed[-1]
     count = counts[-1]
     tolerance = float(allowed(count))
     reason = f"scatter of {count} cells: about twice the standard error of the variation"
     of = f"of {count} cells"
     trial.relative(f"mean area {of}", "m2", area, SIDE**2 / count, 1e-12, "none is lost or merged")
     trial.relative(f"mean number of corners {of}", "", corners, CORNERS, tolerance, reason)
-    trial.relative(
-        f"coefficient of variation of the areas {of}", "", variation, VARIATION, tolerance, reason
-    )
+    quantity = f"coefficient of variation of the areas {of}"
+    trial.relative(quantity, "", variation, VARIATION, tolerance, reason)
     fine = np.geomspace(0.8 * counts[0], 1.25 * counts[-1], 40)
-    chart = trial.chart(
-        "variation of the areas", "number of cells", "deviation over mean", x_scale="log"
-    )
+    chart = trial.chart("variation of the areas", "number of cells", "deviation over mean", log="x")
     chart.exact("Poisson-Voronoi cells, 0.529", fine, np.full(len(fine), VARIATION))
     chart.exact("upper end of the tolerance", fine, VARIATION * (1.0 + allowed(fine)))
     chart.exact("lower end of the tolerance", fine, VARIATION * (1.0 - allowed(fine)))
-    chart.computed(counts, [one[2] for one in found])
+    chart.computed(counts, [one[2] for one in computed])

@@ -54,11 +54,10 @@ def chords(trial: Trial) -> None:
     for chords in CHORDS:
         at = f"with {chords} chords"
         exact = exact_factor(chords)
-        trial.relative(
-            f"radius of the corners over r {at}", "", factor(chords), exact, 1e-12, "formula"
-        )
-        found = SIDE**2 - float(areas(around(chords)).sum())
-        trial.relative(f"area of the opening {at}", "m2", found, void, 1e-9, ROUND_OFF)
+        quantity = f"radius of the corners over r {at}"
+        trial.relative(quantity, "", factor(chords), exact, 1e-12, "formula")
+        opened = SIDE**2 - float(areas(around(chords)).sum())
+        trial.relative(f"area of the opening {at}", "m2", opened, void, 1e-9, ROUND_OFF)
     fine = list(range(6, 80))
     chart = trial.chart("corners of equal area", "chords n", "radius of the corners over r")
     chart.exact("equal area", fine, [exact_factor(n) for n in fine])

@@ -61,15 +61,15 @@ def met(ends: Floats, angle: float, area: float) -> float:
 
     The mean of all scanlines of that direction: lengths across it over the area.
     """
-    way = np.radians(angle)
-    return frequency(ends, np.array([np.cos(way), np.sin(way)]), area)
+    displacement = np.radians(angle)
+    return frequency(ends, np.array([np.cos(displacement), np.sin(displacement)]), area)
 
 
 def drawn_often(name: str) -> tuple[Floats, float]:
     """Return the lines of all draws of an isotropic set, m, (n, 2, 2), and their area, m2."""
     times, domain = TIMES[name], rectangle(SIDE, SIDE)
-    found = [lines_of(ISOTROPIC[name], domain, seed) for seed in range(times)]
-    return np.concatenate(found), times * SIDE**2
+    lines = [lines_of(ISOTROPIC[name], domain, seed) for seed in range(times)]
+    return np.concatenate(lines), times * SIDE**2
 
 
 def _drawing() -> Model:
@@ -94,14 +94,9 @@ def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> No
     persistent, area = lines_of(PERSISTENT, rectangle(SIDE, SIDE)), SIDE**2
     scanline = ANGLE + 90.0 + OFF
     trial.relative("P21 of traces", "m/m2", traces.p21, exact_of_traces(), 0.02, RIM)
-    trial.relative(
-        "P10 of persistent joints at 35 degrees off their normal",
-        "1/m",
-        met(persistent, scanline, area),
-        float(exact_on_scanline(scanline)),
-        0.02,
-        RIM,
-    )
+    quantity = "P10 of persistent joints at 35 degrees off their normal"
+    computed = met(persistent, scanline, area)
+    trial.relative(quantity, "1/m", computed, float(exact_on_scanline(scanline)), 0.02, RIM)
     fine = np.linspace(0.0, 180.0, 181)
     chart = trial.chart("joints on a scanline", "direction of the scanline, degrees", "P₁₀, 1/m")
     chart.exact("|cos d|/s", fine, exact_on_scanline(fine))
@@ -112,8 +107,8 @@ def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> No
         ends, all_area = drawn_often(name)
         length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
         trial.relative(f"P21 of {name}", "m/m2", length / all_area, ANYWHERE, 0.02, CHANCE)
-        found = np.array([met(ends, one, all_area) for one in SCANLINES])
-        worst = found[np.abs(found - exact_anywhere()).argmax()]
+        met_by = np.array([met(ends, one, all_area) for one in SCANLINES])
+        worst = met_by[np.abs(met_by - exact_anywhere()).argmax()]
         quantity = f"P10 of {name} along the worst of {len(SCANLINES)} scanlines"
         trial.relative(quantity, "1/m", worst, exact_anywhere(), 0.03, CHANCE)
-        chart.computed(SCANLINES, found, label=name)
+        chart.computed(SCANLINES, met_by, label=name)

@@ -32,12 +32,14 @@ def exact_lines(one: JointSet, scale: float = 1.0) -> Floats:
     corners = scale * np.array(box(0, 0, WIDTH, HEIGHT))
     offsets = (corners - np.array(one.origin)) @ normal / float(str(one.spacing))
     low, high = np.zeros(2), scale * np.array([WIDTH, HEIGHT])
-    found = []
+    lines = []
     for k in range(int(np.ceil(offsets.min())), int(np.floor(offsets.max())) + 1):
         foot = np.array(one.origin) + k * float(str(one.spacing)) * normal
-        ways = np.sort((np.stack([low, high]) - foot) / along, axis=0)
-        found.append(foot + np.stack([ways[0].max() * along, ways[1].min() * along]))
-    return np.array(found)
+        displacements = np.sort((np.stack([low, high]) - foot) / along, axis=0)
+        lines.append(
+            foot + np.stack([displacements[0].max() * along, displacements[1].min() * along])
+        )
+    return np.array(lines)
 
 
 def exact_crossings(one: Floats, other: Floats) -> int:
@@ -70,17 +72,17 @@ def exact_cell() -> float:
     return float(np.prod([float(str(one.spacing)) for one in SETS]) / np.sin(between))
 
 
-def euler(found: Cut) -> tuple[int, int]:
+def euler(rock_mass: Cut) -> tuple[int, int]:
     """Return edges less vertices plus parts of the blocks drawn once, and faces: the same number.
 
     Of blocks without holes, in one piece, F = E - V + 1; a void inside them is a face as well.
     """
-    nodes, at = np.unique(found.vertices, axis=0, return_inverse=True)
+    nodes, at = np.unique(rock_mass.vertices, axis=0, return_inverse=True)
     after = np.arange(len(at)) + 1
-    after[found.block_start[1:] - 1] = found.block_start[:-1]
+    after[rock_mass.block_start[1:] - 1] = rock_mass.block_start[:-1]
     edges = np.unique(np.sort(np.stack([at.ravel(), at.ravel()[after]], axis=1), axis=1), axis=0)
     voids = 1
-    return len(edges) - len(nodes) + 1, found.block_count + voids
+    return len(edges) - len(nodes) + 1, rock_mass.block_count + voids
 
 
 def traces_about_a_tunnel() -> Cut:
@@ -111,8 +113,8 @@ def persistent_lines(trial: Trial) -> None:
     degrees); the areas sum up to the domain's.
     Source: Euler's formula for planar graphs in one piece.
     """
-    found, report = network(), network().report
-    sizes = areas(found)
+    rock_mass, report = network(), network().report
+    sizes = areas(rock_mass)
     by_hand, faces = euler(traces_about_a_tunnel())
     trial.absolute("blocks, 1 + L + X", "", report.blocks, exact_blocks(), 0.0, EXACT)
     trial.absolute("blocks foreseen", "", report.estimate, exact_blocks(), 0.0, EXACT)
@@ -120,21 +122,13 @@ def persistent_lines(trial: Trial) -> None:
         lines = len(exact_lines(one))
         trial.absolute(f"lines of set {one.name}", "", said.lines, lines, 0.0, EXACT)
     trial.relative("sum of the areas", "m2", sizes.sum(), WIDTH * HEIGHT, 1e-12, ROUND_OFF)
-    trial.relative(
-        "length of joints per area",
-        "m/m2",
-        sum(one.p21 for one in report.sets),
-        exact_intensity(),
-        1e-9,
-        "lines are drawn before they are rounded",
-    )
+    quantity, reason = "length of joints per area", "lines are drawn before they are rounded"
+    computed = sum(one.p21 for one in report.sets)
+    trial.relative(quantity, "m/m2", computed, exact_intensity(), 1e-9, reason)
     trial.relative("area of a whole cell", "m2", float(np.median(sizes)), exact_cell(), 1e-4, GRID)
-    trial.absolute(
-        "blocks and the void of traces about a tunnel, E - V + 1", "", faces, by_hand, 0.0, EXACT
-    )
+    quantity = "blocks and the void of traces about a tunnel, E - V + 1"
+    trial.absolute(quantity, "", faces, by_hand, 0.0, EXACT)
     fine = np.geomspace(SCALES[0], SCALES[-1], 60)
-    chart = trial.chart(
-        "blocks between two sets", "width of the domain, m", "blocks", y_scale="log"
-    )
+    chart = trial.chart("blocks between two sets", "width of the domain, m", "blocks", log="y")
     chart.exact("1 + L + X", WIDTH * fine, [exact_blocks(float(scale)) for scale in fine])
     chart.computed(WIDTH * np.array(SCALES), [network(scale).block_count for scale in SCALES])

@@ -55,10 +55,10 @@ def exact_share(area: Floats) -> Floats:
 
 def of_network(seed: int) -> tuple[int, Floats]:
     """Return the number of blocks of a network, and the areas of those that end inside, m2."""
-    found = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=seed)
-    high = np.maximum.reduceat(found.vertices, found.block_start[:-1], axis=0)
+    rock_mass = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=seed)
+    high = np.maximum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
     inside = (high < np.array([WIDTH, HEIGHT]) - 1e-6).all(axis=1)
-    return found.block_count, areas(found)[inside]
+    return rock_mass.block_count, areas(rock_mass)[inside]
 
 
 def distance(sample: Floats) -> float:
@@ -69,8 +69,8 @@ def distance(sample: Floats) -> float:
 
 
 def _drawing() -> Model:
-    found = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=1)
-    return drawing_of(found, "Two sets of random spacing")
+    rock_mass = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=1)
+    return drawing_of(rock_mass, "Two sets of random spacing")
 
 
 @problem(set_up=_drawing, variants=(CUT,), quick=(CUT,), few=(FEW,))
@@ -92,14 +92,8 @@ def random_spacing(trial: Trial, seeds: int = SEEDS) -> None:
     )
     root = np.sqrt(seeds)
     of_mean = f"three standard errors of the mean of {seeds} networks"
-    trial.absolute(
-        "mean number of blocks",
-        "",
-        counts.mean(),
-        exact_mean(),
-        ERRORS * exact_deviation() / root,
-        of_mean,
-    )
+    quantity, computed = "mean number of blocks", counts.mean()
+    trial.absolute(quantity, "", computed, exact_mean(), ERRORS * exact_deviation() / root, of_mean)
     trial.relative(
         "deviation of the number of blocks",
         "",
@@ -109,21 +103,16 @@ def random_spacing(trial: Trial, seeds: int = SEEDS) -> None:
         f"three standard errors of the deviation of {seeds} networks",
     )
     errors = ERRORS * shares.std(axis=0, ddof=1) / root
-    for area, found, exact, error in zip(
+    for area, share, exact, error in zip(
         AREAS, shares.mean(axis=0), exact_share(AREAS), errors, strict=True
     ):
-        trial.absolute(f"share of blocks above {area:g} m2", "", found, exact, error, of_mean)
-    trial.absolute(
-        "distance of the distributions of areas",
-        "",
-        distance(one_each),
-        0.0,
-        KOLMOGOROV / root,
-        "Kolmogorov's for one block of each network, exceeded by one sample in a hundred",
-    )
+        trial.absolute(f"share of blocks above {area:g} m2", "", share, exact, error, of_mean)
+    quantity = "distance of the distributions of areas"
+    reason = "Kolmogorov's for one block of each network, exceeded by one sample in a hundred"
+    trial.absolute(quantity, "", distance(one_each), 0.0, KOLMOGOROV / root, reason)
     fine, marks = np.geomspace(0.02, 15.0, 100), np.geomspace(0.02, 15.0, 25)
     larger = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
     labels = ("area a, m²", "share of blocks that are larger")
-    chart = trial.chart("areas of blocks", *labels, x_scale="log")
+    chart = trial.chart("areas of blocks", *labels, log="x")
     chart.exact("z K₁(z)", fine, exact_share(fine))
     chart.computed(marks, larger)

@@ -12,15 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    StaticRun,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, Model, StaticRun, Trial, problem
 from clast.verification.variants import EACH_PROCESS, Variant
 
 GRAVITY, DENSITY, WATER = 9.81, 2400.0, 1000.0
@@ -36,10 +29,10 @@ ROUGH = 45.0
 STEPS, STIFFNESS = 300, 2e9
 STEP, FINE = 1e-2, 4e-3
 """Steps, s: a dam close to tipping sinks back slowly; one that slides chatters in long steps."""
-BISECTIONS, SPAN, SHARE = 5, 2.0, 0.04
-"""Bisections; half of the range searched, in degrees and as a share of the height of the water."""
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
-TIPS = f"bisected to {100 * 2 * SHARE / 2**BISECTIONS:.2g} %; heel and toe are springs"
+SPAN, SHARE = 2.0, 0.04
+"""Half of the range searched, in degrees and as a share of the height of the water."""
+RESOLUTION = "bisected to 0.12 degrees"
+TIPS = "bisected to 0.25 %; heel and toe are springs"
 LEANS = "heel and toe are springs: the dam leans by 1e-4, and its weight acts beside its middle"
 
 
@@ -93,8 +86,8 @@ def reactions(level: float, variant: Variant) -> Floats:
 
 def compare_reactions(trial: Trial) -> None:
     """Compare the reactions of the base."""
-    found = np.array([reactions(level, trial.variant) for level in LEVELS])
-    for level, (heel, toe, along) in zip(LEVELS, found, strict=True):
+    forces = np.array([reactions(level, trial.variant) for level in LEVELS])
+    for level, (heel, toe, along) in zip(LEVELS, forces, strict=True):
         exact = exact_reactions(level)
         water = f"water {level:g} m high"
         trial.relative(f"force at the heel, {water}", "N/m", heel, exact[0], 2e-3, LEANS)
@@ -105,26 +98,26 @@ def compare_reactions(trial: Trial) -> None:
     chart = trial.chart("normal force at heel and toe", "height of the water, m", "force, kN/m")
     chart.exact("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0])
     chart.exact("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1])
-    chart.computed(LEVELS, 1e-3 * found[:, 0], "heel")
-    chart.computed(LEVELS, 1e-3 * found[:, 1], "toe")
+    chart.computed(LEVELS, 1e-3 * forces[:, 0], "heel")
+    chart.computed(LEVELS, 1e-3 * forces[:, 1], "toe")
 
 
-SLIDES = StaticRun(p=STIFFNESS, step=FINE, steps=STEPS)
-TIPS_OVER = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS)
+SLIDES = StaticRun(p=STIFFNESS, step=FINE, steps=STEPS, bisections=5)
+TIPS_OVER = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS, bisections=5)
 
 
 def compare_limits(trial: Trial) -> None:
     """Compare at which friction angle the dam slides, and at which height of the water it tips."""
-    found = []
+    angles = []
     for level in SLIDES_AT:
         exact = exact_angle(level)
         loaded = partial(model_of_dam, level)
-        found.append(SLIDES.limit(loaded, trial.variant, exact - SPAN, exact + SPAN, BISECTIONS))
+        angles.append(SLIDES.limit(trial.variant, loaded, exact - SPAN, exact + SPAN))
         quantity = f"friction angle at the limit, water {level:g} m high"
-        trial.absolute(quantity, "degrees", found[-1], exact, 0.15, RESOLUTION)
+        trial.absolute(quantity, "degrees", angles[-1], exact, 0.15, RESOLUTION)
     tips = exact_height()
     ends = (1.0 + SHARE) * tips, (1.0 - SHARE) * tips
-    highest = TIPS_OVER.limit(model_of_dam, trial.variant, *ends, BISECTIONS)
+    highest = TIPS_OVER.limit(trial.variant, model_of_dam, *ends)
     trial.relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS)
     fine = np.linspace(0.0, exact_height(), 41)
     chart = trial.chart(
@@ -133,7 +126,7 @@ def compare_limits(trial: Trial) -> None:
         "friction angle, degrees",
     )
     chart.exact("tan φ = F/W", fine, [exact_angle(level) for level in fine])
-    chart.computed(SLIDES_AT, found)
+    chart.computed(SLIDES_AT, angles)
 
 
 @problem(set_up=model_of_dam, variants=EACH_PROCESS, briefly=compare_reactions)

@@ -66,9 +66,8 @@ def decelerating_block(trial: Trial) -> None:
     exact = SPEED**2 / (2.0 * DECELERATION)
     tolerance, reason = TOLERANCES[trial.variant.name]
     trial.relative("stopping distance", "m", moved[-1], exact, tolerance, reason)
-    trial.absolute(
-        "creep after it has stopped", "m/s", creep, 0.0, 1e-9, "vibration of the springs dies"
-    )
+    quantity = "creep after it has stopped"
+    trial.absolute(quantity, "m/s", creep, 0.0, 1e-9, "vibration of the springs dies")
     fine = np.linspace(0.0, DURATION, 151)
     sliding = np.minimum(fine, SPEED / DECELERATION)
     slid = SPEED * sliding - DECELERATION * sliding**2 / 2

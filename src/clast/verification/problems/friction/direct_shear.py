@@ -3,15 +3,7 @@
 import numpy as np
 
 from clast.verification.problems import Model, Run, Trial, box, new_model, problem
-from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    EULER,
-    LAGGED,
-    MULTIPLIERS,
-    OPEN_CLOSE,
-    Variant,
-)
+from clast.verification.variants import BOTH_LAWS, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
 LENGTH, HEIGHT = 1.0, 0.1
@@ -55,11 +47,7 @@ def sheared(force: float, variant: Variant) -> Run:
     )
 
 
-@problem(
-    set_up=sheared_block,
-    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
-    few=(FEW,),
-)
+@problem(set_up=sheared_block, variants=BOTH_LAWS, few=(FEW,))
 def direct_shear(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     """Direct shear of a joint with cohesion.
 

@@ -11,12 +11,8 @@ of first order in the step h.  It is measured against the same process with fric
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    Trial,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Model, Trial, problem
 from clast.verification.variants import (
     CONVEX,
     CONVEX_LAGGED,
@@ -50,14 +46,14 @@ def model_of_incline(friction_angle: float = 20.0) -> Model:
     return builder.build()
 
 
-def exact_way(friction_angle: float, time: float = DURATION) -> float:
+def exact_displacement(friction_angle: float, time: float = DURATION) -> float:
     """Return the displacement of the slider to the right (and down), m, after ``time``, s."""
     slope, friction = np.radians(45.0), np.tan(np.radians(friction_angle))
     downhill = GRAVITY * max(0.0, np.sin(slope) - np.cos(slope) * friction)
     return float(0.5 * downhill * np.cos(slope) * time**2)
 
 
-def computed_way(
+def computed_displacement(
     friction_angle: float, step: float, variant: Variant, duration: float = DURATION
 ) -> tuple[float, float]:
     """Return the displacement of the slider to the right and down, m, after ``duration``, s."""
@@ -113,9 +109,9 @@ def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
     """
     angles = angles or (ANGLES if trial.variant in (LAGGED, CONVEX) else SOME)
     for angle in angles:
-        exact = exact_way(angle)
-        right, down = computed_way(angle, STEP, trial.variant)
-        worse = max(right, down, key=lambda way, exact=exact: abs(way - exact))
+        exact = exact_displacement(angle)
+        right, down = computed_displacement(angle, STEP, trial.variant)
+        worse = max(right, down, key=lambda displacement, exact=exact: abs(displacement - exact))
         quantity = f"displacement (the worse of u, v) at {angle:g} degrees"
         if exact < 1e-9:
             trial.absolute(quantity, "m", worse, 0.0, 0.01, "stays where it is: below 1 cm")
@@ -126,7 +122,7 @@ def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
     chart = trial.chart(
         "displacement after 1 s", "friction angle, degrees", "displacement u = −v, m"
     )
-    chart.exact("closed form", fine, [exact_way(angle) for angle in fine])
+    chart.exact("closed form", fine, [exact_displacement(angle) for angle in fine])
     chart.computed(angles, trial.computed)
 
 
@@ -147,10 +143,10 @@ def exact_excess(friction_angle: float, step: float) -> float:
 def computed_excess(friction_angle: float, step: float, variant: Variant) -> float:
     """Return by which share of the exact way lagged friction slides further."""
     lagged, implicit = (
-        0.5 * sum(computed_way(friction_angle, step, one, DURATION_OF_LAG))
+        0.5 * sum(computed_displacement(friction_angle, step, one, DURATION_OF_LAG))
         for one in (variant, WITHOUT_LAG[variant])
     )
-    return (lagged - implicit) / exact_way(friction_angle, DURATION_OF_LAG)
+    return (lagged - implicit) / exact_displacement(friction_angle, DURATION_OF_LAG)
 
 
 @problem(set_up=model_of_incline, variants=(CONVEX_LAGGED,), quick=())
@@ -166,10 +162,10 @@ def friction_lag(trial: Trial) -> None:
     sliding friction is that of the solve before, not of the step before, and has no formula of this
     kind.
     """
-    found = []
+    excesses = []
     for angle in ANGLES_OF_LAG:
         excess = [computed_excess(angle, step, trial.variant) for step in STEPS]
-        found.append(excess)
+        excesses.append(excess)
         for step, computed in zip(STEPS, excess, strict=True):
             quantity = f"excess of the displacement at {angle:g} degrees, h = {1e3 * step:g} ms"
             exact = exact_excess(angle, step)
@@ -177,7 +173,7 @@ def friction_lag(trial: Trial) -> None:
         order = np.log2(excess[0] / excess[1])
         quantity = f"order of the excess in h at {angle:g} degrees"
         trial.absolute(quantity, "", order, 1.0, 0.1, REASON)
-    fine, percent = np.linspace(0.0, 40.0, 81), 100.0 * np.array(found)
+    fine, percent = np.linspace(0.0, 40.0, 81), 100.0 * np.array(excesses)
     labels = ("friction angle, degrees", "excess of the displacement, %")
     chart = trial.chart("excess of the displacement after 0.3 s", *labels)
     for step in STEPS:

@@ -19,10 +19,8 @@ LENGTH, WIDTH = 4.0, 0.2
 """Length and width of the ladder, m."""
 ANGLES = (45.0, 55.0, 65.0)
 """Angles with the floor, degrees."""
-STEP, STEPS = 4e-3, 300
-BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and half of the range searched, degrees."""
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g} degrees"
+SPAN = 2.0
+"""Half of the range of the friction angle that is searched, degrees."""
 
 
 def outline(angle: float, width: float = WIDTH) -> np.ndarray:
@@ -56,7 +54,7 @@ def model_of_ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> M
     return builder.build()
 
 
-STATIC = StaticRun(p=3e7, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=3e7, step=4e-3, steps=300)
 
 
 @problem(set_up=model_of_ladder, variants=EACH_PROCESS, quick=())
@@ -70,26 +68,14 @@ def ladder(trial: Trial, angles: tuple[float, ...] = ANGLES) -> None:
     degrees - 2 phi.
     Source: equilibrium with friction mobilised at both ends.
     """
-    found = []
     for angle in angles:
-        exact = exact_limit(angle)
-        found.append(
-            STATIC.limit(
-                partial(model_of_ladder, angle),
-                trial.variant,
-                exact - SPAN,
-                exact + SPAN,
-                BISECTIONS,
-            )
-        )
+        exact, loaded = exact_limit(angle), partial(model_of_ladder, angle)
+        angle_at_limit = STATIC.limit(trial.variant, loaded, exact - SPAN, exact + SPAN)
         quantity = f"friction angle at the limit, ladder at {angle:g} degrees"
-        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
+        trial.absolute(quantity, "degrees", angle_at_limit, exact, 0.25, "bisected to 0.2 degrees")
     fine = np.linspace(40.0, 70.0, 31)
-    chart = trial.chart(
-        "friction angle at the limit",
-        "angle of the ladder with the floor, degrees",
-        "friction angle, degrees",
-    )
+    labels = "angle of the ladder with the floor, degrees", "friction angle, degrees"
+    chart = trial.chart("friction angle at the limit", *labels)
     chart.exact("equilibrium", fine, [exact_limit(angle) for angle in fine])
     chart.exact("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine))
-    chart.computed(angles, found)
+    chart.computed(angles, trial.computed)

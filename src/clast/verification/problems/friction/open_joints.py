@@ -57,8 +57,10 @@ def open_joints(trial: Trial) -> None:
     """
     fall, why = 0.5 * GRAVITY * END**2, "coordinates of 4.5e5 m are rounded to 6e-11 m"
     for gap in GAPS:
-        way = float(np.hypot(*run_of(hung(gap), trial.variant).history("middle").displacement[-1]))
-        trial.relative(f"fall from {1e3 * gap:g} mm", "m", way, fall, 1e-6, why)
+        displacement = float(
+            np.hypot(*run_of(hung(gap), trial.variant).history("middle").displacement[-1])
+        )
+        trial.relative(f"fall from {1e3 * gap:g} mm", "m", displacement, fall, 1e-6, why)
     still = run_of(hung(GAPS[0], weight=0.0), trial.variant).state.velocity
     trial.absolute("speed without weight", "m/s", float(np.abs(still).max()), 0.0, 1e-9, why)
     closed = run_of(hung(0.0), trial.variant, dynamic_ratio=0.0)

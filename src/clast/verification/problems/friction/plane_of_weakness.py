@@ -35,10 +35,9 @@ MUCH = 4.0
 APART = 0.6
 """Vertical distance of planes, m."""
 DENSITY = 2500.0
-STEP, STEPS, STIFFNESS = 2e-3, 300, 1e9
-BISECTIONS, SPAN = 3, 0.02
-"""Bisections of s1 - s3, and half of the range searched as a share of it."""
-RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+SPAN = 0.02
+"""Half of the range of s1 - s3 that is searched as a share of it."""
+RESOLUTION = "bracket of 0.5 %"
 
 
 def exact_strength(dip: float) -> float:
@@ -74,7 +73,7 @@ def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None
     return builder.build()
 
 
-STATIC = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS, unit=CONFINING / (DENSITY * HEIGHT))
+STATIC = StaticRun(p=1e9, step=2e-3, steps=300, unit=CONFINING / (DENSITY * HEIGHT), bisections=3)
 
 
 @problem(set_up=specimen, variants=EACH_PROCESS, few=(SPECIMENS[2:3],))
@@ -89,17 +88,17 @@ def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = S
     Exact: s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b)).
     Source: Jaeger (1960), as in Brady & Brown (2004), section 4.6.
     """
-    found = []
+    strengths = []
     # one pass does not tolerate the springs of the thin blocks between several planes
     some = [one for one in specimens if trial.variant is not LAGGED or one[1] == 1]
     for dip, planes in some:
         exact = exact_strength(dip)
         pressed = partial(specimen, dip, planes)
         ends = exact * (1.0 + SPAN), exact * (1.0 - SPAN)
-        found.append(STATIC.limit(pressed, trial.variant, *ends, BISECTIONS))
+        strengths.append(STATIC.limit(trial.variant, pressed, *ends))
         cut = "" if planes == 1 else f", {planes} planes"
         quantity = f"s1 - s3 at b = {dip:g} degrees{cut}"
-        trial.relative(quantity, "Pa", found[-1], exact, 0.01, RESOLUTION)
+        trial.relative(quantity, "Pa", strengths[-1], exact, 0.01, RESOLUTION)
     much = float(STATIC.stands(specimen(FLAT, 1, MUCH * CONFINING), trial.variant))
     quantity = f"holds at b = {FLAT:g} degrees, s1 = {MUCH + 1:g} s3"
     trial.absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips")
@@ -109,4 +108,4 @@ def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = S
         "strength over the dip of the plane", "dip of the plane b, degrees", "σ₁ − σ₃, MPa"
     )
     chart.exact("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine])
-    chart.computed([some[k][0] for k in single], [1e-6 * found[k] for k in single])
+    chart.computed([some[k][0] for k in single], [1e-6 * strengths[k] for k in single])

@@ -45,9 +45,9 @@ def roughness(stress: float) -> float:
 def strength(slip: Floats, stress: float) -> Floats:
     """Return T/N mobilised after slips, m, (k,)."""
     x, angle = slip / PEAK_SLIP, roughness(stress)
-    found = np.interp(x, X, M) * angle
-    found = np.where(x < X[1], -RESIDUAL * (1.0 - x / X[1]), found)
-    return np.asarray(np.tan(np.radians(RESIDUAL + found)))
+    mobilised = np.interp(x, X, M) * angle
+    mobilised = np.where(x < X[1], -RESIDUAL * (1.0 - x / X[1]), mobilised)
+    return np.asarray(np.tan(np.radians(RESIDUAL + mobilised)))
 
 
 def opened(slip: Floats, stress: float) -> Floats:
@@ -89,12 +89,6 @@ def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
     return builder.build()
 
 
-def closed(stress: float, variant: Variant) -> float:
-    """Return by how much the joint closes under a normal stress, Pa, m."""
-    run = variant.static(shear_box(stress), step=0.05, end=1.0, p=1e11, max_displacement=0.05)
-    return -float(run.history("foot").displacement[-1, 1])
-
-
 def sheared(stress: float, variant: Variant) -> tuple[Floats, Floats, Floats]:
     """Return slip, m, T/N and opening since it was pressed, m, (k,) each, while it is drawn."""
     pull = frame(stress) * FARTHEST * PEAK_SLIP + 1.3 * stress * LENGTH
@@ -128,7 +122,12 @@ def rough_joint(trial: Trial, stresses: tuple[float, ...] = STRESSES) -> None:
     for stress in CLOSING:
         exact = stress * CLOSURE / (STIFFNESS * CLOSURE + stress)
         which = f"closure under {1e-6 * stress:g} MPa"
-        trial.relative(which, "m", closed(stress, trial.variant), exact, 5e-3, "formula")
+        run = trial.variant.static(
+            shear_box(stress), step=0.05, end=1.0, p=1e11, max_displacement=0.05
+        )
+        trial.relative(
+            which, "m", -float(run.history("foot").displacement[-1, 1]), exact, 5e-3, "formula"
+        )
     strengths = trial.chart("shear strength mobilised", "slip, mm", "T/N")
     openings = trial.chart("opening", "slip, mm", "opening, mm")
     for stress in stresses:

@@ -22,7 +22,7 @@ LENGTH, HEIGHT = 0.8, 0.4
 MASS = DENSITY * LENGTH * HEIGHT
 START, TOTAL = 0.13, 4.8
 """Where the block begins on the surface, and how long that is, m."""
-STEP, MAX_DISPLACEMENT = 1e-3, 0.02
+STEP = 1e-3
 SPEED, TIME = 5.0, 0.6
 SLOPE, FRICTION_ANGLE, SLIDING_TIME = 30.0, 20.0, 1.0
 PUSH, STATIC_STEP, STATIC_TIME = 0.5 * MASS * GRAVITY, 5e-3, 8.0
@@ -85,7 +85,7 @@ def rest_on(
     return builder.build()
 
 
-def way_on(
+def distance_on(
     model: Model,
     variant: Variant,
     *,
@@ -100,23 +100,25 @@ def way_on(
         step=step,
         end=end,
         p=STIFFNESS,
-        max_displacement=MAX_DISPLACEMENT,
+        max_displacement=0.02,
         dynamic_ratio=dynamic_ratio,
     )
     displacement = run.history("centroid").displacement
     return float(np.hypot(*(displacement[-1] - displacement[round(since / step)])))
 
 
-def sliding_way() -> float:
+def sliding_distance() -> float:
     """Return how far a block slides down the slope, m."""
     a, phi = np.radians(SLOPE), np.radians(FRICTION_ANGLE)
     pull = GRAVITY * (np.sin(a) - np.cos(a) * np.tan(phi))
     return float(0.5 * pull * SLIDING_TIME**2)
 
 
-def static_way(model: Model, variant: Variant, since: float = 0.0) -> float:
+def static_distance(model: Model, variant: Variant, since: float = 0.0) -> float:
     """Return how far the block is pushed from ``since``, s, on, m, each step beginning at rest."""
-    return way_on(model, variant, step=STATIC_STEP, end=STATIC_TIME, since=since, dynamic_ratio=0.0)
+    return distance_on(
+        model, variant, step=STATIC_STEP, end=STATIC_TIME, since=since, dynamic_ratio=0.0
+    )
 
 
 @problem(
@@ -138,13 +140,13 @@ def seams(trial: Trial, pieces: tuple[int, ...] = PIECES) -> None:
     for number in pieces:
         for name, joint, loose in (("", CLOSED, False), (", open joints, loose", OPEN, True)):
             model = rest_on(number, joint=joint, loose=loose, speed=SPEED)
-            way = way_on(model, trial.variant, step=STEP, end=TIME)
+            displacement = distance_on(model, trial.variant, step=STEP, end=TIME)
             quantity = f"displacement without friction, {number} blocks{name}"
-            trial.relative(quantity, "m", way, SPEED * TIME, 1e-3, ROUND)
+            trial.relative(quantity, "m", displacement, SPEED * TIME, 1e-3, ROUND)
         model = rest_on(number, slope=SLOPE, friction_angle=FRICTION_ANGLE)
-        way = way_on(model, trial.variant, step=STEP, end=SLIDING_TIME)
+        displacement = distance_on(model, trial.variant, step=STEP, end=SLIDING_TIME)
         quantity = f"displacement down the slope, {number} blocks"
-        trial.relative(quantity, "m", way, sliding_way(), 5e-3, LAG)
+        trial.relative(quantity, "m", displacement, sliding_distance(), 5e-3, LAG)
     free = 0.5 * PUSH / MASS * STATIC_STEP * (STATIC_TIME - SEARCHED)
     edge = TOTAL / PUSHED_OVER - START - LENGTH
     steps = [(0.0, free, SEARCHED), (LOW, free, SEARCHED), (5.0, edge, 0.0)]
@@ -153,4 +155,6 @@ def seams(trial: Trial, pieces: tuple[int, ...] = PIECES) -> None:
     for share, exact, since in steps:
         model = rest_on(PUSHED_OVER, push=PUSH, rise=share * PRESSED_IN)
         quantity = f"displacement when pushed over a step of {share:g} penetrations"
-        trial.relative(quantity, "m", static_way(model, trial.variant, since), exact, 1e-3, ROUND)
+        trial.relative(
+            quantity, "m", static_distance(model, trial.variant, since), exact, 1e-3, ROUND
+        )

@@ -2,15 +2,8 @@
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    PointHistory,
-    Trial,
-    limit,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Floats, Model, PointHistory, Trial, limit, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 GRAVITY = 9.8
@@ -42,15 +35,15 @@ def least_speed() -> float:
 
 def motion(push: float, time: Floats) -> Floats:
     """Return the displacement down the slope after a push, m, by integration in small steps."""
-    way = np.concatenate([[0.0], np.geomspace(1e-9, 20.0, 200_001)])
-    middle = 0.5 * (way[1:] + way[:-1])
+    displacement = np.concatenate([[0.0], np.geomspace(1e-9, 20.0, 200_001)])
+    middle = 0.5 * (displacement[1:] + displacement[:-1])
     share = np.minimum(1.0, middle / WEAKENING)
     friction = tangent(PEAK) + share * (tangent(RESIDUAL) - tangent(PEAK))
     pull = GRAVITY * (np.sin(SLOPE) - np.cos(SLOPE) * friction)
-    squared = push**2 + 2.0 * np.concatenate([[0.0], np.cumsum(pull * np.diff(way))])
+    squared = push**2 + 2.0 * np.concatenate([[0.0], np.cumsum(pull * np.diff(displacement))])
     speed = np.sqrt(squared)
-    at = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(way) / (speed[1:] + speed[:-1]))])
-    return np.asarray(np.interp(time, at, way))
+    at = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(displacement) / (speed[1:] + speed[:-1]))])
+    return np.asarray(np.interp(time, at, displacement))
 
 
 def block_on_slope(push: float = 0.0) -> Model:
@@ -79,31 +72,21 @@ def pushed(variant: Variant, push: float, end: float = WHOLE) -> PointHistory:
 def compare_slides(trial: Trial) -> None:
     """Compare a block that is left alone and one that is pushed hard."""
     alone, hard = pushed(trial.variant, 0.0, 0.2), pushed(trial.variant, 3.0 * least_speed())
-    way = hard.displacement @ ALONG
+    displacement = hard.displacement @ ALONG
     late = hard.time > 0.75 * WHOLE
     gained = np.polyfit(hard.time[late], hard.velocity[late] @ ALONG, 1)[0]
     slide = GRAVITY * (np.sin(SLOPE) - np.cos(SLOPE) * tangent(RESIDUAL))
-    trial.absolute(
-        "displacement without a push",
-        "m",
-        float(np.abs(alone.displacement @ ALONG).max()),
-        0.0,
-        1e-4,
-        SPRING,
-    )
-    trial.relative(
-        "displacement after a hard push",
-        "m",
-        float(way[-1]),
-        float(motion(3.0 * least_speed(), hard.time[-1:])[0]),
-        5e-3,
-        SPRING,
-    )
+    quantity = "displacement without a push"
+    computed = float(np.abs(alone.displacement @ ALONG).max())
+    trial.absolute(quantity, "m", computed, 0.0, 1e-4, SPRING)
+    quantity = "displacement after a hard push"
+    exact = float(motion(3.0 * least_speed(), hard.time[-1:])[0])
+    trial.relative(quantity, "m", float(displacement[-1]), exact, 5e-3, SPRING)
     trial.relative("acceleration in the end", "m/s2", float(gained), float(slide), 5e-3, SPRING)
     fine = np.linspace(0.0, WHOLE, 101)
     chart = trial.chart("displacement after a hard push", "time, s", "displacement, m")
     chart.exact("integrated", fine, motion(3.0 * least_speed(), fine))
-    chart.computed(hard.time[::80], way[::80])
+    chart.computed(hard.time[::80], displacement[::80])
 
 
 @problem(set_up=block_on_slope, variants=(PASSES, OPEN_CLOSE, CONVEX), briefly=compare_slides)
@@ -123,6 +106,6 @@ def slip_weakening(trial: Trial) -> None:
     def slides_on(push: float) -> bool:
         return bool(pushed(trial.variant, push, BRIEF).displacement[-1] @ ALONG > 2.0 * WEAKENING)
 
-    found = limit(slides_on, 0.92 * exact, 1.08 * exact, 4)
+    least = limit(slides_on, 0.92 * exact, 1.08 * exact, 4)
     tolerance, reason = LEAST.get(trial.variant.name, (0.01, BISECTED))
-    trial.relative("least speed of a push", "m/s", found, exact, tolerance, reason)
+    trial.relative("least speed of a push", "m/s", least, exact, tolerance, reason)

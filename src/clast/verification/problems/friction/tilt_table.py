@@ -11,8 +11,8 @@ GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
 """Height of the block, m, and its friction angle, degrees."""
 WIDTHS = (0.2, 0.4, 0.5, 1.0)
 """Widths of the block, m: it topples, topples barely before it slides, slides twice."""
-STEP, STEPS, SPAN, BISECTIONS = 1e-2, 300, 1.2, 5
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees; the corners are springs"
+SPAN = 1.2
+RESOLUTION = "bisected to 0.075 degrees; the corners are springs"
 
 
 def exact_angle(width: float) -> float:
@@ -39,7 +39,7 @@ def add_block(builder: InputBuilder, width: float) -> None:
     builder.measured_point("top", (0.0, HEIGHT), block="block")
 
 
-STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=1e-2, steps=300, bisections=5)
 
 
 @problem(set_up=table, variants=(OPEN_CLOSE, CONVEX), quick=())
@@ -56,12 +56,10 @@ def tilt_table(trial: Trial) -> None:
     """
     for width in WIDTHS:
         exact = exact_angle(width)
-        found = STATIC.limit(
-            partial(table, width), trial.variant, exact + SPAN, exact - SPAN, BISECTIONS
-        )
+        tilt = STATIC.limit(trial.variant, partial(table, width), exact + SPAN, exact - SPAN)
         quantity = f"tilt at which b/h = {width / HEIGHT:g} moves"
-        trial.absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION)
+        trial.absolute(quantity, "degrees", tilt, exact, 0.1, RESOLUTION)
     fine = np.linspace(0.1, 1.2, 111)
     chart = trial.chart("tilt at which the block moves", "b/h", "tilt, degrees")
     chart.exact("the smaller of atan(b/h) and φ", fine, [exact_angle(b) for b in fine])
-    chart.computed(WIDTHS, [row.computed for row in trial.rows])
+    chart.computed(WIDTHS, trial.computed)

@@ -2,16 +2,9 @@
 
 import numpy as np
 
+from clast.verification.fixtures import box, new_model
 from clast.verification.limit_analysis import add_voussoirs, joint_ends, reserve, voussoirs_between
-from clast.verification.problems import (
-    Model,
-    StaticRun,
-    Trial,
-    box,
-    limit,
-    new_model,
-    problem,
-)
+from clast.verification.problems import Model, StaticRun, Trial, limit, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 RADIUS, VOUSSOIRS = 5.0, 20
@@ -20,10 +13,8 @@ FRICTION_ANGLE = 50.0
 """Friction angle, degrees; no joint slips."""
 MILANKOVITCH = 0.1075
 """t/R of the thinnest arch."""
-LOW, HIGH, BISECTIONS = 0.1045, 0.1105, 4
-"""t/R that are searched, and bisections; FEW where time is short."""
-FEW = 2
-STEP, STEPS = 4e-3, 300
+LOW, HIGH = 0.1045, 0.1105
+"""t/R that are searched."""
 
 
 def safety(share: float, voussoirs: int = VOUSSOIRS) -> float:
@@ -51,11 +42,8 @@ def model_of_arch(share: float = 0.12) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(p=1e10, step=STEP, steps=STEPS)
-
-
-@problem(set_up=model_of_arch, variants=(OPEN_CLOSE, CONVEX), few=(FEW,))
-def arch(trial: Trial, bisections: int = BISECTIONS) -> None:
+@problem(set_up=model_of_arch, variants=(OPEN_CLOSE, CONVEX), few=(2,))
+def arch(trial: Trial, bisections: int = 4) -> None:
     """Thinnest semicircular arch.
 
     Twenty voussoirs on a semicircle of 5 m mean radius under their weight; the thickness is
@@ -66,28 +54,17 @@ def arch(trial: Trial, bisections: int = BISECTIONS) -> None:
     Not run with: modified: in steps this long one pass and four throw the voussoirs, p h2/m being
     far above 6.
     """
-    found = STATIC.limit(model_of_arch, trial.variant, LOW, HIGH, bisections)
-    exact = exact_limit()
-    width = (HIGH - LOW) / 2**bisections
-    trial.relative(
-        f"t/R of {VOUSSOIRS} voussoirs",
-        "",
-        found,
-        exact,
-        1.5 * width / exact,
-        f"bisected to {width:.1g}; joints and blocks give a little",
-    )
-    trial.relative(
-        "t/R of an arch without joints",
-        "",
-        found,
-        MILANKOVITCH,
-        0.01 + width / MILANKOVITCH,
-        "hinges only at joints: 0.15 % less",
-    )
+    static = StaticRun(p=1e10, step=4e-3, steps=300, bisections=bisections)
+    thinnest = static.limit(trial.variant, model_of_arch, LOW, HIGH)
+    exact, width = exact_limit(), (HIGH - LOW) / 2**bisections
+    quantity, reason = f"t/R of {VOUSSOIRS} voussoirs", f"bisected to {width:.1g}; "
+    reason += "joints and blocks give a little"
+    trial.relative(quantity, "", thinnest, exact, 1.5 * width / exact, reason)
+    quantity, reason = "t/R of an arch without joints", "hinges only at joints: 0.15 % less"
+    tolerance = 0.01 + width / MILANKOVITCH
+    trial.relative(quantity, "", thinnest, MILANKOVITCH, tolerance, reason)
     shares = np.linspace(0.102, 0.113, 12)
-    chart = trial.chart(
-        "reserve of the line of thrust", "t/R", "least end force of a joint, N/(ρ g)"
-    )
+    labels = "t/R", "least end force of a joint, N/(ρ g)"
+    chart = trial.chart("reserve of the line of thrust", *labels)
     chart.exact("by linear programming", shares, [safety(one) for one in shares])
-    chart.computed((found,), (0.0,), "limit")
+    chart.computed((thinnest,), (0.0,), "limit")

@@ -78,17 +78,17 @@ class Half:
         Below the hinge the voussoirs go with the support, half of the spread.
         """
         low, crown = self.ends[0, self.hinge], self.ends[1, -1]
-        way, arm = np.array([0.5 * spread, 0.0]), crown - low
-        across = -(low + way)[0]
+        displacement, arm = np.array([0.5 * spread, 0.0]), crown - low
+        across = -(low + displacement)[0]
         after = np.array([across, np.sqrt(arm @ arm - across**2)])
         # the turn of AB as a complex number
         turn = complex(*after) / complex(*arm)
         spin = np.array([[turn.real, turn.imag], [-turn.imag, turn.real]])
 
         def moved(points: Floats) -> Floats:
-            turned = (points - low) @ spin + low + way
+            turned = (points - low) @ spin + low + displacement
             above = np.arange(points.shape[-2]) >= self.hinge
-            return np.where(above[:, None], turned, points + way)
+            return np.where(above[:, None], turned, points + displacement)
 
         return moved(self.ends), moved(self.centroid)
 
@@ -154,8 +154,8 @@ def spreading(arch: Arch = ARCHES[0], spread: float = 0.5, side: str = "right") 
     middle = arch.voussoirs // 2
     builder.measured_point("crown", arch.joints()[1][middle], block=str(middle))
     first, last = SETTLED * STEP, (SETTLED + STEPS) * STEP
-    way = spread if side == "right" else -spread
-    table = builder.add_amplitude("spread", [0.0, first, last], [0.0, 0.0, way])
+    displacement = spread if side == "right" else -spread
+    table = builder.add_amplitude("spread", [0.0, first, last], [0.0, 0.0, displacement])
     builder.motion(name="spread", block=f"{side} abutment", x={"displacement": table})
     return builder.build()
 
@@ -184,10 +184,10 @@ def fall(spreads: Floats, down: Floats) -> float:
 
     With multipliers joints that slip by tenths of a millimetre bring it down a little before.
     """
-    ways = np.diff(down)
-    farthest = int(np.argmax(ways))
-    early = float(np.median(ways[: len(ways) // 2]))
-    return float(spreads[farthest]) if ways[farthest] > 10.0 * early else np.inf
+    displacements = np.diff(down)
+    farthest = int(np.argmax(displacements))
+    early = float(np.median(displacements[: len(displacements) // 2]))
+    return float(spreads[farthest]) if displacements[farthest] > 10.0 * early else np.inf
 
 
 def hinges_in(run: Run, arch: Arch, spread: float, at: float) -> set[tuple[str, int]]:
@@ -224,23 +224,25 @@ def arch_falls(trial: Trial, arches: tuple[Arch, ...] = ARCHES) -> None:
         half = Half.of(arch)
         limit = half.limit()
         run = run_of(arch, BEYOND * limit, trial.variant, ("right", "left")[number % 2])
-        way, sunk = followed(run, BEYOND * limit)
+        displacement, sunk = followed(run, BEYOND * limit)
         quantity = f"spread at the fall, {arch.name}"
-        trial.relative(quantity, "m", fall(way, sunk), limit, TOLERANCE, WHY)
+        trial.relative(quantity, "m", fall(displacement, sunk), limit, TOLERANCE, WHY)
         for share in SHARES:
             at = share * limit
             quantity = f"displacement of the crown at {share:g} of it, {arch.name}"
-            down = float(np.interp(at, way, sunk))
+            down = float(np.interp(at, displacement, sunk))
             trial.relative(quantity, "m", down, half.sunk(at), TOLERANCE, WHY)
             others = half.hinges ^ hinges_in(run, arch, BEYOND * limit, at)
             quantity = f"hinges elsewhere at {share:g} of it, {arch.name}"
             trial.absolute(quantity, "", len(others), 0.0, 0.0, "where the line touches")
         spreads = np.linspace(0.0, limit, 50)
-        charted.append((arch.name, spreads, [half.sunk(one) for one in spreads], way, sunk))
-    name, spreads, exact, way, sunk = charted[0]
+        charted.append(
+            (arch.name, spreads, [half.sunk(one) for one in spreads], displacement, sunk)
+        )
+    name, spreads, exact, displacement, sunk = charted[0]
     shown = np.flatnonzero(sunk < 2.0 * exact[-1])[::10]
     chart = trial.chart(
         f"displacement of the crown, {name}", "spread of the supports, m", "displacement down, m"
     )
     chart.exact("three hinges, to the fall", spreads, exact)
-    chart.computed(way[shown], sunk[shown])
+    chart.computed(displacement[shown], sunk[shown])

@@ -66,17 +66,16 @@ def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     Source: Navier's linear pressure without tension.
     Not run with: modified: with late friction four passes create energy, and its run is stopped.
     """
-    found = []
+    beds = []
     for share in shares:
-        found.append(computed_bed(share, trial.variant))
+        beds.append(computed_bed(share, trial.variant))
         exact, at = exact_bed(share), f"e/b = {share:.3g}"
-        trial.absolute(
-            f"length in contact, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS
-        )
-        trial.relative(f"edge pressure, {at}", "Pa", found[-1][1], exact[1], 0.01, CORNERS)
+        quantity = f"length in contact, {at}"
+        trial.absolute(quantity, "m", beds[-1][0], exact[0], 0.5 * FIRST, CORNERS)
+        trial.relative(f"edge pressure, {at}", "Pa", beds[-1][1], exact[1], 0.01, CORNERS)
         if share > 0.0:
-            trial.relative(f"turn, {at}", "rad", found[-1][2], exact[2], 0.02, CORNERS)
+            trial.relative(f"turn, {at}", "rad", beds[-1][2], exact[2], 0.02, CORNERS)
     fine = np.linspace(0.0, 0.43, 87)
     chart = trial.chart("pressure at the edge", "e/b", "edge pressure over N/b")
     chart.exact("Navier, no tension", fine, [exact_bed(e)[1] * WIDTH / FORCE for e in fine])
-    chart.computed(shares, [each[1] * WIDTH / FORCE for each in found])
+    chart.computed(shares, [each[1] * WIDTH / FORCE for each in beds])

@@ -13,7 +13,6 @@ BRICKS = 5
 HARMONIC = float(sum(1.0 / k for k in range(1, BRICKS + 1)))
 SHARES = (0.95, 0.97, 0.99, 1.01, 1.03)
 """Overhangs as shares of the limit."""
-STEP, STEPS = 2e-3, 500
 BRACKETED = "bracketed by 0.99 and 1.01 of it; the joints are springs"
 
 
@@ -31,7 +30,7 @@ def pile(share: float = 0.99) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(p=2e8, step=STEP, steps=STEPS, max_displacement=0.01)
+STATIC = StaticRun(p=2e8, step=2e-3, steps=500, max_displacement=0.01)
 
 
 @problem(set_up=pile, variants=EACH_PROCESS, quick=())

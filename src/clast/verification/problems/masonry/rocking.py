@@ -17,21 +17,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    Floats,
-    KnownFailure,
-    Model,
-    PointHistory,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
-from clast.verification.variants import (
-    BOTH_LAWS,
-    MULTIPLIERS,
-    Variant,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, KnownFailure, Model, Trial, problem
+from clast.verification.variants import BOTH_LAWS, MULTIPLIERS
 
 GRAVITY, WIDTH, HEIGHT = 9.8, 0.5, 2.0
 RADIUS = 0.5 * float(np.hypot(WIDTH, HEIGHT))
@@ -44,7 +32,7 @@ KEPT = 1.0 - RADIUS**2 / INERTIA * (1.0 - np.cos(2.0 * SLENDERNESS))
 """Share r of the rate that an impact leaves."""
 TILT = 0.5 * SLENDERNESS
 """Tilt at the start t0, rad."""
-STEP, DURATION = 1e-3, 1.0
+DURATION = 1.0
 EARLY = "first order in h; the corner stands on a spring"
 SHARED = "the impact takes some steps, in which the corner that leaves still carries"
 
@@ -81,13 +69,6 @@ def tilted_block() -> Model:
     return builder.build()
 
 
-def rock(variant: Variant) -> PointHistory:
-    """Return the motion of the block."""
-    return variant.run(
-        tilted_block(), step=STEP, end=DURATION, p=1e9, max_displacement=0.02
-    ).history("centroid")
-
-
 def exact_next_tilt() -> float:
     """Return how far the block tilts to the other side after the impact, rad."""
 
@@ -120,7 +101,9 @@ def rocking(trial: Trial) -> None:
     0.9118 of the rate.
     Source: Housner (1963); the fall integrated by scipy.
     """
-    history = rock(trial.variant)
+    history = trial.variant.run(
+        tilted_block(), step=1e-3, end=DURATION, p=1e9, max_displacement=0.02
+    ).history("centroid")
     # to the right is clockwise: the block turns back counter-clockwise
     time, tilt = history.time, TILT - history.rotation
     strike = int(np.flatnonzero(tilt <= 0.0)[0])

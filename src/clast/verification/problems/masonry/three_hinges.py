@@ -3,16 +3,13 @@
 import numpy as np
 
 from clast.verification.problems import Model, State, Trial, box, new_model, problem
-from clast.verification.variants import (
-    BOTH_LAWS,
-)
+from clast.verification.variants import BOTH_LAWS
 
 GRAVITY, DENSITY, DEPTH = 9.8, 2600.0, 0.5
 NOSE = 0.1
 """Distance c of the noses from the ends of the beam, m."""
 SLENDERNESSES = (4.0, 6.0, 8.0)
 """L/d of the beams."""
-STEP, DURATION = 1e-3, 0.4
 SINKS = "hinges and blocks give, by which the middle sinks and the lever arm shrinks"
 
 
@@ -59,9 +56,7 @@ def three_hinges(trial: Trial, slendernesses: tuple[float, ...] = SLENDERNESSES)
     thrusts = []
     for slenderness in slendernesses:
         model = beam(slenderness)
-        state = trial.variant.static(
-            model, step=STEP, end=DURATION, p=2e9, max_displacement=0.01
-        ).state
+        state = trial.variant.static(model, step=1e-3, end=0.4, p=2e9, max_displacement=0.01).state
         weight = DENSITY * GRAVITY * slenderness * DEPTH**2
         thrust = force_of_vertices(model, state, "left half", "left abutment")
         reaction = force_of_vertices(model, state, "left abutment", "left half")

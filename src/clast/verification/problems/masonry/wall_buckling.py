@@ -35,7 +35,7 @@ BEYOND = (1.02, 1.1, 1.5)
 COURSES = (3, 12, 24)
 TURNS = (0.0, 37.0, 90.0)
 """Angles by which wall, weight and load are turned, degrees."""
-STEP, TIME = 0.02, 20.0
+TIME = 20.0
 SECOND_ORDER = "the exact sway is that to second order, of stones that are rigid"
 
 VERDICT = "it fails or it stands"
@@ -102,7 +102,7 @@ def wall(courses: int, share: float, angle: float = 0.0) -> Model:
 def swayed(courses: int, share: float, variant: Variant, angle: float = 0.0) -> tuple[float, str]:
     """Return the sway, m, or nan and the course that moves most where it fails."""
     model = wall(courses, share, angle)
-    schedule = Schedule(step=STEP, end=TIME, every=TIME, stages=(Stage(name="load"),))
+    schedule = Schedule(step=0.02, end=TIME, every=TIME, stages=(Stage(name="load"),))
     method = variant.method(
         model,
         p=STIFFNESS,
@@ -135,7 +135,7 @@ def wall_buckling(
     them the wall still moves.
     """
     for number in courses:
-        found = []
+        sways = []
         for share in (*SHARES, *BEYOND):
             for angle in turns:
                 sway, first = swayed(number, share, trial.variant, angle)
@@ -146,9 +146,9 @@ def wall_buckling(
                 else:
                     fails = float(first == f"course {number}")
                     trial.absolute(f"fails at the top, {at}", "", fails, 1.0, 0.0, VERDICT)
-                found.append(sway)
+                sways.append(sway)
         fine = np.linspace(0.3, 0.95, 66)
-        swayed_upright = [1e3 * one for one in found[: len(SHARES) * len(turns) : len(turns)]]
+        swayed_upright = [1e3 * one for one in sways[: len(SHARES) * len(turns) : len(turns)]]
         chart = trial.chart(
             f"sway of {number} courses", "P over the buckling load", "sway of the top, mm"
         )

@@ -174,16 +174,14 @@ def convergence(trial: Trial) -> None:
         ("frequency", "1/s", RATIOS, frequency, exact_frequency, NUMBERS),
         ("shortening", "m", STATIC_RATIOS, shortening, exact_shortening, AT_REST),
     )
-    chart = trial.chart(
-        "what contacts that give way change", "p/E", "relative change", x_scale="log", y_scale="log"
-    )
+    chart = trial.chart("what contacts that give way change", "p/E", "relative change", log="xy")
     for name, unit, ratios, computed, exact, why in parts:
-        found = np.array([computed(ratio * YOUNG, trial.variant) for ratio in ratios])
+        runs = np.array([computed(ratio * YOUNG, trial.variant) for ratio in ratios])
         right = np.array([exact(ratio * YOUNG) for ratio in ratios])
         for k, ratio in enumerate(ratios):
             quantity = f"{name} at p = {ratio:g} E"
-            trial.relative(quantity, unit, found[k], right[k], 3e-4, why)
-        errors, of_formula = (np.abs(values / exact(np.inf) - 1.0) for values in (found, right))
+            trial.relative(quantity, unit, runs[k], right[k], 3e-4, why)
+        errors, of_formula = (np.abs(values / exact(np.inf) - 1.0) for values in (runs, right))
         order = float(np.log(errors[0] / errors[1]) / np.log(ratios[1] / ratios[0]))
         trial.absolute(f"order in 1/p, {name}", "", order, 1.0, 0.03, IN_STIFFNESS)
         chart.exact(f"{name} by formula", ratios, of_formula)

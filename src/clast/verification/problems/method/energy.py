@@ -7,19 +7,9 @@ be round-off, and the stored energy must never exceed the start and the work of 
 
 import numpy as np
 
-from clast.verification.problems import (
-    KnownFailure,
-    Model,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
-from clast.verification.variants import (
-    BOTH_LAWS,
-    EULER,
-    LAGGED,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import KnownFailure, Model, Trial, problem
+from clast.verification.variants import BOTH_LAWS, EULER, LAGGED
 
 GRAVITY = 9.8
 VELOCITY = (3.0, 1.0, -2.0)
@@ -71,9 +61,8 @@ def energy(trial: Trial) -> None:
     start = stored[0]
     total = (stored + ledger["friction"] + ledger["impacts"] + ledger["numerical"]) / start
     reason = "of the energy at the start"
-    trial.absolute(
-        "largest change of the ledger's sum", "", np.abs(total - 1.0).max(), 0.0, 1e-6, reason
-    )
+    quantity = "largest change of the ledger's sum"
+    trial.absolute(quantity, "", np.abs(total - 1.0).max(), 0.0, 1e-6, reason)
     trial.absolute("largest energy created", "", (stored / start - 1.0).max(), 0.0, 1e-6, reason)
     chart = trial.chart("energy over that of the start", "time, s", "energy / energy at the start")
     chart.exact("sum of the ledger", ledger["time"], np.ones(len(stored)))

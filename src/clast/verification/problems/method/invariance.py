@@ -6,19 +6,11 @@ import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.stages import TIME, Stage
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Trial,
-    box,
-    problem,
-)
+from clast.verification.fixtures import box
+from clast.verification.problems import Floats, InputBuilder, KnownFailure, Model, Trial, problem
 from clast.verification.problems.friction import decelerating_block
 from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, WITH_EULER, Variant
 
-STEP, DURATION = 1e-3, 0.3
 ROUND_OFF = "round-off of 300 steps"
 
 
@@ -101,9 +93,7 @@ def written_down(view: View) -> Model:
 def motion(view: View, variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and displacement of the block in the original's axes and units, m (t, 2)."""
     numbers = {"p": 1e8 * view.mass, "max_displacement": 0.01 * view.length}
-    history = variant.run(written_down(view), step=STEP, end=DURATION, **numbers).history(
-        "centroid"
-    )
+    history = variant.run(written_down(view), step=1e-3, end=0.3, **numbers).history("centroid")
     return history.time, view.back(history.displacement)
 
 

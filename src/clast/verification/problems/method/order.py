@@ -74,8 +74,7 @@ def order(trial: Trial) -> None:
     Exact: error proportional to h: order 1.
     Source: pendulum integrated by scipy; (g/w2) (1 - cos(w t)).
     """
-    scales = {"x_scale": "log", "y_scale": "log"}
-    chart = trial.chart("error over the number of steps", "steps", "relative error", **scales)
+    chart = trial.chart("error over the number of steps", "steps", "relative error", log="xy")
     chart.exact("1/(2 n)", NUMBERS, 0.5 / np.array(NUMBERS))
     for name, (computed, exact) in MOTIONS.items():
         error = np.array([abs(computed(n, trial.variant) / exact() - 1.0) for n in NUMBERS])

@@ -93,14 +93,14 @@ def apart(one: Run, other: Run) -> dict[str, float]:
         "velocities, m/s": (one.state.velocity, other.state.velocity),
         "contact forces, N/m": (one.state.memory.normal_force, other.state.memory.normal_force),
     }
-    found = {
+    differences = {
         name: float(np.abs(first - second).max()) if len(first) == len(second) else np.inf
         for name, (first, second) in pairs.items()
     }
     ledgers = one.report.ledger, other.report.ledger
-    found["friction work, J/m"] = abs(ledgers[0].friction - ledgers[1].friction)
-    found["steps"] = float(abs(one.report.steps - other.report.steps))
-    return found
+    differences["friction work, J/m"] = abs(ledgers[0].friction - ledgers[1].friction)
+    differences["steps"] = float(abs(one.report.steps - other.report.steps))
+    return differences
 
 
 def set_up() -> Model:

@@ -31,12 +31,8 @@ CUT = 0.1
 OWN = (35.0, 15.0, 25.0)
 """Friction angles of upper plane, lower plane and joint where each has its own, degrees."""
 STEP, STEPS = 4e-3, 300
-BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and half of the range searched, degrees."""
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
-SHARE = 0.04
-"""Half of the range searched of friction that differs, as a share of it."""
-FINER = f"bisected to {200 * SHARE / 2**BISECTIONS:.2g} %"
+SPAN = 2.0
+"""Half of the range of the friction angle that is searched, degrees."""
 
 
 def outlines(flat: float) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
@@ -112,7 +108,7 @@ def alike(flat: float, friction_angle: float) -> Model:
     return slope(flat, (friction_angle, friction_angle, friction_angle))
 
 
-STATIC = StaticRun(p=5e8, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=5e8, step=4e-3, steps=300)
 
 
 @problem(set_up=slope, variants=EACH_PROCESS, quick=())
@@ -126,30 +122,20 @@ def active_passive(trial: Trial, flats: tuple[float, ...] = FLATS) -> None:
     Exact: W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b).
     Source: two-wedge limit equilibrium with friction mobilised in all joints; Sarma (1979).
     """
-    found = []
     for flat in flats:
-        exact = exact_limit(flat)
-        found.append(
-            STATIC.limit(
-                partial(alike, flat), trial.variant, exact - SPAN, exact + SPAN, BISECTIONS
-            )
-        )
+        exact, loaded = exact_limit(flat), partial(alike, flat)
+        angle = STATIC.limit(trial.variant, loaded, exact - SPAN, exact + SPAN)
         quantity = f"friction angle at the limit, lower plane at {flat:g} degrees"
-        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
+        trial.absolute(quantity, "degrees", angle, exact, 0.25, "bisected to 0.25 degrees")
     flat = flats[-1]
     factor = exact_factor(flat)
     share = STATIC.limit(
-        lambda share: slope(flat, own_friction(share / factor)),
-        trial.variant,
-        1.0 - SHARE,
-        1.0 + SHARE,
-        BISECTIONS,
+        trial.variant, lambda share: slope(flat, own_friction(share / factor)), 0.96, 1.04
     )
     quantity = f"friction by that at the limit, own for each plane, lower plane at {flat:g} degrees"
-    trial.relative(quantity, "", share, 1.0, 0.02, FINER)
+    trial.relative(quantity, "", share, 1.0, 0.02, "bisected to 0.5 %")
     fine = np.linspace(-2.0, 12.0, 29)
-    chart = trial.chart(
-        "friction angle at the limit", "dip of the lower plane, degrees", "friction angle, degrees"
-    )
+    labels = "dip of the lower plane, degrees", "friction angle, degrees"
+    chart = trial.chart("friction angle at the limit", *labels)
     chart.exact("both blocks at their limit", fine, [exact_limit(flat) for flat in fine])
-    chart.computed(flats, found)
+    chart.computed(flats, trial.computed[:-1])

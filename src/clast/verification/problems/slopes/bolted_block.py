@@ -17,10 +17,9 @@ ALONG = np.array([np.cos(DIP), np.sin(DIP)])
 UP = np.array([-ALONG[1], ALONG[0]])
 FACTORS = (1.0, 1.25, 1.5)
 """Factors of safety."""
-STEP, STEPS = 4e-3, 200
-BISECTIONS, SPAN = 4, 0.03
-"""Bisections of the bolt's force, and half of the range searched as a share of the exact one."""
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g}"
+SPAN = 0.03
+"""Half of the range of the bolt's force that is searched as a share of the exact one."""
+RESOLUTION = "bisected to 0.004"
 ASIDE = 0.01
 """Share by which the force is raised or lowered to see whether the block holds."""
 
@@ -60,13 +59,13 @@ def bolted(
     builder.block(name="block", vertices=[toe, head, head + up, toe + up])
     middle = toe + 0.5 * LENGTH * ALONG + 0.5 * up
     builder.add_bolt_kind("cable", stiffness=2e7, pretension=force)
-    way = np.cos(angle) * ALONG - np.sin(angle) * UP
-    builder.bolt(middle, middle + 8.0 * way, kind="cable", pretension_is="jacked")
+    displacement = np.cos(angle) * ALONG - np.sin(angle) * UP
+    builder.bolt(middle, middle + 8.0 * displacement, kind="cable", pretension_is="jacked")
     builder.measured_point("block", middle, block="block")
     return builder.build()
 
 
-STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=4e-3, steps=200)
 
 
 @problem(set_up=bolted, variants=EACH_PROCESS, few=(FACTORS[:1],))
@@ -79,17 +78,17 @@ def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
     Exact: T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F).
     Source: limit equilibrium, as in Wyllie & Mah (2004).
     """
-    found = []
+    forces = []
     for factor in factors:
         for angle in (steepest(factor), 0.0):
             exact = exact_force(factor, angle)
             held = partial(bolted, factor=factor, angle=angle)
             ends = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
-            force = STATIC.limit(held, trial.variant, *ends, BISECTIONS)
+            force = STATIC.limit(trial.variant, held, *ends)
             place = f"F = {factor:g}, {np.degrees(angle):.4g} degrees to the plane"
             trial.relative(f"least force, {place}", "N/m", force, exact, 0.01, RESOLUTION)
             if angle > 0.0:
-                found.append(force)
+                forces.append(force)
     for angle in (steepest(1.0), 0.0):
         exact = exact_force(1.0, angle)
         for share, wanted in ((1.0 + ASIDE, 1.0), (1.0 - ASIDE, 0.0)):
@@ -100,4 +99,4 @@ def bolted_block(trial: Trial, factors: tuple[float, ...] = FACTORS) -> None:
     exact_fine = np.array([exact_force(one, steepest(one)) for one in fine])
     chart = trial.chart("least force at the best angle", "factor of safety", "force, kN/m")
     chart.exact("limit equilibrium", fine, 1e-3 * exact_fine)
-    chart.computed(factors, 1e-3 * np.array(found))
+    chart.computed(factors, 1e-3 * np.array(forces))

@@ -21,15 +21,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.verification.problems import (
-    AT_REST,
-    Model,
-    StaticRun,
-    Trial,
-    limit,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import new_model
+from clast.verification.problems import AT_REST, Model, StaticRun, Trial, limit, problem
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, EACH_PROCESS, Variant
 
@@ -43,16 +36,14 @@ FACTOR = 1.3
 COHESION = WEIGHT * (FACTOR * float(np.sin(DIP)) - FRICTION * float(np.cos(DIP))) / LENGTH
 CUTS = ((1, 1), (6, 1), (12, 1), (5, 6), (12, 3), (1, 6))
 """Pieces of the plane and of the slab."""
-STEP, STEPS = 2e-3, 300
-WEDGE_STEP = 8e-3
-"""Time steps, s: heavier blocks come to rest in longer ones."""
+STEPS = 300
 DYNAMIC_STEP, DYNAMIC_STEPS = 1e-3, 600
-BISECTIONS, SPAN = 3, 0.02
-"""Bisections of the strength, and half of the range searched as a share of it."""
-RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+SPAN = 0.02
+"""Half of the range of the strength that is searched as a share of it."""
+RESOLUTION = "bracket of 0.5 %"
 WEDGE_FRICTION, WEDGE_COHESION, FLAT = float(np.tan(np.radians(25.0))), 5e3, 5.0
 """tan phi and cohesion, Pa, of the joints of two wedges, and dip of the lower plane, degrees."""
-WEDGES = f"bracket of {100 * 4 * SPAN / 2**BISECTIONS:.2g} %"
+WEDGES = "bracket of 1 %"
 
 
 def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
@@ -77,8 +68,8 @@ def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
     return builder.build()
 
 
-SLAB = StaticRun(p=2e9, step=STEP, steps=STEPS)
-WEDGE = StaticRun(p=5e8, step=WEDGE_STEP, steps=STEPS)
+SLAB = StaticRun(p=2e9, step=2e-3, steps=STEPS, bisections=3)
+WEDGE = StaticRun(p=5e8, step=8e-3, steps=STEPS, bisections=3)
 
 
 def stands_shaken(model: Model, variant: Variant) -> bool:
@@ -107,7 +98,7 @@ def factor_of_slab(pieces: tuple[int, int], variant: Variant, check: Check) -> f
     def holds(share: float) -> bool:
         return check(slab(pieces, FACTOR / share), variant)
 
-    return FACTOR / limit(holds, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+    return FACTOR / limit(holds, 1.0 - SPAN, 1.0 + SPAN, 3)
 
 
 def pushes(divided_by: float) -> tuple[float, float]:
@@ -117,7 +108,7 @@ def pushes(divided_by: float) -> tuple[float, float]:
     long = [float(np.hypot(*(upper[0] - upper[-1]))), float(np.hypot(*(lower[1] - lower[0])))]
     height = float(upper[2, 1] - upper[1, 1])
     weights = [DENSITY * GRAVITY * area(one) for one in (upper, lower)]
-    found = []
+    thrusts = []
     # the upper block is pushed back and up by the joint, the lower one onwards and down
     for dip, along, weight, side in zip(
         np.radians([STEEP, FLAT]), long, weights, (1, -1), strict=True
@@ -125,13 +116,8 @@ def pushes(divided_by: float) -> tuple[float, float]:
         sine, cosine = np.sin(dip), np.cos(dip)
         matrix = [[sine - t * cosine, -side], [cosine + t * sine, side * t]]
         right = [c * along * cosine, weight - c * along * sine - side * c * height]
-        found.append(float(np.linalg.solve(matrix, right)[1]))
-    return found[0], found[1]
-
-
-def exact_factor_of_wedges() -> float:
-    """Return the factor of safety of the two wedges."""
-    return float(brentq(lambda factor: np.subtract(*pushes(factor)), 0.8, 3.0))
+        thrusts.append(float(np.linalg.solve(matrix, right)[1]))
+    return thrusts[0], thrusts[1]
 
 
 def wedges(divided_by: float = 1.0) -> Model:
@@ -148,13 +134,6 @@ def wedges(divided_by: float = 1.0) -> Model:
     return builder.build()
 
 
-def factor_of_wedges(variant: Variant) -> float:
-    """Return the divisor of the strength at which the two wedges begin to slide."""
-    exact = exact_factor_of_wedges()
-    ends = 1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN
-    return exact / WEDGE.limit(lambda share: wedges(exact / share), variant, *ends, BISECTIONS)
-
-
 @problem(set_up=lambda: slab(CUTS[0]), variants=EACH_PROCESS, quick=())
 def cohesive_slab(trial: Trial, cuts: tuple[tuple[int, int], ...] = CUTS) -> None:
     """Plane failure and two wedges with the cohesion of their joints.
@@ -167,21 +146,24 @@ def cohesive_slab(trial: Trial, cuts: tuple[tuple[int, int], ...] = CUTS) -> Non
     Exact: F = (c A + W cos a tan phi)/(W sin a).
     Source: limit equilibrium of Hoek & Bray (1974); two-wedge limit equilibrium.
     """
-    found = []
+    factors = []
     for pieces in cuts:
         plane, block = pieces
-        found.append(factor_of_slab(pieces, trial.variant, SLAB.stands))
+        factors.append(factor_of_slab(pieces, trial.variant, SLAB.stands))
         quantity = f"factor of safety, plane in {plane}, slab in {block}"
-        trial.relative(quantity, "-", found[-1], FACTOR, 0.01, RESOLUTION)
+        trial.relative(quantity, "-", factors[-1], FACTOR, 0.01, RESOLUTION)
     if trial.variant is CONVEX:
         for plane, block in cuts[:2]:
             factor = factor_of_slab((plane, block), trial.variant, stands_shaken)
             quantity = f"the same, plane in {plane}, slab in {block}, weight with its inertia"
             trial.relative(quantity, "-", factor, FACTOR, 0.01, RESOLUTION)
-    factor = factor_of_wedges(trial.variant)
-    quantity = "factor of safety of two wedges"
-    trial.relative(quantity, "-", factor, exact_factor_of_wedges(), 0.02, WEDGES)
+    exact, ends = (
+        float(brentq(lambda factor: np.subtract(*pushes(factor)), 0.8, 3.0)),
+        (1.0 - 2.0 * SPAN, 1.0 + 2.0 * SPAN),
+    )
+    factor = exact / WEDGE.limit(trial.variant, lambda share: wedges(exact / share), *ends)
+    trial.relative("factor of safety of two wedges", "-", factor, exact, 0.02, WEDGES)
     number = np.arange(len(cuts))
     chart = trial.chart("factor of safety", "number of the cut", "factor of safety")
     chart.exact("Hoek & Bray", number, np.full(len(cuts), FACTOR))
-    chart.computed(number, found)
+    chart.computed(number, factors)

@@ -16,10 +16,8 @@ ALONG = np.array([np.cos(DIP), np.sin(DIP)])
 WEIGHT = DENSITY * GRAVITY * LENGTH * DEPTH * float(np.cos(DIP))
 LEVELS = (0.0, 0.5, 1.0)
 """Height of the water in the crack over its depth."""
-STEP, STEPS = 4e-3, 300
-BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and half of the range searched, degrees."""
-RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
+SPAN = 2.0
+"""Half of the range of the friction angle that is searched, degrees."""
 
 
 def pressures(level: float) -> tuple[float, float]:
@@ -60,7 +58,7 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(p=2e9, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=2e9, step=4e-3, steps=300)
 
 
 @problem(set_up=slab, variants=EACH_PROCESS, quick=())
@@ -73,21 +71,13 @@ def plane_failure(trial: Trial, levels: tuple[float, ...] = LEVELS) -> None:
     Exact: tan phi = (W sin a + V cos a)/(W cos a - U - V sin a).
     Source: limit equilibrium of Hoek & Bray (1974), without cohesion.
     """
-    found = []
     for level in levels:
-        exact = exact_limit(level)
-        found.append(
-            STATIC.limit(
-                partial(slab, level), trial.variant, exact - SPAN, exact + SPAN, BISECTIONS
-            )
-        )
+        exact, loaded = exact_limit(level), partial(slab, level)
+        angle = STATIC.limit(trial.variant, loaded, exact - SPAN, exact + SPAN)
         quantity = f"friction angle at the limit, water at {level:g} of the crack"
-        trial.absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION)
+        trial.absolute(quantity, "degrees", angle, exact, 0.25, "bisected to 0.25 degrees")
     fine = np.linspace(0.0, 1.0, 41)
-    chart = trial.chart(
-        "friction angle at the limit",
-        "height of the water / depth of the crack",
-        "friction angle, degrees",
-    )
+    labels = "height of the water / depth of the crack", "friction angle, degrees"
+    chart = trial.chart("friction angle at the limit", *labels)
     chart.exact("Hoek & Bray", fine, [exact_limit(level) for level in fine])
-    chart.computed(levels, found)
+    chart.computed(levels, trial.computed)

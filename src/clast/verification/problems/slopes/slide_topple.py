@@ -18,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from clast.verification.problems import Floats, Model, Trial, new_model, problem
-from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE
 
 GRAVITY, DIP = 9.8, np.radians(25.0)
 HEIGHT = 1.0
@@ -32,7 +32,7 @@ BLOCKS = {
 """b/h and friction angle, degrees, of a block for every mode."""
 FEW = ("slide and topple",)
 """Modes where time is short."""
-STEP, DURATION = 1e-3, 0.4
+DURATION = 0.4
 TOLERANCE, WITH_LAG = 0.025, 0.04
 SETTLING = "the block first settles on springs without load; falls as 1/sqrt(p), 6 % at 0.1 GPa"
 LAG = f"{SETTLING}; friction one step old costs (2h/t) tan phi/(tan a - tan phi) = 1.2 %"
@@ -66,8 +66,8 @@ def exact_motion(ratio: float, friction_angle: float) -> tuple[float, float]:
     if turn > 0.0 and sine + turn * y <= mu * (cosine + turn * x):
         angle = float(_integrated(topples, 2)[0])
         return x - toe(angle)[0], angle
-    angle, _, way, _ = _integrated(slides, 4)
-    return float(way), float(angle)
+    angle, _, displacement, _ = _integrated(slides, 4)
+    return float(displacement), float(angle)
 
 
 def _integrated(rates: Callable[[float, Floats], tuple[float, ...]], count: int) -> Floats:
@@ -90,16 +90,6 @@ def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
     return builder.build()
 
 
-def computed_motion(ratio: float, friction_angle: float, variant: Variant) -> tuple[float, float]:
-    """Return displacement of the centroid down the plane, m, and rotation, rad, at the end."""
-    run = variant.run(
-        inclined_block(ratio, friction_angle), step=STEP, end=DURATION, p=1e9, max_displacement=0.03
-    )
-    history = run.history("centroid")
-    along = np.array([np.cos(DIP), np.sin(DIP)])
-    return float(-history.displacement[-1] @ along), float(history.rotation[-1])
-
-
 @problem(set_up=inclined_block, variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS), few=(FEW,))
 def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
     """Slide or topple: a block on a slope.
@@ -115,7 +105,16 @@ def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
     share, reason = (TOLERANCE, SETTLING) if trial.variant == CONVEX else (WITH_LAG, LAG)
     for name in modes:
         ratio, friction_angle = BLOCKS[name]
-        computed = computed_motion(ratio, friction_angle, trial.variant)
+        run = trial.variant.run(
+            inclined_block(ratio, friction_angle),
+            step=1e-3,
+            end=DURATION,
+            p=1e9,
+            max_displacement=0.03,
+        )
+        history = run.history("centroid")
+        along = np.array([np.cos(DIP), np.sin(DIP)])
+        computed = float(-history.displacement[-1] @ along), float(history.rotation[-1])
         exact = exact_motion(ratio, friction_angle)
         for what, unit, one, other in zip(
             ("displacement", "rotation"), ("m", "rad"), computed, exact, strict=True

@@ -172,7 +172,7 @@ def toppling(trial: Trial) -> None:
         "movement of the toe in the last 0.5 s",
         "friction angle, degrees",
         "movement, m",
-        y_scale="log",
+        log="y",
     )
     chart.exact("limit equilibrium", (exact, exact), (1e-9, 1.0))
     chart.computed(angles[:-1], np.maximum(moved, 1e-9))

@@ -48,9 +48,9 @@ SEISMIC = 0.08
 """Push of an earthquake, as a share of the weight."""
 STEP, STEPS = 4e-3 / 15.0, 300
 """Step by height of the slope, s/m: heavier blocks come to rest in longer steps."""
-BISECTIONS, SPAN = 5, 0.04
-"""Bisections of the factor of safety, and half of the range searched as a share of it."""
-RESOLUTION = f"bisected to {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+SPAN = 0.04
+"""Half of the range of the factor of safety that is searched as a share of it."""
+RESOLUTION = "bisected to 0.25 %"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,16 +156,15 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0, seismic: fl
 def factor_of_safety(slope: Slope, water: float, variant: Variant, seismic: float = 0.0) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
     exact = slope.exact_factor(water, seismic)
-    static = StaticRun(p=2e9, step=STEP * slope.height, steps=STEPS)
+    static = StaticRun(p=2e9, step=STEP * slope.height, steps=STEPS, bisections=5)
     # shares of the exact strength: from a little less, which slides, to a little more
-    found = static.limit(
-        lambda share: slope_model(slope, water, exact / share, seismic),
+    shares = static.limit(
         variant,
+        lambda share: slope_model(slope, water, exact / share, seismic),
         1.0 - SPAN,
         1.0 + SPAN,
-        BISECTIONS,
     )
-    return Bracket(exact / found.low, exact / found.high)
+    return Bracket(exact / shares.low, exact / shares.high)
 
 
 def set_up() -> Model:
@@ -186,13 +185,13 @@ def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -
     Exact: F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/(W (sin a + k cos a) + V cos a).
     Source: limit equilibrium of Hoek & Bray (1974).
     """
-    critical, found = critical_slope(), []
+    critical, factors = critical_slope(), []
     for level in levels:
         water = level * critical.depth
-        found.append(factor_of_safety(critical, water, trial.variant))
+        factors.append(factor_of_safety(critical, water, trial.variant))
         quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
         exact = critical.exact_factor(water)
-        trial.relative(quantity, "-", found[-1], exact, 0.01, RESOLUTION)
+        trial.relative(quantity, "-", factors[-1], exact, 0.01, RESOLUTION)
     shaken = factor_of_safety(critical, 0.0, trial.variant, SEISMIC)
     quantity = f"factor of safety, slope of 60 m, dry, pushed by {SEISMIC:g} of its weight"
     exact = critical.exact_factor(0.0, SEISMIC)
@@ -209,12 +208,11 @@ def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -
         "factor of safety",
     )
     chart.exact("Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine])
-    chart.computed(levels, found)
+    chart.computed(levels, factors)
 
 
-STIFFNESS, STEPS_OF_DRAINS, FIRM = 2e9, 300, 0.5
-"""Contact stiffness, N/m per m; steps; divisor of the strength of a firm slope."""
-SPAN_OF_DRAINS, BISECTIONS_OF_DRAINS, FEW = 0.04, 5, 3
+STIFFNESS, FIRM = 2e9, 0.5
+"""Contact stiffness, N/m per m; divisor of the strength of a firm slope."""
 SETTLES = "blocks give by microns, and the water with them"
 FULL = 4.0
 """Height of the water in the crack zw, m."""
@@ -290,9 +288,7 @@ def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
     """Return N' and T that the plane carries, N/m."""
     model, slope = wet(water), steep_slope()
     step = STEP * slope.height
-    run = variant.static(
-        model, step=step, end=STEPS_OF_DRAINS * step, p=STIFFNESS, max_displacement=0.02
-    )
+    run = variant.static(model, step=step, end=STEPS * step, p=STIFFNESS, max_displacement=0.02)
     contacts, slab = run.contacts(), model.block_name.index("slab")
     sense = np.where(contacts.vertex_block == slab, 1.0, -1.0)
     force = (sense[:, None] * contacts.force).sum(axis=0)
@@ -305,17 +301,17 @@ def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
     """Return the divisor of the strength at which the slab begins to slide."""
     slope = steep_slope()
     exact = water.factor(slope)
-    static = StaticRun(p=STIFFNESS, step=STEP * slope.height, steps=STEPS_OF_DRAINS)
-    ends = 1.0 - SPAN_OF_DRAINS, 1.0 + SPAN_OF_DRAINS
-    found = static.limit(lambda share: wet(water, exact / share), variant, *ends, bisections)
-    return Bracket(exact / found.low, exact / found.high)
+    static = StaticRun(p=STIFFNESS, step=STEP * slope.height, steps=STEPS, bisections=bisections)
+    ends = 1.0 - SPAN, 1.0 + SPAN
+    shares = static.limit(variant, lambda share: wet(water, exact / share), *ends)
+    return Bracket(exact / shares.low, exact / shares.high)
 
 
 @problem(
-    set_up=lambda: wet(WATERS[3]), variants=(CONVEX, OPEN_CLOSE, LAGGED), few=(WATERS[1:4:2], FEW)
+    set_up=lambda: wet(WATERS[3]), variants=(CONVEX, OPEN_CLOSE, LAGGED), few=(WATERS[1:4:2], 3)
 )
 def drained_slope(
-    trial: Trial, waters: tuple[WaterHead, ...] = WATERS, bisections: int = BISECTIONS_OF_DRAINS
+    trial: Trial, waters: tuple[WaterHead, ...] = WATERS, bisections: int = 5
 ) -> None:
     """Phreatic lines and drains on the plane of a slope.
 
@@ -332,9 +328,9 @@ def drained_slope(
         carries, exact = borne(water, trial.variant), water.forces(slope)
         for name, one, other in zip(("N'", "T"), carries, exact, strict=True):
             trial.relative(f"{name}, {water.name}", "N/m", one, other, 2e-3, SETTLES)
-        found = safety(water, bisections, trial.variant)
+        factor = safety(water, bisections, trial.variant)
         quantity = f"factor of safety, {water.name}"
-        trial.relative(quantity, "-", found, water.factor(slope), 0.01, RESOLUTION)
+        trial.relative(quantity, "-", factor, water.factor(slope), 0.01, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 51)
     chart = trial.chart("pressure on the plane", "distance from the toe / A", "pressure, kPa")
     for water in waters:

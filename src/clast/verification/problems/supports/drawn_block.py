@@ -29,9 +29,9 @@ def scene(turns: int = 0, pieces: int = 1) -> Model:
         left = -4.0 + k * length
         builder.block(vertices=_box((left, -1.0), (length, 1.0), turns), fixed=True)
     builder.block(name="box", vertices=_box((0.0, 0.0), (WIDTH, HEIGHT), turns))
-    way = _turned((SPEED, 0.0), turns)
-    axis = int(np.abs(way).argmax())
-    moves = {"xy"[axis]: way[axis]}
+    displacement = _turned((SPEED, 0.0), turns)
+    axis = int(np.abs(displacement).argmax())
+    moves = {"xy"[axis]: displacement[axis]}
     builder.motion(name="winch", block="box", ease=EASE, **moves)
     return builder.build()
 
@@ -79,23 +79,16 @@ def drawn_block(trial: Trial) -> None:
     later = time > EASE + 0.5 * STEP
     sums = (winch + floor)[:, 0]
     moved = run.vertices(-1)[-4:].mean(axis=0)[0] - 0.5 * WIDTH
-    trial.relative(
-        "R - mu N while eased, largest", "N/m", float(sums[eased].max()), PUSH, 1e-9, EXACT
-    )
+    quantity = "R - mu N while eased, largest"
+    trial.relative(quantity, "N/m", float(sums[eased].max()), PUSH, 1e-9, EXACT)
     trial.absolute("R - mu N later", "N/m", float(np.abs(sums[later]).max()), 0.0, 1e-5, EXACT)
     trial.relative("R at the end", "N/m", float(winch[-1, 0]), FRICTION, 1e-6, ROUGH)
     trial.relative("floor along", "N/m", float(floor[-1, 0]), -FRICTION, 1e-6, ROUGH)
     trial.relative("floor across", "N/m", float(floor[-1, 1]), NORMAL, 1e-6, ROUGH)
-    trial.absolute(
-        "displacement beyond v (t - e/2)",
-        "m",
-        moved - SPEED * (END - 0.5 * EASE),
-        0.0,
-        2e-12,
-        EXACT,
-    )
-    ways = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))
-    for name, turns, pieces, step in (*ways, ("steps of 2.5 ms", 0, 1, 2.5e-3)):
+    quantity = "displacement beyond v (t - e/2)"
+    trial.absolute(quantity, "m", moved - SPEED * (END - 0.5 * EASE), 0.0, 2e-12, EXACT)
+    displacements = (("turned by 90 degrees", 1, 1, STEP), ("floor in 3 pieces", 0, 3, STEP))
+    for name, turns, pieces, step in (*displacements, ("steps of 2.5 ms", 0, 1, 2.5e-3)):
         other = along(pulled(trial.variant, turns, pieces, step), "winch", turns)
         trial.relative(f"R, {name}", "N/m", float(other[-1, 0]), FRICTION, 1e-5, PASSED)
     corners = np.array([0.0, EASE, EASE, END])

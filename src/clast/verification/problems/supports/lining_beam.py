@@ -12,7 +12,7 @@ PRESSED, PULLED = 30e6, 3e6
 """Strengths, Pa."""
 FORCE = 1e3
 """Load across the end, N/m."""
-STEP, END = 1e-2, 0.3
+END = 0.3
 SPEED = 0.1
 """Speed of the end that is pushed until the section yields, m/s."""
 COMPRESSIONS = (0.0, 3e5, 6e5)
@@ -24,9 +24,9 @@ YIELDS = "the polygon is 0.3 % inside the curve at most"
 def scene(segments: int = 10, turns: float = 0.0, **keys: float) -> Model:
     """Return a cantilever of so many segments to the right of a fixed block, turned by degrees."""
     builder = _beam(segments, turns, **keys)
-    way = _turned((0.0, -FORCE), turns)
+    displacement = _turned((0.0, -FORCE), turns)
     tip = _turned((LENGTH, 0.0), turns)
-    builder.point_load(tip, way, block=f"beam/{segments}")
+    builder.point_load(tip, displacement, block=f"beam/{segments}")
     builder.measured_point("tip", tip, block=f"beam/{segments}")
     return builder.build()
 
@@ -83,7 +83,7 @@ def exact_moment(compression: float) -> float:
 
 def bent(variant: Variant, model: Model, end: float) -> Run:
     """Return the run."""
-    return variant.static(model, step=STEP, end=end, p=1e10, max_displacement=0.1)
+    return variant.static(model, step=1e-2, end=end, p=1e10, max_displacement=0.1)
 
 
 @problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES))
@@ -100,13 +100,12 @@ def lining_beam(trial: Trial) -> None:
     exact = exact_deflection()
     for segments, turns, tolerance in ((10, 0.0, 1e-2), (20, 0.0, 3e-3), (20, 37.0, 3e-3)):
         run = bent(trial.variant, scene(segments, turns), END)
-        found = float(np.hypot(*run.history("tip").displacement[-1]))
+        value = float(np.hypot(*run.history("tip").displacement[-1]))
         name = f"deflection, {segments} segments" + (", turned" if turns else "")
-        trial.relative(name, "m", found, exact, tolerance, REASON)
+        trial.relative(name, "m", value, exact, tolerance, REASON)
     load = bent(trial.variant, scene(20), END).lining("beam")
-    trial.relative(
-        "moment at the clamp", "N", float(load.moment[-1, 0]), FORCE * LENGTH, 2e-3, REASON
-    )
+    quantity = "moment at the clamp"
+    trial.relative(quantity, "N", float(load.moment[-1, 0]), FORCE * LENGTH, 2e-3, REASON)
     inside = np.linspace(-PRESSED * THICKNESS, PULLED * THICKNESS, 50)
     largest = 1e-3 * max(exact_moment(-n) for n in inside)
     labels = ("displacement of the end, mm", "moment, kN")
@@ -115,9 +114,9 @@ def lining_beam(trial: Trial) -> None:
     for compression in COMPRESSIONS:
         run = bent(trial.variant, yielding(compression), 0.6)
         lining = run.lining("beam")
-        found = float(lining.moment[-1, 0])
+        value = float(lining.moment[-1, 0])
         exact = exact_moment(-float(lining.normal_force[-1, 0]))
         name = f"moment of the section under {1e-6 * compression:g} MN/m"
-        trial.relative(name, "N", found, exact, 1e-2, YIELDS)
+        trial.relative(name, "N", value, exact, 1e-2, YIELDS)
         moment, label = 1e-3 * lining.moment[:, 0], f"under {1e-6 * compression:g} MN/m"
         chart.computed(1e3 * SPEED * lining.time, moment, label=label)

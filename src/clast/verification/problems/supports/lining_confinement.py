@@ -26,7 +26,7 @@ RADII = (2.0, 2.5, 3.2, 4.2, 5.5, 7.5, 10.0, 11.0)
 SECTORS = 32
 PRESSURE, ROCK = 1e6, 2e9
 """Stress in situ and Young's modulus of the rock, Pa."""
-THICKNESS, YOUNG, POISSON = 0.2, 20e9, 0.2
+THICKNESS, YOUNG = 0.2, 20e9
 RELAXED, LASTING = 0.4, 100.0
 """Share of the support that ends at once, and time within which the rest does, s."""
 STEP = 2.0
@@ -64,7 +64,7 @@ def scene(segments: int | None = SECTORS, relaxed: float = RELAXED) -> Model:
             thickness=THICKNESS,
             segment=2.0 * np.pi * RADII[0] / segments,
             young=YOUNG,
-            poisson=POISSON,
+            poisson=0.2,
             joint="smooth",
             stage="line",
         )
@@ -98,9 +98,9 @@ def dug(variant: Variant, segments: int | None, relaxed: float = RELAXED) -> Run
 def closures(run: Run) -> Floats:
     """Return the mean closure of the hole over time, m, shape (t,)."""
     angle = 2.0 * np.pi * (np.arange(SECTORS) + 0.5) / SECTORS
-    ways = np.array([run.history(f"at {k}").displacement for k in range(SECTORS)])
+    displacements = np.array([run.history(f"at {k}").displacement for k in range(SECTORS)])
     outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return -np.asarray((ways * outwards[:, None]).sum(axis=2).mean(axis=0))
+    return -np.asarray((displacements * outwards[:, None]).sum(axis=2).mean(axis=0))
 
 
 @problem(set_up=scene, variants=(CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES), quick=())

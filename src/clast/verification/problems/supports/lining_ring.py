@@ -17,16 +17,8 @@ of a segment.
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    Run,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 RADIUS, THICKNESS = 3.0, 0.15
@@ -35,7 +27,6 @@ YOUNG, POISSON = 30e9, 0.2
 LOAD, PRESSURE = 1e3, 1e5
 """N/m and Pa."""
 SEGMENTS = 48
-STEP, END = 0.1, 2.0
 KINK = "the kink of the moment under the load, by the trapezoidal rule: 0.6 % in the middle"
 JOINT = "the same at a joint: 1.2 % with 48 segments"
 MIDDLE = "moments of joints, l/2 from the load"
@@ -91,7 +82,7 @@ def ring(phase: float, segments: int) -> tuple[InputBuilder, Floats]:
 
 def settled(variant: Variant, model: Model) -> Run:
     """Return the run."""
-    return variant.static(model, step=STEP, end=END, p=1e10, max_displacement=0.1)
+    return variant.static(model, step=0.1, end=2.0, p=1e10, max_displacement=0.1)
 
 
 def exact_motions() -> tuple[float, float]:
@@ -105,8 +96,11 @@ def exact_motions() -> tuple[float, float]:
 
 
 def _motions(run: Run) -> tuple[float, float]:
-    way = {name: run.history(name).displacement[-1] for name in run.point_name}
-    return (float((way["bottom"] - way["top"])[1]), float((way["right"] - way["left"])[0]))
+    displacement = {name: run.history(name).displacement[-1] for name in run.point_name}
+    return (
+        float((displacement["bottom"] - displacement["top"])[1]),
+        float((displacement["right"] - displacement["left"])[0]),
+    )
 
 
 @problem(set_up=scene, variants=(CONVEX, OPEN_CLOSE, PASSES))
@@ -128,8 +122,8 @@ def lining_ring(trial: Trial) -> None:
         (0.0, 2 * SEGMENTS, 4e-3, JOINT, "at joints, 96 segments"),
     ):
         run = settled(trial.variant, scene(phase, segments))
-        for name, found, value in zip(("shorter", "wider"), _motions(run), exact, strict=True):
-            trial.relative(f"{name}, loads {where}", "m", found, value, tolerance, why)
+        for name, computed, value in zip(("shorter", "wider"), _motions(run), exact, strict=True):
+            trial.relative(f"{name}, loads {where}", "m", computed, value, tolerance, why)
         lining = run.lining("ring") if segments == SEGMENTS else lining
     assert lining is not None
     moment, normal = lining.moment[-1], lining.normal_force[-1]
@@ -140,10 +134,12 @@ def lining_ring(trial: Trial) -> None:
     run = settled(trial.variant, pressed())
     around, angle = run.lining("ring"), 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     force = -PRESSURE * (RADIUS + 0.5 * THICKNESS)
-    found = float(around.normal_force[-1].mean())
-    trial.relative("N under pressure", "N/m", found, force, 5e-3, ROUND)
-    ways = np.array([run.history(f"at {k}").displacement[-1] for k in range(SEGMENTS)])
-    inwards = float((ways * np.stack([np.cos(angle), np.sin(angle)], axis=1)).sum(axis=1).mean())
+    computed = float(around.normal_force[-1].mean())
+    trial.relative("N under pressure", "N/m", computed, force, 5e-3, ROUND)
+    displacements = np.array([run.history(f"at {k}").displacement[-1] for k in range(SEGMENTS)])
+    inwards = float(
+        (displacements * np.stack([np.cos(angle), np.sin(angle)], axis=1)).sum(axis=1).mean()
+    )
     closed = force * RADIUS / (YOUNG * THICKNESS)
     trial.relative("u under pressure", "m", inwards, closed, 5e-3, ROUND)
     turn = np.linspace(0.0, 2.0 * np.pi, 200)

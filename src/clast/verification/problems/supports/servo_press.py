@@ -8,7 +8,6 @@ from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 STRESS, YOUNG, STIFFNESS = 1e6, 2e10, 2e10
 """Pa, Pa, Pa/m."""
 LAYERS, THICKNESS, WIDTH = 4, 0.25, 0.5
-SPEED, STEP, END = 0.02, 1e-3, 0.4
 REASON = "faces are integrated by points; strains are finite"
 
 
@@ -26,7 +25,7 @@ def scene(layers: int = LAYERS, turned: int = 0) -> Model:
         builder.block(name=name, vertices=corners, fixed=name == "base")
     held, pressed = ("y", (STRESS, 0.0)) if turned else ("x", (0.0, -STRESS))
     builder.motion(
-        name="press", block="platen", rotation=0.0, stress=pressed, limit_speed=SPEED, **{held: 0.0}
+        name="press", block="platen", rotation=0.0, stress=pressed, limit_speed=0.02, **{held: 0.0}
     )
     top = (0.5 * WIDTH, LAYERS * THICKNESS)
     builder.measured_point("head", (-top[1], top[0]) if turned else top, block="platen")
@@ -35,7 +34,7 @@ def scene(layers: int = LAYERS, turned: int = 0) -> Model:
 
 def pressed(variant: Variant, layers: int = LAYERS, turned: int = 0) -> Run:
     """Return the run."""
-    return variant.run(scene(layers, turned), step=STEP, end=END, p=YOUNG, max_displacement=0.01)
+    return variant.run(scene(layers, turned), step=1e-3, end=0.4, p=YOUNG, max_displacement=0.01)
 
 
 def closure(layers: int) -> float:
@@ -64,9 +63,9 @@ def servo_press(trial: Trial) -> None:
     }
     for name, (layers, run) in runs.items():
         force = float(np.hypot(*run.reaction("press").force[-1]))
-        way = float(np.hypot(*run.history("head").displacement[-1]))
+        displacement = float(np.hypot(*run.history("head").displacement[-1]))
         trial.relative(f"stress, {name}", "Pa", force / WIDTH, STRESS, 1e-2, REASON)
-        trial.relative(f"closure, {name}", "m", way, closure(layers), 1e-2, REASON)
+        trial.relative(f"closure, {name}", "m", displacement, closure(layers), 1e-2, REASON)
     run = runs["4 layers"][1]
     press, head = run.reaction("press"), run.history("head")
     most = closure(LAYERS)

@@ -16,14 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    Run,
-    Trial,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Floats, Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE
 
 DENSITY, YOUNG = 1000.0, 1e12

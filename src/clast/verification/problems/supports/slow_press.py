@@ -4,17 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.verification.problems import (
-    Model,
-    Run,
-    Trial,
-    box,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import box, new_model
+from clast.verification.problems import Model, Run, Trial, problem
 from clast.verification.variants import CONVEX, MIDPOINT, OPEN_CLOSE
 
-DENSITY, SPEED, EASE, END, LENGTH = 2000.0, 1e-3, 0.02, 0.1, 1.0
+SPEED, EASE, END, LENGTH = 1e-3, 0.02, 0.1, 1.0
 INERTIA = "the blocks move, by some ten-thousandths of the force"
 SWINGS = (
     "blocks swing after the ease, which nothing damps; forces are those of half a step before, "
@@ -53,7 +47,7 @@ CASES = (
 
 def scene(case: Squeeze = CASES[0]) -> Model:
     """Return press, blocks and wall."""
-    builder = new_model("Slow press", young=case.young, density=DENSITY, poisson=0.0)
+    builder = new_model("Slow press", young=case.young, density=2000.0, poisson=0.0)
     builder.add_joint(friction_angle=30.0, restitution=case.restitution)
     builder.block(name="press", vertices=box(-1.0, 0.0, 0.0, 1.0), fixed=True)
     each = LENGTH / case.blocks

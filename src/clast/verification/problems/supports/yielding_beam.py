@@ -11,7 +11,7 @@ HALF, WIDTH, HEIGHT = 2.0, 0.2, 0.2
 """Length of a half, width of the middle, height, m."""
 MOMENT, STIFFNESS = 1e5, 1e8
 """Yield moment, N, and stiffness, N per rad, of each link."""
-SPEED, STEP, END = 0.01, 1e-2, 1.2
+SPEED = 0.01
 COLLAPSE = 4.0 * MOMENT / HALF
 REASON = "small rotations; a static step at 10 mm/s has the momentum of the halves to bring up"
 
@@ -46,15 +46,15 @@ def scene(turns: int = 0, pieces: int = 1) -> Model:
             **yields,
             **free,
         )
-    way = _turned((0.0, -SPEED), turns)
-    axis = int(np.abs(way).argmax())
-    builder.motion(name="press", block="middle", ease=0.1, **{"xy"[axis]: way[axis]})
+    displacement = _turned((0.0, -SPEED), turns)
+    axis = int(np.abs(displacement).argmax())
+    builder.motion(name="press", block="middle", ease=0.1, **{"xy"[axis]: displacement[axis]})
     return builder.build()
 
 
 def pressed(variant: Variant, turns: int = 0, pieces: int = 1) -> Run:
     """Return the run."""
-    return variant.static(scene(turns, pieces), step=STEP, end=END, p=1e10, max_displacement=0.01)
+    return variant.static(scene(turns, pieces), step=1e-2, end=1.2, p=1e10, max_displacement=0.01)
 
 
 def _turned(point: tuple[float, float], turns: int) -> tuple[float, float]:

@@ -82,19 +82,14 @@ def exact_force(order: str) -> float:
     if order in ("bolt at the start, dig", "dig and bolt at the start"):
         return WEIGHT * (1.0 / LEDGES + OF_BEAM) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
     together = LEDGES + OF_PILLAR
-    held = OF_PILLAR * _sunk_pillar()
+    width, height = PILLAR
+    weight = width * height * DENSITY * GRAVITY
+    held = OF_PILLAR * (weight / (2.0 * CONTACT) + 0.5 * weight * height / (width * YOUNG))
     if order == "bolt at the start":
         sunk = (WEIGHT + held) / together + OF_BEAM * WEIGHT
         return sunk / (1.0 / BOLT + 1.0 / together + OF_BEAM)
     load = WEIGHT - LEDGES * (WEIGHT + held) / together
     return (load / LEDGES) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
-
-
-def _sunk_pillar() -> float:
-    """Return v, m: on two contacts, and by half of its weight."""
-    width, height = PILLAR
-    weight = width * height * DENSITY * GRAVITY
-    return weight / (2.0 * CONTACT) + 0.5 * weight * height / (width * YOUNG)
 
 
 def stages_of(order: str) -> tuple[Stage, ...]:

@@ -5,13 +5,8 @@ import numpy as np
 from clast.inputs.in_situ import Overburden
 from clast.model.surroundings import InSituStress
 from clast.rockmass import Domain, Exponential, JointSet, cut
-from clast.verification.problems import (
-    InputBuilder,
-    Model,
-    Trial,
-    box,
-    problem,
-)
+from clast.verification.fixtures import box
+from clast.verification.problems import InputBuilder, Model, Trial, problem
 from clast.verification.variants import EACH_PROCESS
 
 WIDTH, HEIGHT = 30.0, 20.0
@@ -40,11 +35,11 @@ def rock_mass(seed: int = 1, *, weighed: bool = False) -> Model:
         JointSet(name="b", angle=angle + rng.uniform(30.0, 150.0), spacing=Exponential(mean=3.0)),
     ]
     boundary = np.array(box(0.0, 0.0, WIDTH, HEIGHT))
-    found = cut(Domain(boundary=boundary), sets=sets, seed=seed)
+    rocks = cut(Domain(boundary=boundary), sets=sets, seed=seed)
     builder = InputBuilder(title="In-situ stress", gravity=(0.0, -GRAVITY if weighed else 0.0))
     builder.add_rock("rock", young=50e9, poisson=0.25, density=DENSITY)
     builder.add_joint("default", friction_angle=60.0, cohesion=1e8)
-    builder.blocks(vertices=found.vertices, start=found.block_start)
+    builder.blocks(vertices=rocks.vertices, start=rocks.block_start)
     builder.in_situ = Overburden(k0=RATIO) if weighed else InSituStress(stress=STRESS)
     return builder.build()
 

@@ -22,7 +22,6 @@ LEAN = float(np.arctan(0.5 * (BOTTOM - TOP) / HEIGHT))
 WEIGHT = DENSITY * GRAVITY * 0.5 * (TOP + BOTTOM) * HEIGHT
 FRICTION_ANGLES = (25.0, 35.0, 45.0)
 """Friction angles of the sides, degrees."""
-STEP, STEPS, BISECTIONS = 4e-3, 300, 4
 BISECTED = "bisected to 2 %; loaded by weight and force at once"
 
 
@@ -56,7 +55,7 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     return builder.build()
 
 
-STATIC = StaticRun(p=4e8, step=STEP, steps=STEPS)
+STATIC = StaticRun(p=4e8, step=4e-3, steps=300)
 
 
 @problem(set_up=roof, variants=EACH_PROCESS, quick=())
@@ -70,14 +69,13 @@ def key_block(trial: Trial, angles: tuple[float, ...] = FRICTION_ANGLES) -> None
     Exact: W = 2 H tan(phi - a).
     Source: equilibrium of the wedge with friction mobilised on both sides (Brady & Brown).
     """
-    found = []
     for angle in angles:
         exact = exact_force(angle)
         pressed = partial(roof, friction_angle=angle)
-        found.append(STATIC.limit(pressed, trial.variant, 0.84 * exact, 1.16 * exact, BISECTIONS))
+        force = STATIC.limit(trial.variant, pressed, 0.84 * exact, 1.16 * exact)
         quantity = f"force at the limit, phi = {angle:g} degrees"
-        trial.relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED)
+        trial.relative(quantity, "N/m", force, exact, 0.03, BISECTED)
     fine = np.linspace(20.0, 50.0, 61)
     chart = trial.chart("force that holds the wedge", "friction angle, degrees", "H / W")
     chart.exact("1/(2 tan(φ − a))", fine, [exact_force(a) / WEIGHT for a in fine])
-    chart.computed(angles, np.array(found) / WEIGHT)
+    chart.computed(angles, np.array(trial.computed) / WEIGHT)

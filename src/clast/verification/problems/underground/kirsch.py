@@ -20,16 +20,9 @@ from functools import partial
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.verification.problems import (
-    Floats,
-    Model,
-    PlaneStrain,
-    Run,
-    Trial,
-    new_model,
-    problem,
-)
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Floats, Model, PlaneStrain, Run, Trial, problem
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE
 
 YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0
 """E, Pa, nu, p, Pa, and a, m."""
@@ -127,17 +120,6 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
     return builder.build()
 
 
-def mined(rings: Rings, ratio: float, variant: Variant) -> Run:
-    """Return the run in which the support fades out."""
-    return variant.static(
-        tunnel(rings, ratio),
-        step=STEP,
-        end=STEP * (1 + FADING + RESTING),
-        p=20.0 * YOUNG,
-        max_displacement=0.05,
-    )
-
-
 def closed(run: Run, rings: Rings, place: int) -> float:
     """Return by how much the wall has closed at a place, m."""
     angle = rings.middle(place)
@@ -174,16 +156,25 @@ def kirsch(trial: Trial, rings: Rings = FINE, ratios: tuple[float, ...] = (0.5, 
     ring = int(np.log(AT / RADIUS) / np.log(rings.growth))
     fine = np.linspace(0.0, 0.5 * np.pi, 91)
     for ratio in ratios:
-        run = mined(rings, ratio, trial.variant)
+        run = trial.variant.static(
+            tunnel(rings, ratio),
+            step=STEP,
+            end=STEP * (1 + FADING + RESTING),
+            p=20.0 * YOUNG,
+            max_displacement=0.05,
+        )
         for degrees in ANGLES:
             place = round(degrees / 360.0 * rings.round)
             angle = rings.middle(place)
             where = f"k = {ratio:g}, {degrees:g} degrees"
             computed, exact = closed(run, rings, place), float(closure(angle, ratio))
             trial.relative(f"closure, {where}", "m", computed, exact, 0.015, MESH)
-            radius, *found = stress_at(run, ring, place)
+            radius, *stresses = stress_at(run, ring, place)
             for name, value, true in zip(
-                ("radial", "tangential"), found, kirsch_stresses(radius, angle, ratio), strict=True
+                ("radial", "tangential"),
+                stresses,
+                kirsch_stresses(radius, angle, ratio),
+                strict=True,
             ):
                 quantity = f"{name} stress at r = {radius:.3g} m, {where}"
                 trial.relative(quantity, "Pa", value, true, 0.05, MESH)

@@ -8,7 +8,7 @@ from clast.run.excavation import excavated
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
+from clast.verification.problems import Model, Trial, box, new_model, problem
 from clast.verification.variants import EACH_PROCESS
 
 GRAVITY = 9.8
@@ -26,12 +26,6 @@ def propped() -> Model:
     builder.block(name="block", vertices=box(0, 4, 1, 5))
     builder.measured_point("block", (0.5, 4.5), block="block")
     return builder.build()
-
-
-def exact_fall(time: Floats) -> Floats:
-    """Return how far the block has fallen at times, s, after the excavation, m."""
-    late = (1.0 - RELAX) * time**3 / (6.0 * RELAX_TIME)
-    return np.asarray(GRAVITY * (0.5 * RELAX * time**2 + late))
 
 
 @problem(set_up=propped, variants=EACH_PROCESS)
@@ -60,7 +54,8 @@ def relaxed_support(trial: Trial) -> None:
     history = run.history("block")
     time = history.time - SETTLING
     fallen = history.displacement[0, 1] - history.displacement[:, 1]
-    exact = exact_fall(time)
+    late = (1.0 - RELAX) * time**3 / (6.0 * RELAX_TIME)
+    exact = np.asarray(GRAVITY * (0.5 * RELAX * time**2 + late))
     half = len(time) // 2
     why = "forces of a step are those at its end: first order in h"
     trial.relative("fall at T/2", "m", float(fallen[half]), float(exact[half]), 5e-3, why)

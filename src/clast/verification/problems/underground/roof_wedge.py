@@ -128,22 +128,22 @@ def roof_wedge(trial: Trial, wedges: tuple[Wedge, ...] = WEDGES) -> None:
     Not run with: modified: one pass throws the wedge, p h2/m being far above 6; with four passes P0
     comes out 10 % too high, for modes still change after them.
     """
-    found = []
+    loads = []
     for wedge in wedges:
         load, sunk = pulled(wedge, trial.variant)
         at = pull_out(wedge, load, sunk)
         P0, u = wedge.exact()
         half = len(load) // 2
         stiffness = load[half] / sunk[half]
-        found.append((wedge, load[at]))
+        loads.append((wedge, load[at]))
         trial.relative(f"P0, {wedge.name}", "N/m", load[at], P0, 0.01, RAMP)
         trial.relative(f"sunk at pull-out, {wedge.name}", "m", sunk[at], u, 0.015, RAMP)
         trial.relative(f"stiffness, {wedge.name}", "N/m per m", stiffness, P0 / u, 2e-3, LINEAR)
     fine = np.geomspace(0.5, 2000.0, 60)
     leans = dict.fromkeys(wedge.lean for wedge in wedges)
-    chart = trial.chart("load at pull-out", "kₙ/kₛ", "P₀/H₀", x_scale="log")
+    chart = trial.chart("load at pull-out", "kₙ/kₛ", "P₀/H₀", log="x")
     for lean in leans:
         chart.exact(
             f"a = {lean:g} degrees", fine, [Wedge(lean, r).exact()[0] / PRESS for r in fine]
         )
-    chart.computed([wedge.ratio for wedge, _ in found], [load / PRESS for _, load in found])
+    chart.computed([wedge.ratio for wedge, _ in loads], [load / PRESS for _, load in loads])

@@ -21,17 +21,9 @@ from functools import partial
 import numpy as np
 
 from clast.model.surroundings import InSituStress
-from clast.verification.problems import (
-    Bracket,
-    Floats,
-    Model,
-    PlaneStrain,
-    Run,
-    Trial,
-    new_model,
-    problem,
-)
-from clast.verification.variants import CONVEX, Variant
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Bracket, Floats, Model, PlaneStrain, Run, Trial, problem
+from clast.verification.variants import CONVEX
 
 INNER, OUTER, AROUND = 3.0, 4.0, 5.0
 """Radii of the opening, of the ring and of the fixed rock around it, m."""
@@ -43,10 +35,6 @@ STIFF = 1e9
 """Stiffness of the joints between the blocks of the ring, across and along, Pa/m."""
 ROCK = 4e8
 """Stiffness of the joint towards the rock around, along it as well, Pa/m."""
-STRONG = 1e9
-"""Cohesion of that joint, Pa, which thus does not slip."""
-YOUNG = 1e13
-"""So stiff that the joints alone give way, Pa."""
 STEP, STAGES = 1e-2, 20
 """Step, s, and decrements of the pressure."""
 POINTS, DECREMENTS = 400, 200
@@ -183,20 +171,20 @@ def reaction_curve(ring: LeaningRing) -> tuple[Floats, Floats, float]:
     """Return pressures, Pa, convergences, m, (k,) each, and the pressure of the first slip, Pa."""
     block = Integration(ring)
     pressures = PRESSURE * np.linspace(1.0, 0.0, DECREMENTS + 1)
-    found = np.array([block.at(float(pressure)) for pressure in pressures])
-    slips = np.flatnonzero(found[:, 1] > 0.0)
-    return pressures, found[:, 0], float(pressures[slips[0]]) if len(slips) else 0.0
+    states = np.array([block.at(float(pressure)) for pressure in pressures])
+    slips = np.flatnonzero(states[:, 1] > 0.0)
+    return pressures, states[:, 0], float(pressures[slips[0]]) if len(slips) else 0.0
 
 
 def ring_in_rock(ring: LeaningRing) -> Model:
     """Return the ring under stress in fixed rock, with a pressure in the opening that fades out."""
     builder = new_model(
-        "Slipping ring", plane=PlaneStrain(), young=YOUNG, density=2700.0, poisson=0.0
+        "Slipping ring", plane=PlaneStrain(), young=1e13, density=2700.0, poisson=0.0
     )
     iris = {"normal_stiffness": STIFF, "shear_stiffness": STIFF}
     builder.add_joint("default", friction_angle=ring.friction, **iris)
     around = {"normal_stiffness": ROCK, "shear_stiffness": ROCK}
-    builder.add_joint("around", friction_angle=45.0, cohesion=STRONG, **around)
+    builder.add_joint("around", friction_angle=45.0, cohesion=1e9, **around)
     builder.in_situ = InSituStress(stress=(-PRESSURE, -PRESSURE, 0.0))
     # the first step is part of the equilibrium that the run begins with
     instants = (0.0, STEP, STEP * (1 + STAGES))
@@ -216,13 +204,6 @@ def ring_in_rock(ring: LeaningRing) -> Model:
     return builder.build()
 
 
-def lowered(ring: LeaningRing, variant: Variant) -> Run:
-    """Return the run in which the pressure fades out, with a frame after each decrement."""
-    model = ring_in_rock(ring)
-    numbers = {"p": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
-    return variant.run(model, step=STEP, end=STEP * (1 + STAGES), every=STEP, **numbers)
-
-
 def convergences(run: Run, ring: LeaningRing) -> tuple[Floats, Floats]:
     """Return pressures, Pa, and mean convergence, m, (k,) each, after each decrement."""
     pressures = PRESSURE * np.linspace(1.0, 0.0, STAGES + 1)
@@ -235,14 +216,6 @@ def convergences(run: Run, ring: LeaningRing) -> tuple[Floats, Floats]:
         last = np.searchsorted(history.time, time + 0.1 * STEP) - 1
         inwards -= history.displacement[last] @ middle / float(np.hypot(*middle)) / COUNT
     return pressures, inwards
-
-
-def first_slip(run: Run) -> Bracket:
-    """Return the pressure, Pa, from which on friction takes energy."""
-    lost = np.asarray(run.energy["friction"])
-    time = float(run.energy["time"][np.flatnonzero(lost > 1e-6 * lost[-1])[0]])
-    after = 1.0 - (time - STEP) / (STEP * STAGES)
-    return Bracket(PRESSURE * after, PRESSURE * (after + 1.0 / STAGES))
 
 
 @problem(set_up=partial(ring_in_rock, CASES[0]), variants=(CONVEX,))
@@ -262,7 +235,12 @@ def slipping_ring(trial: Trial, rings: tuple[LeaningRing, ...] = CASES) -> None:
     """
     chart = trial.chart("ground reaction", "convergence, mm", "pressure in the opening, MPa")
     for ring in rings:
-        run, name = lowered(ring, trial.variant), f"{ring.friction:g} degrees"
+        model = ring_in_rock(ring)
+        numbers = {"p": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
+        run, name = (
+            trial.variant.run(model, step=STEP, end=STEP * (1 + STAGES), every=STEP, **numbers),
+            f"{ring.friction:g} degrees",
+        )
         pressures, inwards = convergences(run, ring)
         exact_at, exact, slips_at = reaction_curve(ring)
         for share in SHARES:
@@ -270,7 +248,10 @@ def slipping_ring(trial: Trial, rings: tuple[LeaningRing, ...] = CASES) -> None:
             true = float(np.interp(-pressures[k], -exact_at, exact))
             quantity = f"convergence at {100 * share:g} % of the pressure, {name}"
             trial.relative(quantity, "m", float(inwards[k]), true, 0.01, WHY)
-        slip = first_slip(run)
+        lost = np.asarray(run.energy["friction"])
+        time = float(run.energy["time"][np.flatnonzero(lost > 1e-6 * lost[-1])[0]])
+        after = 1.0 - (time - STEP) / (STEP * STAGES)
+        slip = Bracket(PRESSURE * after, PRESSURE * (after + 1.0 / STAGES))
         trial.relative(f"pressure of the first slip, {name}", "Pa", slip, slips_at, 0.005, WHY)
         chart.exact(f"integrated, {name}", 1e3 * exact, 1e-6 * exact_at)
         chart.computed(1e3 * inwards, 1e-6 * pressures, name)

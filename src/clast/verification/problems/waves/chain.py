@@ -15,11 +15,7 @@ so that its error is one of the period alone, (w h)^2/12: of second order in h.
 import numpy as np
 
 from clast.verification.problems import Model, Run, Trial, box, new_model, problem
-from clast.verification.variants import (
-    HALF_WAY,
-    MIDPOINT,
-    Variant,
-)
+from clast.verification.variants import HALF_WAY, MIDPOINT, Variant
 
 BLOCKS, DENSITY = 3, 2500.0
 """Number of blocks of 1 m x 1 m, and their density, kg/m3."""
@@ -61,12 +57,6 @@ def swung(steps: int, periods: float, variant: Variant) -> Run:
     )
 
 
-def frequency(steps: int) -> float:
-    """Return w_h, 1/s, by steps a period."""
-    step = PERIOD / steps
-    return float(2.0 / step * np.arctan(0.5 * CIRCULAR * step))
-
-
 def displacement(steps: int, variant: Variant) -> float:
     """Return the displacement of the end after ``LATER`` periods, in units of its peak."""
     moved = swung(steps, LATER, variant).history("end").displacement[-1, 0]
@@ -97,19 +87,15 @@ def chain(trial: Trial, periods: int = PERIODS) -> None:
     energy = run.energy
     held = energy["kinetic"] + energy["elastic"] + energy["contact"]
     lost = 1.0 - held / held[0]
-    trial.absolute(
-        f"largest change of energy in {periods} periods, of it",
-        "",
-        float(np.abs(lost).max()),
-        0.0,
-        1e-5,
-        "gaps are measured anew in each step, and blocks are not quite rigid",
-    )
+    quantity = f"largest change of energy in {periods} periods, of it"
+    reason = "gaps are measured anew in each step, and blocks are not quite rigid"
+    trial.absolute(quantity, "", float(np.abs(lost).max()), 0.0, 1e-5, reason)
+    step = PERIOD / STEPS
     trial.relative(
         f"frequency by {STEPS} steps a period",
         "1/s",
         counted(run),
-        frequency(STEPS),
+        float(2.0 / step * np.arctan(0.5 * CIRCULAR * step)),
         1e-4,
         "the instants of zero crossings are interpolated; blocks are not quite rigid",
     )

@@ -9,11 +9,7 @@ from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
-from clast.verification.variants import (
-    HALF_WAY,
-    MIDPOINT,
-    Variant,
-)
+from clast.verification.variants import HALF_WAY, MIDPOINT, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
 """Height of the layer, m, number of blocks in it, and their width, m."""
@@ -31,8 +27,6 @@ DELAY = RATIO / (np.pi * FREQUENCIES[0])
 """Damping by elasticity s, s."""
 PEAK = 0.5
 """Largest acceleration of the base, m/s2, either way."""
-STIFF = 1e12
-"""Normal stiffness of the contacts, N/m per m."""
 STEPS, SWELLING, EVEN, END = 20, 3.0, 4.2, 5.0
 """Steps a period; times, s, at which the base is up, at which all swings evenly, and the end."""
 COARSE = "steps and blocks, 27 in a wave, lower the resonance by 1 %"
@@ -77,16 +71,16 @@ def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
 def amplifications(variant: Variant) -> tuple[float, ...]:
     """Return surface by base, sideways and up and down."""
     model = layer()
-    method = variant.method(model, p=STIFF, max_displacement=0.05)
+    method = variant.method(model, p=1e12, max_displacement=0.05)
     method = replace(method, damping=Rayleigh(stiffness=DELAY))
     schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=END, every=END)
     run = simulate(model, method, schedule)
     moved = [run.history(name) for name in ("surface", "base")]
-    found = []
+    ratios = []
     for k, frequency in enumerate(FREQUENCIES):
         surface, base = (amplitude(one.time, one.velocity[:, k], frequency) for one in moved)
-        found.append(surface / base)
-    return tuple(found)
+        ratios.append(surface / base)
+    return tuple(ratios)
 
 
 @problem(set_up=layer, variants=HALF_WAY, quick=(MIDPOINT,))
@@ -102,10 +96,12 @@ def damped_layer(trial: Trial) -> None:
     """
     chart = trial.chart("amplification", "frequency, Hz", "surface / base")
     fine = np.linspace(1.0, 14.0, 300)
-    ways = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
-    for (name, frequency, speed), found in zip(ways, amplifications(trial.variant), strict=True):
+    directions = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
+    for (name, frequency, speed), ratio in zip(
+        displacements, amplifications(trial.variant), strict=True
+    ):
         exact = exact_amplification(frequency, speed)
         quantity = f"surface by base, {name} at {frequency:.3g} Hz"
-        trial.relative(quantity, "", found, exact, 0.02, COARSE)
+        trial.relative(quantity, "", ratio, exact, 0.02, COARSE)
         chart.exact(f"formula, {name}", fine, [exact_amplification(f, speed) for f in fine])
-        chart.computed([frequency], [found], name)
+        chart.computed([frequency], [ratio], name)

@@ -8,20 +8,9 @@ from clast.actions.damping import Rayleigh
 from clast.model.ground_motion import Accelerogram, IncomingWave
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Trial,
-    box,
-    problem,
-)
-from clast.verification.variants import (
-    HALF_WAY,
-    MIDPOINT,
-    Variant,
-)
+from clast.verification.fixtures import box
+from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
+from clast.verification.variants import HALF_WAY, MIDPOINT, Variant
 
 SPEED, DENSITY = 1000.0, 2200.0
 """Speed of shear waves, m/s, and density, kg/m3; that of compression is sqrt(2) times as high."""

@@ -25,6 +25,7 @@ wave, 0.6 % with 16.
 import numpy as np
 
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
+from clast.verification.fixtures import box
 from clast.verification.problems import (
     Floats,
     InputBuilder,
@@ -32,15 +33,9 @@ from clast.verification.problems import (
     PointHistory,
     Run,
     Trial,
-    box,
     problem,
 )
-from clast.verification.variants import (
-    CONVEX,
-    HALF_WAY,
-    MIDPOINT,
-    Variant,
-)
+from clast.verification.variants import CONVEX, HALF_WAY, MIDPOINT, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 10, 40.0
 """Height of the layer, m, number of blocks in it, and their width, m."""
@@ -199,7 +194,7 @@ BLOCKS_OF_PEAKS, PULSE_OF_PEAKS = 20, 0.05
 """Number of blocks, and length of the pulse, s: up to 20 Hz."""
 PEAKS = tuple((2 * mode - 1) * SOFT[0] / (4.0 * HEIGHT) for mode in (1, 2, 3))
 """Frequencies of the peaks, Hz: 2.5, 7.5 and 12.5."""
-STEP_OF_PEAKS, DURATION_OF_PEAKS = 1.0 / (20.0 * PEAKS[-1]), 4.0
+STEP_OF_PEAKS = 1.0 / (20.0 * PEAKS[-1])
 NEAR = 0.04
 """Half of the band, as a share of its middle, in which a peak is looked for."""
 WHY = "16 blocks a wave of the third peak: 0.6 %; 20 steps a period: 0.9 %"
@@ -222,7 +217,7 @@ def layer_peaks(trial: Trial) -> None:
     Source: vertical shear waves in a layer on an elastic half-space; Kramer (1996).
     """
     surface = trial.variant.run(
-        struck(), step=STEP_OF_PEAKS, end=DURATION_OF_PEAKS, p=STIFF, max_displacement=0.05
+        struck(), step=STEP_OF_PEAKS, end=4.0, p=STIFF, max_displacement=0.05
     ).history("surface")
     for frequency in PEAKS:
         near = frequency * np.linspace(1.0 - NEAR, 1.0 + NEAR, 81)

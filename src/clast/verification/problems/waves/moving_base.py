@@ -11,7 +11,7 @@ GRIP = GRAVITY * float(np.tan(np.radians(FRICTION_ANGLE)))
 """Largest acceleration that friction gives the block, m/s2: 2.626."""
 PEAK, CIRCULAR = 4.0, 2.0 * np.pi
 """Largest acceleration of the base, m/s2, and its circular frequency, 1/s."""
-STEP, SAMPLING, DURATION = 2e-3, 1e-3, 1.5
+SAMPLING, DURATION = 1e-3, 1.5
 INSTANTS = (0.4, 0.8, 1.2, 1.5)
 """Times at which block and base are compared, s."""
 FIRST_ORDER = "first order in h where slip begins and ends"
@@ -22,7 +22,7 @@ def base_speed(time: float | Floats) -> Floats:
     return np.asarray(PEAK / CIRCULAR * (1.0 - np.cos(CIRCULAR * np.asarray(time))))
 
 
-def base_way(time: float | Floats) -> Floats:
+def base_displacement(time: float | Floats) -> Floats:
     """Return the displacement of the base, m."""
     t = np.asarray(time)
     return np.asarray(PEAK / CIRCULAR * (t - np.sin(CIRCULAR * t) / CIRCULAR))
@@ -31,33 +31,33 @@ def base_way(time: float | Floats) -> Floats:
 def phases() -> list[tuple[float, float, float]]:
     """Return the slips: begin and end, s, and the block's acceleration, m/s2."""
     fine = np.linspace(0.0, DURATION, 30001)
-    found: list[tuple[float, float, float]] = []
+    slips: list[tuple[float, float, float]] = []
     last = 0.0
     while True:
         asked = PEAK * np.sin(CIRCULAR * fine)
         begins = fine[(fine >= last) & (np.abs(asked) > GRIP)]
         if len(begins) == 0:
-            return found
+            return slips
         begin = float(begins[0])
         pull = float(np.copysign(GRIP, np.sin(CIRCULAR * begin)))
         later = fine[fine > begin]
         ahead = base_speed(later) - base_speed(begin) - pull * (later - begin)
         caught = np.flatnonzero(ahead * pull < 0.0)
         last = float(later[caught[0]]) if len(caught) else DURATION
-        found.append((begin, last, pull))
+        slips.append((begin, last, pull))
         if len(caught) == 0:
-            return found
+            return slips
 
 
-def exact_way(time: Floats) -> Floats:
+def exact_displacement(time: Floats) -> Floats:
     """Return the displacement of the block, m, at ``time``, s, shape (k,)."""
-    way = base_way(time)
+    displacement = base_displacement(time)
     for begin, end, pull in phases():
         # what the block falls behind the base while it slips, and keeps afterwards
         s = np.clip(time, begin, end) - begin
         goes = base_speed(begin) * s + 0.5 * pull * s**2
-        way += goes - (base_way(begin + s) - base_way(begin))
-    return way
+        displacement += goes - (base_displacement(begin + s) - base_displacement(begin))
+    return displacement
 
 
 def shaken_block() -> Model:
@@ -88,19 +88,19 @@ def moving_base(trial: Trial) -> None:
     Source: Newton's law with Coulomb friction, integrated in closed form between the instants at
     which slip begins and ends.
     """
-    run = trial.variant.run(shaken_block(), step=STEP, end=DURATION, p=1e8, max_displacement=0.02)
+    run = trial.variant.run(shaken_block(), step=2e-3, end=DURATION, p=1e8, max_displacement=0.02)
     base, block = run.history("base"), run.history("block")
     moved = block.displacement[:, 0]
     for instant in INSTANTS:
         at = int(np.argmin(np.abs(block.time - instant)))
-        exact = float(exact_way(np.array([instant]))[0])
+        exact = float(exact_displacement(np.array([instant]))[0])
         quantity = f"displacement of the block at {instant:g} s"
         trial.absolute(quantity, "m", moved[at], exact, 1e-3, FIRST_ORDER)
-    exact = float(base_way(DURATION))
+    exact = float(base_displacement(DURATION))
     quantity = f"displacement of the base at {DURATION:g} s"
     trial.absolute(quantity, "m", base.displacement[-1, 0], exact, 1e-4, "its springs give")
     fine = np.linspace(0.0, DURATION, 300)
     chart = trial.chart("displacement", "time, s", "displacement, m")
-    chart.exact("base", fine, base_way(fine))
-    chart.exact("block", fine, exact_way(fine))
+    chart.exact("base", fine, base_displacement(fine))
+    chart.exact("block", fine, exact_displacement(fine))
     chart.computed(block.time[::50], moved[::50], "block")

@@ -13,12 +13,7 @@ from clast.verification.problems import (
     Trial,
     problem,
 )
-from clast.verification.variants import (
-    BOTH_LAWS,
-    CHATTERS,
-    MULTIPLIERS,
-    Variant,
-)
+from clast.verification.variants import BOTH_LAWS, CHATTERS, MULTIPLIERS
 
 GRAVITY = 9.81
 SLOPE, FRICTION = np.radians(20.0), np.radians(30.0)
@@ -58,7 +53,7 @@ def end() -> float:
     return float(brentq(lambda t: float(speed(t)), 0.5, 1.0))
 
 
-def exact_way(time: float) -> float:
+def exact_displacement(time: float) -> float:
     """Return the displacement down the plane after ``time``, s, m: 0.31361979 a cycle."""
     cycles, rest = divmod(time + 1e-12, 1.0)
     first, last = begin(), end()
@@ -97,14 +92,7 @@ def shaken_slope(acts: str = "moving base", cycles: int = 2) -> Model:
     return builder.build()
 
 
-def shaken(acts: str, cycles: int, variant: Variant) -> Run:
-    """Return the run of some cycles."""
-    return variant.run(
-        shaken_slope(acts, cycles), step=STEP, end=float(cycles), p=1e8, max_displacement=0.02
-    )
-
-
-def way(run: Run) -> tuple[Floats, Floats]:
+def sliding(run: Run) -> tuple[Floats, Floats]:
     """Return time, s, and displacement of the block down the plane relative to the slope, m."""
     block, slope = run.history("block"), run.history("slope")
     moved = block.displacement - slope.displacement
@@ -129,17 +117,24 @@ def newmark(trial: Trial, acts: tuple[str, ...] = tuple(ACTS), cycles: int = 2) 
     Source: Newmark (1965); integrated in closed form.
     """
     fine = np.linspace(0.0, cycles, 400)
-    exact_ways = [exact_way(t) for t in fine]
+    exact_slides = [exact_displacement(t) for t in fine]
     for one in acts:
-        time, moved = way(shaken(one, cycles, trial.variant))
+        time, moved = sliding(
+            trial.variant.run(
+                shaken_slope(one, cycles),
+                step=STEP,
+                end=float(cycles),
+                p=1e8,
+                max_displacement=0.02,
+            )
+        )
         rate = np.gradient(moved, time)
         stopped = float(time[np.flatnonzero((time > begin() + 0.1) & (rate < STOPPED))[0]])
-        exact = exact_way(float(cycles))
-        trial.relative(
-            f"displacement in {cycles} s, {one}", "m", moved[-1], exact, 0.002, FIRST_ORDER
-        )
+        exact = exact_displacement(float(cycles))
+        quantity = f"displacement in {cycles} s, {one}"
+        trial.relative(quantity, "m", moved[-1], exact, 0.002, FIRST_ORDER)
         trial.absolute(f"end of the slide, {one}", "s", stopped, end(), 2.5 * STEP, "steps of 2 ms")
         labels = ("time, s", "relative displacement, m")
         chart = trial.chart(f"displacement down the plane, {one}", *labels)
-        chart.exact("Newmark", fine, exact_ways)
+        chart.exact("Newmark", fine, exact_slides)
         chart.computed(time[::50], moved[::50])

@@ -30,14 +30,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.verification.problems import (
-    Floats,
-    Model,
-    PlaneStrain,
-    Trial,
-    new_model,
-    problem,
-)
+from clast.verification.fixtures import new_model
+from clast.verification.problems import Floats, Model, PlaneStrain, Trial, problem
 from clast.verification.variants import LAGGED, MIDPOINT, MIDPOINT_OPEN_CLOSE, Variant
 
 YOUNG, POISSON, DENSITY = 20e9, 0.25, 2500.0
@@ -48,8 +42,6 @@ C_P = C_S * float(np.sqrt((2.0 - 2.0 * POISSON) / (1.0 - 2.0 * POISSON)))
 WAVE_LENGTH = 10.0
 """Ten rows of triangles, m."""
 STEPS_OF_PERIOD = 100
-STIFF = 5e11
-"""Normal stiffness of the contacts, N/m per m."""
 LARGEST = 1e-3
 """Largest velocity at the start, m/s."""
 FREE, VISCOUS = 0.0, 1.0
@@ -147,15 +139,15 @@ def triangles_of(case: Incidence, rows: int | None = None) -> Floats:
     """
     columns = columns_of(case)
     size = case.width / columns
-    found: list[list[tuple[float, float]]] = []
+    corners: list[list[tuple[float, float]]] = []
     for row in range(round(case.height) if rows is None else rows):
         for column in range(columns):
             left, right = size * column, size * (column + 1)
             low, high = float(row), float(row + 1)
             a, b, c, d = (left, low), (right, low), (right, high), (left, high)
             pair = ([a, b, c], [a, c, d]) if (row + column) % 2 == 0 else ([a, b, d], [b, c, d])
-            found += pair
-    return np.array(found, np.float64)
+            corners += pair
+    return np.array(corners, np.float64)
 
 
 def velocities_of(case: Incidence, triangles: Floats) -> Floats:
@@ -192,7 +184,7 @@ def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
     """Return the energy when the packets are back in the middle."""
     model = replace(strip(case, dashpot), velocity=velocities_of(case, triangles_of(case)))
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing
-    energy = variant.run(model, step=step, end=end, p=STIFF, max_displacement=0.01).energy
+    energy = variant.run(model, step=step, end=end, p=5e11, max_displacement=0.01).energy
     held = np.sum([energy[key] for key in ("kinetic", "elastic", "contact")], axis=0)
     return float(held[-1] / held[0])
 
@@ -210,10 +202,10 @@ def oblique_wave(trial: Trial) -> None:
     Source: Lysmer & Kuhlemeyer (1969); plane waves solved.
     Not run with: open-close: for its time.
     """
-    found: dict[str, list[tuple[float, float]]] = {"P": [], "SV": []}
+    returned: dict[str, list[tuple[float, float]]] = {"P": [], "SV": []}
     for case in CASES:
         share = energy_left(case, VISCOUS, trial.variant) / energy_left(case, FREE, trial.variant)
-        found[case.kind].append((case.angle, share))
+        returned[case.kind].append((case.angle, share))
         quantity = f"energy sent back, {case.kind} at {case.angle:g} degrees"
         exact = reflected(case.kind, case.angle)
         trial.absolute(quantity, "", share, exact, 0.01, PACKET)
@@ -221,7 +213,7 @@ def oblique_wave(trial: Trial) -> None:
     chart = trial.chart(
         "energy sent back by dashpots", "angle from the normal, degrees", "share of the energy"
     )
-    for kind, points in found.items():
+    for kind, points in returned.items():
         chart.exact(kind, angles, [reflected(kind, one) for one in angles])
         chart.computed(*zip(*points, strict=True), label=f"{kind}, {trial.variant.name}")
 
@@ -232,8 +224,6 @@ CASES_OF_SURFACE = (
     Incidence("SV", 30.0, waves=8.0),
     Incidence("SV", 45.0, waves=8.0),
 )
-STIFF_OF_SURFACE = 5e12
-"""Normal stiffness of the contacts, N/m per m; with a tenth of it waves are 1 % slower."""
 STEPS_OF_PERIOD_OF_SURFACE = 40
 MESH = "waves in triangles strained evenly, ten rows a wave, are 2 to 3 % off in speed and angle"
 TOLERANCE = 0.04
@@ -292,19 +282,19 @@ def amplitudes(case: Incidence, rows: int, variant: Variant) -> tuple[float, flo
     """
     model = running(case, rows)
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD_OF_SURFACE, case.crossing
-    run = variant.run(model, step=step, end=end, p=STIFF_OF_SURFACE, max_displacement=0.01)
+    run = variant.run(model, step=step, end=end, p=5e12, max_displacement=0.01)
     columns = columns_of(case)
     histories = [run.history(f"{column}") for column in range(columns)]
     time = histories[0].time
     turned = np.exp(-2j * np.pi * case.speed / WAVE_LENGTH * time)
-    found = np.array(
+    spectra = np.array(
         [np.trapezoid(one.velocity[:, :2] * turned[:, None], time, axis=0) for one in histories]
     )
     phase = case.wave_numbers[0] * case.width / columns * np.arange(columns)
     across, up = np.sin(phase), np.cos(phase)
     return (
-        float(abs(across @ found[:, 0]) / (across @ across)),
-        float(abs(up @ found[:, 1]) / (up @ up)),
+        float(abs(across @ spectra[:, 0]) / (across @ across)),
+        float(abs(up @ spectra[:, 1]) / (up @ up)),
     )
 
 
@@ -334,11 +324,11 @@ def free_surface(trial: Trial) -> None:
     Source: Aki & Richards (2002); plane waves solved.
     Not run with: modified: for its time.
     """
-    found: list[tuple[float, float]] = []
+    motions: list[tuple[float, float]] = []
     for case in CASES_OF_SURFACE:
-        found.append(computed(case, trial.variant))
+        motions.append(computed(case, trial.variant))
         exact = surface_by_wave(case.angle)
-        for name, one, other in zip(("along", "across"), found[-1], exact, strict=True):
+        for name, one, other in zip(("along", "across"), motions[-1], exact, strict=True):
             quantity = f"surface by wave, {name}, SV at {case.angle:g} degrees"
             trial.absolute(quantity, "", one, other, TOLERANCE, MESH)
     angles, places = np.linspace(0.0, 60.0, 241), [case.angle for case in CASES_OF_SURFACE]
@@ -350,5 +340,5 @@ def free_surface(trial: Trial) -> None:
     )
     chart.exact("along", angles, exact_along)
     chart.exact("across", angles, exact_across)
-    chart.computed(places, [moves[0] for moves in found], "along")
-    chart.computed(places, [moves[1] for moves in found], "across")
+    chart.computed(places, [moves[0] for moves in motions], "along")
+    chart.computed(places, [moves[1] for moves in motions], "across")

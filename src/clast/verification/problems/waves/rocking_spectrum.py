@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from clast.model.ground_motion import Accelerogram, InertialForce
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
-from clast.verification.variants import CONVEX, Variant
+from clast.verification.variants import CONVEX
 
 GRAVITY, WIDTH, HEIGHT = 9.81, 0.5, 2.0
 RADIUS = 0.5 * float(np.hypot(WIDTH, HEIGHT))
@@ -121,14 +121,6 @@ def standing_block(pulse: Pulse = SINE, amplitude: float = 0.7) -> Model:
     return builder.build()
 
 
-def rocked(pulse: Pulse, amplitude: float, variant: Variant) -> Floats:
-    """Return the tilt of the block after every step, rad, shape (k,)."""
-    run = variant.run(
-        standing_block(pulse, amplitude), step=STEP, end=END, p=5e9, max_displacement=0.02
-    )
-    return run.history("centroid").rotation
-
-
 def stands(tilt: Floats) -> float:
     """Return 1 for a block that is not tilted beyond its balance at the end, else 0."""
     return float(abs(tilt[-1]) < SLENDERNESS)
@@ -151,7 +143,10 @@ def rocking_spectrum(trial: Trial, shaken: dict[Pulse, tuple[float, ...]] = SHAK
     for pulse, amplitudes in shaken.items():
         largest = []
         for amplitude in amplitudes:
-            tilt = rocked(pulse, amplitude, trial.variant)
+            run = trial.variant.run(
+                standing_block(pulse, amplitude), step=STEP, end=END, p=5e9, max_displacement=0.02
+            )
+            tilt = run.history("centroid").rotation
             exact = exact_tilt(pulse, amplitude, END)[1]
             largest.append(float(np.abs(tilt).max()))
             under = f"{pulse.kind} of {amplitude:g} g"
