@@ -14,6 +14,8 @@ from clast.verification.variants import Variant
 
 CUT = Variant(name="cut", process={"name": "none"})
 """Nothing is simulated: no process, law or integrator applies."""
+BONDED = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
+"""Joints that never give way."""
 
 
 def box(left: float, low: float, right: float, high: float) -> list[tuple[float, float]]:

@@ -7,11 +7,12 @@ from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress, Ro
 from clast.model.state import State, initial_state
 from clast.results import PointHistory, Run
 from clast.verification.collapse_load import AT_REST, StaticRun, limit
-from clast.verification.fixtures import box, new_model
+from clast.verification.fixtures import BONDED, box, new_model
 from clast.verification.problem import Bracket, KnownFailure, Trial, problem
 
 __all__ = [
     "AT_REST",
+    "BONDED",
     "Bracket",
     "Floats",
     "InputBuilder",

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import InputBuilder, Model, Trial, box, new_model, problem
 from clast.verification.variants import CONVEX, Variant
 
@@ -55,11 +53,9 @@ def parting(
 ) -> float:
     """Return the speed at which two squares part, in units of that at which they meet."""
     model = two_squares(SPEED * step * (1.0 + arrival), mass)
-    method = rebounding(variant, restitution).method(
-        model, p=stiffness * YOUNG, max_displacement=0.1
+    run = rebounding(variant, restitution).run(
+        model, step=step, end=(AFTER + 2) * step, p=stiffness * YOUNG, max_displacement=0.1
     )
-    end = (AFTER + 2) * step
-    run = simulate(model, method, Schedule(step=step, end=end, every=end))
     flying, hit = (run.history(name).velocity[-1, 0] for name in ("flying", "hit"))
     return float(hit - flying) / SPEED
 
@@ -70,13 +66,11 @@ def height(variant: Variant, restitution: float, stiffness: float, step: float) 
     builder.block(name="ground", vertices=box(-3, -0.5, 3, 0), fixed=True)
     builder.block(name="square", vertices=box(-0.5, 1, 0.5, 2))
     builder.measured_point("square", (0.0, 1.5), block="square")
-    model = builder.build()
-    method = rebounding(variant, restitution).method(
-        model, p=stiffness * YOUNG, max_displacement=0.1
-    )
     fall = float(np.sqrt(2.0 / GRAVITY))
-    end = (1.5 + restitution) * fall
-    history = simulate(model, method, Schedule(step=step, end=end, every=end)).history("square")
+    end, p = (1.5 + restitution) * fall, stiffness * YOUNG
+    bouncing = rebounding(variant, restitution)
+    run = bouncing.run(builder.build(), step=step, end=end, p=p, max_displacement=0.1)
+    history = run.history("square")
     landed = history.time > 1.02 * fall
     return float(1.0 + history.displacement[landed, 1].max())
 
@@ -90,9 +84,9 @@ def last_of_row(variant: Variant, gap: float) -> float:
         speed = SPEED if k == 0 else 0.0
         builder.block(name=str(k), vertices=corners, velocity=(speed, 0.0, 0.0))
         builder.measured_point(str(k), (x + 0.5, 0.5), block=str(k))
-    model = builder.build()
-    method = rebounding(variant, 1.0).method(model, p=YOUNG, max_displacement=0.1)
-    run = simulate(model, method, Schedule(step=1e-3, end=0.05, every=0.05))
+    run = rebounding(variant, 1.0).run(
+        builder.build(), step=1e-3, end=0.05, p=YOUNG, max_displacement=0.1
+    )
     return float(run.history(str(ROW)).velocity[-1, 0]) / SPEED
 
 

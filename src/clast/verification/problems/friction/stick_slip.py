@@ -19,8 +19,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from clast.model.stages import TIME, Stage
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
 from clast.verification.variants import (
     CONVEX,
@@ -73,12 +71,11 @@ def slider() -> Model:
 
 def drawn(variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and the force of the spring, N/m, (t,) each."""
-    model = slider()
-    method = variant.method(model, p=1e9, max_displacement=0.01)
     weight = Stage(name="weight", until=TIME, time=REST, dynamic_ratio=0.0)
     stages = (weight, Stage(name="pull", until=TIME, time=END - REST))
-    run = simulate(model, method, Schedule(step=STEP, end=END, every=END, stages=stages))
-    history = run.history("foot")
+    history = variant.run(
+        slider(), step=STEP, end=END, stages=stages, p=1e9, max_displacement=0.01
+    ).history("foot")
     return history.time, SPRING * (far_end(history.time) - history.displacement[:, 0])
 
 

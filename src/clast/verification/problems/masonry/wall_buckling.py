@@ -17,8 +17,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from clast.model.stages import Stage
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, problem
 from clast.verification.variants import CONVEX, Variant
 
@@ -101,15 +99,14 @@ def wall(courses: int, share: float, angle: float = 0.0) -> Model:
 
 def swayed(courses: int, share: float, variant: Variant, angle: float = 0.0) -> tuple[float, str]:
     """Return the sway, m, or nan and the course that moves most where it fails."""
-    model = wall(courses, share, angle)
-    schedule = Schedule(step=0.02, end=TIME, every=TIME, stages=(Stage(name="load"),))
-    method = variant.method(
-        model,
+    run = variant.static(
+        wall(courses, share, angle),
+        step=0.02,
+        end=TIME,
+        stages=(Stage(name="load"),),
         p=STIFFNESS,
         max_displacement=0.05 * float(np.sqrt(WIDTH * HEIGHT / courses)),
-        dynamic_ratio=0.0,
     )
-    run = simulate(model, method, schedule)
     (record,) = run.stages
     if record.mechanism:
         return float("nan"), record.mechanism[0]

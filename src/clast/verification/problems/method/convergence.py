@@ -21,8 +21,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
 from clast.verification.variants import (
     CONVEX,
@@ -79,13 +77,13 @@ def blocks_at_rest(young: float, stiffness: float, count: int = 1) -> Model:
 
 
 def moved(
-    model: Model, velocity: Floats, stiffness: float, schedule: Schedule, variant: Variant
+    variant: Variant, model: Model, velocity: Floats, p: float, step: float, end: float
 ) -> tuple[Floats, Floats]:
     """Return times, s, and heights, m, of the top of a block that begins with a velocity (6,)."""
     velocities = np.zeros_like(model.velocity)
     velocities[-1] = velocity
-    method = variant.method(model, p=stiffness, max_displacement=0.05)
-    top = simulate(replace(model, velocity=velocities), method, schedule).history("top")
+    model = replace(model, velocity=velocities)
+    top = variant.run(model, step=step, end=end, p=p, max_displacement=0.05).history("top")
     return top.time, top.displacement[:, 1]
 
 
@@ -94,8 +92,7 @@ def error_in_step(steps: int, variant: Variant) -> float:
     size = SHARE * GRAVITY / CIRCULAR**2
     end = TURNED / CIRCULAR
     start = np.array([0.0, size * CIRCULAR, 0.0, 0.0, 0.0, 0.0])
-    schedule = Schedule(step=end / steps, end=end, every=end)
-    _, height = moved(blocks_at_rest(RIGID, SOFT), start, SOFT, schedule, variant)
+    _, height = moved(variant, blocks_at_rest(RIGID, SOFT), start, SOFT, end / steps, end)
     return float(height[-1] / size - np.sin(TURNED))
 
 
@@ -121,9 +118,9 @@ def frequency(stiffness: float, variant: Variant) -> float:
     rate = size * circular / (up + 0.5 * strain)
     period = 2.0 * np.pi / circular
     end = PERIODS * period
-    schedule = Schedule(step=period / STEPS_OF_PERIOD, end=end, every=end)
     start = rate * np.array([0.0, up, 0.0, 0.0, strain, 0.0])
-    time, y = moved(blocks_at_rest(YOUNG, stiffness), start, stiffness, schedule, variant)
+    step, model = period / STEPS_OF_PERIOD, blocks_at_rest(YOUNG, stiffness)
+    time, y = moved(variant, model, start, stiffness, step, end)
     at = np.flatnonzero((y[1:-1] < 0.0) & (y[2:] >= 0.0)) + 1
     crossing = time[at] - y[at] * (time[at + 1] - time[at]) / (y[at + 1] - y[at])
     return float(2.0 * np.pi * (len(at) - 1) / (crossing[-1] - crossing[0]))

@@ -23,22 +23,15 @@ Drains take the head that they lie at: from the foot of the crack to the first d
 falls evenly to none, and between two drains there is none.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from clast.verification.problems import (
-    Bracket,
-    Floats,
-    InputBuilder,
-    Model,
-    StaticRun,
-    Trial,
-    problem,
-)
+from clast.inputs.builder import InputBuilder
+from clast.verification.problems import Bracket, Floats, Model, StaticRun, Trial, problem
 from clast.verification.variants import CONVEX, EACH_PROCESS, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.81, 1000.0
@@ -85,18 +78,22 @@ class Slope:
 
         The slab is pushed out of the slope by ``seismic`` times its weight.
         """
-        dip, length = np.radians(self.plane), float(np.hypot(*self.foot))
-        crest = self.height / np.tan(np.radians(self.face))
+        lifts = 0.5 * WATER * GRAVITY * water * float(np.hypot(*self.foot))
+        return self.factor(*self.forces(lifts, water, seismic))
+
+    def forces(self, lifts: float, water: float, seismic: float = 0.0) -> tuple[float, float]:
+        """Return N' and T, N/m, with the uplift ``lifts``, N/m, and so much water in the crack."""
+        dip, crest = np.radians(self.plane), self.height / np.tan(np.radians(self.face))
         # the quadrangle of toe, foot and top of the crack, and crest
-        area = 0.5 * (self.height * (self.crack - crest) + self.crack * self.depth)
-        weight = WEIGHT * area
-        lifts = 0.5 * WATER * GRAVITY * water * length
-        pushes = 0.5 * WATER * GRAVITY * water**2
-        pushes += seismic * weight
+        weight = WEIGHT * (0.5 * (self.height * (self.crack - crest) + self.crack * self.depth))
+        pushes = 0.5 * WATER * GRAVITY * water**2 + seismic * weight
         presses = weight * np.cos(dip) - lifts - pushes * np.sin(dip)
-        drives = weight * np.sin(dip) + pushes * np.cos(dip)
-        friction = np.tan(np.radians(self.friction_angle))
-        return float((self.cohesion * length + presses * friction) / drives)
+        return float(presses), float(weight * np.sin(dip) + pushes * np.cos(dip))
+
+    def factor(self, presses: float, drives: float) -> float:
+        """Return F by N' and T, N/m."""
+        holds = self.cohesion * np.hypot(*self.foot)
+        return float((holds + presses * np.tan(np.radians(self.friction_angle))) / drives)
 
 
 def critical_slope() -> Slope:
@@ -153,17 +150,21 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0, seismic: fl
     return builder.build()
 
 
-def factor_of_safety(slope: Slope, water: float, variant: Variant, seismic: float = 0.0) -> Bracket:
-    """Return the divisor of the strength at which the slab begins to slide."""
-    exact = slope.exact_factor(water, seismic)
-    static = StaticRun(p=2e9, step=STEP * slope.height, steps=STEPS, bisections=5)
+def factor_of_safety(
+    variant: Variant,
+    slope: Slope,
+    exact: float,
+    divided: Callable[[float], Model],
+    bisections: int = 5,
+) -> Bracket:
+    """Return the divisor of the strength at which the slab begins to slide.
+
+    ``divided`` makes the model with its strength divided.
+    """
+    static = StaticRun(p=2e9, step=STEP * slope.height, steps=STEPS, bisections=bisections)
     # shares of the exact strength: from a little less, which slides, to a little more
-    shares = static.limit(
-        variant,
-        lambda share: slope_model(slope, water, exact / share, seismic),
-        1.0 - SPAN,
-        1.0 + SPAN,
-    )
+    ends = 1.0 - SPAN, 1.0 + SPAN
+    shares = static.limit(variant, lambda share: divided(exact / share), *ends)
     return Bracket(exact / shares.low, exact / shares.high)
 
 
@@ -185,22 +186,21 @@ def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -
     Exact: F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/(W (sin a + k cos a) + V cos a).
     Source: limit equilibrium of Hoek & Bray (1974).
     """
-    critical, factors = critical_slope(), []
-    for level in levels:
-        water = level * critical.depth
-        factors.append(factor_of_safety(critical, water, trial.variant))
-        quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
-        exact = critical.exact_factor(water)
-        trial.relative(quantity, "-", factors[-1], exact, 0.01, RESOLUTION)
-    shaken = factor_of_safety(critical, 0.0, trial.variant, SEISMIC)
-    quantity = f"factor of safety, slope of 60 m, dry, pushed by {SEISMIC:g} of its weight"
-    exact = critical.exact_factor(0.0, SEISMIC)
-    trial.relative(quantity, "-", shaken, exact, 0.01, RESOLUTION)
-    steep = steep_slope()
-    water = steep.depth - 2.0
-    factor = factor_of_safety(steep, water, trial.variant)
-    quantity = "factor of safety, slope of 15 m, water 2 m below the top of the crack"
-    trial.relative(quantity, "-", factor, steep.exact_factor(water), 0.01, RESOLUTION)
+    critical, steep = critical_slope(), steep_slope()
+    cases = [
+        (critical, level * critical.depth, 0.0, f"60 m, water at {level:g} of the crack")
+        for level in levels
+    ]
+    pushed = f"60 m, dry, pushed by {SEISMIC:g} of its weight"
+    cases.append((critical, 0.0, SEISMIC, pushed))
+    low = "15 m, water 2 m below the top of the crack"
+    cases.append((steep, steep.depth - 2.0, 0.0, low))
+    for slope, water, seismic, name in cases:
+        exact = slope.exact_factor(water, seismic)
+        divided = partial(slope_model, slope, water, seismic=seismic)
+        factor = factor_of_safety(trial.variant, slope, exact, divided)
+        quantity = f"factor of safety, slope of {name}"
+        trial.relative(quantity, "-", factor, exact, 0.01, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 41)
     chart = trial.chart(
         "factor of safety, slope of 60 m",
@@ -208,11 +208,11 @@ def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -
         "factor of safety",
     )
     chart.exact("Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine])
-    chart.computed(levels, factors)
+    chart.computed(levels, trial.computed[: len(levels)])
 
 
-STIFFNESS, FIRM = 2e9, 0.5
-"""Contact stiffness, N/m per m; divisor of the strength of a firm slope."""
+FIRM = 0.5
+"""Divisor of the strength of a firm slope."""
 SETTLES = "blocks give by microns, and the water with them"
 FULL = 4.0
 """Height of the water in the crack zw, m."""
@@ -237,31 +237,20 @@ class WaterHead:
 
     def forces(self, slope: Slope) -> tuple[float, float]:
         """Return N' and T, N/m."""
-        dip, length = np.radians(slope.plane), float(np.hypot(*slope.foot))
-        crest = slope.height / np.tan(np.radians(slope.face))
-        area = 0.5 * (slope.height * (slope.crack - crest) + slope.crack * slope.depth)
+        length = float(np.hypot(*slope.foot))
         lifts = WATER * GRAVITY * length * float(np.trapezoid(self.head, self.share))
-        pushes = 0.5 * WATER * GRAVITY * self.head[-1] ** 2
-        presses = WEIGHT * area * np.cos(dip) - lifts - pushes * np.sin(dip)
-        drives = WEIGHT * area * np.sin(dip) + pushes * np.cos(dip)
-        return float(presses), float(drives)
+        return slope.forces(lifts, self.head[-1])
 
-    def factor(self, slope: Slope) -> float:
-        """Return F."""
-        presses, drives = self.forces(slope)
-        friction = np.tan(np.radians(slope.friction_angle))
-        return float((slope.cohesion * np.hypot(*slope.foot) + presses * friction) / drives)
-
-    def keys(self, slope: Slope) -> Mapping[str, Any]:
+    def keys(self, slope: Slope) -> dict[str, Any]:
         """Return the keys of the water: a level and drains, or a phreatic line."""
         along = np.array(self.share)[:, None] * slope.foot
         if self.drains:
             drained = [tuple(share * slope.foot) for share in self.drains]
             level = float(slope.foot[1]) + self.head[-1]
-            return MappingProxyType({"level": level, "drained_at": drained})
+            return {"level": level, "drained_at": drained}
         line = along + np.stack([np.zeros(len(along)), self.head], axis=1)
         beyond = line[-1] + (10.0, 0.0)
-        return MappingProxyType({"line": np.vstack([line, beyond])})
+        return {"line": np.vstack([line, beyond])}
 
 
 WATERS = (
@@ -288,23 +277,13 @@ def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
     """Return N' and T that the plane carries, N/m."""
     model, slope = wet(water), steep_slope()
     step = STEP * slope.height
-    run = variant.static(model, step=step, end=STEPS * step, p=STIFFNESS, max_displacement=0.02)
+    run = variant.static(model, step=step, end=STEPS * step, p=2e9, max_displacement=0.02)
     contacts, slab = run.contacts(), model.block_name.index("slab")
     sense = np.where(contacts.vertex_block == slab, 1.0, -1.0)
     force = (sense[:, None] * contacts.force).sum(axis=0)
     dip = np.radians(slope.plane)
     along, across = np.array([np.cos(dip), np.sin(dip)]), np.array([-np.sin(dip), np.cos(dip)])
     return float(force @ across), float(force @ along)
-
-
-def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
-    """Return the divisor of the strength at which the slab begins to slide."""
-    slope = steep_slope()
-    exact = water.factor(slope)
-    static = StaticRun(p=STIFFNESS, step=STEP * slope.height, steps=STEPS, bisections=bisections)
-    ends = 1.0 - SPAN, 1.0 + SPAN
-    shares = static.limit(variant, lambda share: wet(water, exact / share), *ends)
-    return Bracket(exact / shares.low, exact / shares.high)
 
 
 @problem(
@@ -328,9 +307,10 @@ def drained_slope(
         carries, exact = borne(water, trial.variant), water.forces(slope)
         for name, one, other in zip(("N'", "T"), carries, exact, strict=True):
             trial.relative(f"{name}, {water.name}", "N/m", one, other, 2e-3, SETTLES)
-        factor = safety(water, bisections, trial.variant)
+        factor, divided = slope.factor(*exact), partial(wet, water)
+        safety = factor_of_safety(trial.variant, slope, factor, divided, bisections)
         quantity = f"factor of safety, {water.name}"
-        trial.relative(quantity, "-", factor, water.factor(slope), 0.01, RESOLUTION)
+        trial.relative(quantity, "-", safety, factor, 0.01, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 51)
     chart = trial.chart("pressure on the plane", "distance from the toe / A", "pressure, kPa")
     for water in waters:

@@ -16,8 +16,6 @@ import itertools
 import numpy as np
 
 from clast.model.stages import Stage
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, PASSES, Variant
 
@@ -78,8 +76,6 @@ def _corner(radius: float, k: int) -> tuple[float, float]:
 
 def dug(variant: Variant, segments: int | None, relaxed: float = RELAXED) -> Run:
     """Return the run: the core is taken out, and the plate lined after the first step."""
-    model = scene(segments)
-    method = variant.method(model, p=1e12, max_displacement=0.1, dynamic_ratio=0.0)
     stages = (
         Stage(
             name="dig",
@@ -92,7 +88,9 @@ def dug(variant: Variant, segments: int | None, relaxed: float = RELAXED) -> Run
         Stage(name="line", until="time", time=LASTING + 6.0 * STEP),
     )
     end = LASTING + 10.0 * STEP
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end, stages=stages))
+    return variant.static(
+        scene(segments), step=STEP, end=end, stages=stages, p=1e12, max_displacement=0.1
+    )
 
 
 def closures(run: Run) -> Floats:

@@ -12,14 +12,10 @@ Damping with the ratio z takes from each peak to the next the share exp(-d) of t
 where it passes its equilibrium, at T/4, and takes all the energy that it began with.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.problems import Floats, InputBuilder, Model, Run, Trial, box, problem
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
@@ -58,12 +54,8 @@ def block() -> Model:
 
 def strained(damping: Action, variant: Variant, periods: float) -> Run:
     """Return the run of some periods with a damping."""
-    model = block()
-    method = variant.method(model, p=YOUNG, max_displacement=0.1)
-    end = periods * PERIOD
-    return simulate(
-        model, replace(method, damping=damping), Schedule(step=PERIOD / STEPS, end=end, every=end)
-    )
+    numbers = {"p": YOUNG, "max_displacement": 0.1, "damping": damping}
+    return variant.run(block(), step=PERIOD / STEPS, end=periods * PERIOD, **numbers)
 
 
 def decrement(run: Run) -> float:

@@ -1,14 +1,10 @@
 """A damped layer on ground that moves sideways and up at once, at 7.5 Hz and at 10.6 Hz."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from clast.actions.damping import Rayleigh
 from clast.model.ground_motion import Accelerogram, MovingBase
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
+from clast.verification.problems import BONDED, Floats, InputBuilder, Model, Trial, box, problem
 from clast.verification.variants import HALF_WAY, MIDPOINT, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
@@ -40,7 +36,7 @@ def layer() -> Model:
     motion = MovingBase(Accelerogram(time, np.stack(shake, axis=1)))
     builder = InputBuilder(title="Damped layer", gravity=(0.0, 0.0), ground_motion=motion)
     builder.add_rock("soil", young=YOUNG, poisson=0.0, density=DENSITY)
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    builder.add_joint(**BONDED)
     thick = HEIGHT / BLOCKS
     for k in range(BLOCKS):
         low, high = k * thick, (k + 1) * thick
@@ -70,11 +66,14 @@ def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
 
 def amplifications(variant: Variant) -> tuple[float, ...]:
     """Return surface by base, sideways and up and down."""
-    model = layer()
-    method = variant.method(model, p=1e12, max_displacement=0.05)
-    method = replace(method, damping=Rayleigh(stiffness=DELAY))
-    schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=END, every=END)
-    run = simulate(model, method, schedule)
+    run = variant.run(
+        layer(),
+        step=1.0 / (STEPS * max(FREQUENCIES)),
+        end=END,
+        p=1e12,
+        max_displacement=0.05,
+        damping=Rayleigh(stiffness=DELAY),
+    )
     moved = [run.history(name) for name in ("surface", "base")]
     ratios = []
     for k, frequency in enumerate(FREQUENCIES):
@@ -98,7 +97,7 @@ def damped_layer(trial: Trial) -> None:
     fine = np.linspace(1.0, 14.0, 300)
     directions = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
     for (name, frequency, speed), ratio in zip(
-        displacements, amplifications(trial.variant), strict=True
+        directions, amplifications(trial.variant), strict=True
     ):
         exact = exact_amplification(frequency, speed)
         quantity = f"surface by base, {name} at {frequency:.3g} Hz"

@@ -1,15 +1,15 @@
 """Waves of 10 Hz that come in from below, sideways and up and down, with and without damping."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from clast.actions.damping import Rayleigh
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, IncomingWave
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
-from clast.verification.fixtures import box
-from clast.verification.problems import Floats, InputBuilder, Model, PointHistory, Trial, problem
+from clast.verification.fixtures import BONDED, box
+from clast.verification.problems import Floats, Model, PointHistory, Trial, problem
 from clast.verification.variants import HALF_WAY, MIDPOINT, Variant
 
 SPEED, DENSITY = 1000.0, 2200.0
@@ -61,7 +61,7 @@ def pile(kind: WaveKind) -> Model:
         ground_motion=IncomingWave(Accelerogram(time, rate)),
     )
     builder.add_rock("rock", young=2.0 * DENSITY * SPEED**2, poisson=0.0, density=DENSITY)
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    builder.add_joint(**BONDED)
     thick = HEIGHT / BLOCKS
     for k in range(BLOCKS):
         low, high = k * thick, (k + 1) * thick
@@ -73,12 +73,11 @@ def pile(kind: WaveKind) -> Model:
 
 def surface(kind: WaveKind, damping: float, variant: Variant) -> PointHistory:
     """Return how the surface moves, with stiffness damping, s."""
-    model = pile(kind)
-    method = variant.method(model, p=STIFF, max_displacement=0.05)
+    numbers: dict[str, Any] = {"p": STIFF, "max_displacement": 0.05}
     if damping > 0.0:
-        method = replace(method, damping=Rayleigh(mass=0.0, stiffness=damping))
+        numbers["damping"] = Rayleigh(mass=0.0, stiffness=damping)
     end = LENGTH + 2.0 * HEIGHT / kind.speed
-    return simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("surface")
+    return variant.run(pile(kind), step=STEP, end=end, **numbers).history("surface")
 
 
 def amplitude(time: Floats, velocity: Floats) -> float:

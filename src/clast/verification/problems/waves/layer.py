@@ -24,17 +24,10 @@ wave, 0.6 % with 16.
 
 import numpy as np
 
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
-from clast.verification.fixtures import box
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    Model,
-    PointHistory,
-    Run,
-    Trial,
-    problem,
-)
+from clast.verification.fixtures import BONDED, box
+from clast.verification.problems import Floats, Model, PointHistory, Run, Trial, problem
 from clast.verification.variants import CONVEX, HALF_WAY, MIDPOINT, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 10, 40.0
@@ -67,7 +60,7 @@ def pile(motion: GroundMotion, blocks: int = BLOCKS) -> Model:
     builder = InputBuilder(title="Layer on rock", gravity=(0.0, 0.0), ground_motion=motion)
     for name, (speed, density) in (("soft", SOFT), ("rock", ROCK)):
         builder.add_rock(name, young=2.0 * density * speed**2, poisson=0.0, density=density)
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    builder.add_joint(**BONDED)
     thick = HEIGHT / blocks
     for k in range(-1, blocks):
         low, high = k * thick, (k + 1) * thick

@@ -3,16 +3,9 @@
 import numpy as np
 from scipy.optimize import brentq
 
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase
-from clast.verification.problems import (
-    Floats,
-    InputBuilder,
-    KnownFailure,
-    Model,
-    Run,
-    Trial,
-    problem,
-)
+from clast.verification.problems import Floats, KnownFailure, Model, Run, Trial, problem
 from clast.verification.variants import BOTH_LAWS, CHATTERS, MULTIPLIERS
 
 GRAVITY = 9.81

@@ -30,7 +30,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.verification.fixtures import new_model
+from clast.inputs.builder import InputBuilder
+from clast.verification.fixtures import BONDED, new_model
 from clast.verification.problems import Floats, Model, PlaneStrain, Trial, problem
 from clast.verification.variants import LAGGED, MIDPOINT, MIDPOINT_OPEN_CLOSE, Variant
 
@@ -95,13 +96,8 @@ def reflected(kind: str, angle: float) -> float:
 
     def wave(c: float, sense: float, shear: bool) -> tuple[np.ndarray, complex]:
         """Return t + Z v of a wave that runs up (1) or down (-1), and the cosine of its angle."""
-        sine = slowness * c
-        cosine = np.sqrt(complex(1.0 - sine**2))
-        d = np.array([sine, sense * cosine])
-        p = np.array([d[1], -d[0]]) if shear else d
-        along = (C_P**2 - 2.0 * C_S**2) * (d @ p) * np.array([0.0, 1.0])
-        pull = along + C_S**2 * (d[1] * p + p[1] * d)
-        return -pull / c + np.array([C_S, C_P]) * p, cosine
+        traction, p, cosine = plane_wave(slowness, c, sense, shear)
+        return np.array([C_S, C_P]) * p - traction, cosine
 
     coming, down = wave(speed, 1.0, kind == "SV")
     p_wave, of_p = wave(C_P, -1.0, False)
@@ -111,16 +107,36 @@ def reflected(kind: str, angle: float) -> float:
     return float(flux.sum() / (speed * down.real))
 
 
-def strip(case: Incidence, dashpot: float) -> Model:
-    """Return a strip of triangles between rollers, dashpots at both ends."""
-    builder = new_model(
-        "Oblique wave", plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON
-    )
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
-    builder.blocks(vertices=triangles_of(case))
+def plane_wave(
+    slowness: float, c: float, sense: float, shear: bool
+) -> tuple[np.ndarray, np.ndarray, complex]:
+    """Return traction over rho, velocity and cosine of the angle of a wave of the speed c.
+
+    Its size is 1; it runs up (1) or down (-1).
+    """
+    sine = slowness * c
+    cosine = np.sqrt(complex(1.0 - sine**2))
+    d = np.array([sine, sense * cosine])
+    p = np.array([d[1], -d[0]]) if shear else d
+    along = (C_P**2 - 2.0 * C_S**2) * (d @ p) * np.array([0.0, 1.0])
+    pull = along + C_S**2 * (d[1] * p + p[1] * d)
+    return pull / c, p, cosine
+
+
+def between_rollers(title: str, triangles: Floats) -> tuple[InputBuilder, list[str]]:
+    """Begin a strip of triangles between rollers; return the names of its blocks, too."""
+    builder = new_model(title, plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON)
+    builder.add_joint(**BONDED)
+    names = builder.blocks(vertices=triangles)
     for side in ("left", "right"):
         # so stiff a dashpot is a roller
         builder.viscous_boundary(side=side, normal=1e6, tangential=0.0)
+    return builder, names
+
+
+def strip(case: Incidence, dashpot: float) -> Model:
+    """Return a strip of triangles between rollers, dashpots at both ends."""
+    builder, _ = between_rollers("Oblique wave", triangles_of(case))
     for side in ("bottom", "top"):
         if dashpot > 0.0:
             builder.viscous_boundary(side=side, normal=dashpot, tangential=dashpot)
@@ -234,19 +250,9 @@ def surface_by_wave(angle: float) -> tuple[float, float]:
     """Return |v_x| and |v_y| of the surface under an SV wave of size 1, at an angle, degrees."""
     slowness = np.sin(np.radians(angle)) / C_S
 
-    def wave(c: float, sense: float, shear: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Return traction and velocity of a wave of size 1 that runs up (1) or down (-1)."""
-        sine = slowness * c
-        cosine = np.sqrt(complex(1.0 - sine**2))
-        d = np.array([sine, sense * cosine])
-        p = np.array([d[1], -d[0]]) if shear else d
-        along = (C_P**2 - 2.0 * C_S**2) * (d @ p) * np.array([0.0, 1.0])
-        pull = along + C_S**2 * (d[1] * p + p[1] * d)
-        return pull / c, p
-
-    pull, coming = wave(C_S, 1.0, True)
-    p_pull, p_wave = wave(C_P, -1.0, False)
-    s_pull, s_wave = wave(C_S, -1.0, True)
+    pull, coming, _ = plane_wave(slowness, C_S, 1.0, True)
+    p_pull, p_wave, _ = plane_wave(slowness, C_P, -1.0, False)
+    s_pull, s_wave, _ = plane_wave(slowness, C_S, -1.0, True)
     sizes = np.linalg.solve(np.stack([p_pull, s_pull], axis=1), -pull)
     surface = coming + sizes[0] * p_wave + sizes[1] * s_wave
     return float(abs(surface[0])), float(abs(surface[1]))
@@ -257,20 +263,13 @@ def running(case: Incidence, rows: int) -> Model:
 
     The points of all columns are where the surface of a strip of the case is.
     """
-    builder = new_model(
-        "Free surface", plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON
-    )
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
-    triangles = triangles_of(case, rows)
-    names, columns = builder.blocks(vertices=triangles), columns_of(case)
+    triangles, columns = triangles_of(case, rows), columns_of(case)
+    builder, names = between_rollers("Free surface", triangles)
     for column in range(columns):
         # the second triangle of a rectangle has the left end of its upper side
         block = names[2 * ((round(case.height) - 1) * columns + column) + 1]
         at = (case.width / columns * column, case.height)
         builder.measured_point(f"{column}", at, block=block)
-    for side in ("left", "right"):
-        # so stiff a dashpot is a roller
-        builder.viscous_boundary(side=side, normal=1e6, tangential=0.0)
     builder.viscous_boundary(side="bottom", normal=VISCOUS, tangential=VISCOUS)
     return replace(builder.build(), velocity=velocities_of(case, triangles))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from clast.verification.problems import Floats, Model, Run, Trial, box, new_model, problem
+from clast.verification.problems import BONDED, Floats, Model, Run, Trial, box, new_model, problem
 from clast.verification.variants import EACH_PROCESS, Variant
 
 YOUNG, DENSITY = 50e9, 2700.0
@@ -32,7 +32,7 @@ def bell(place: float) -> float:
 def bar(dashpot: float) -> Model:
     """Return a bar with a wave that runs to the right, to an end with a dashpot in rho c."""
     builder = new_model("Viscous end", young=YOUNG, density=DENSITY, poisson=0.0)
-    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    builder.add_joint(**BONDED)
     for k in range(BLOCKS):
         speed = bell(k + 0.5)
         builder.block(

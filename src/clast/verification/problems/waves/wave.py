@@ -15,16 +15,13 @@ could not narrow at all, E/(1 - nu2).
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from clast.contact.laws import Penalty
-from clast.run.schedule import Schedule
-from clast.run.simulate import simulate
 from clast.verification.fixtures import box, new_model
-from clast.verification.problems import Model, PointHistory, Rock, Run, Trial, problem
+from clast.verification.problems import BONDED, Model, PointHistory, Rock, Run, Trial, problem
 from clast.verification.variants import EACH_PROCESS, LAGGED, Variant
 
 YOUNG, DENSITY = 50e9, 2700.0
@@ -49,8 +46,6 @@ FREQUENCY = 2.0 * np.pi * SPEED / WAVE_LENGTH
 """Circular frequency of waves as long as the bell, 1/s."""
 SOFT = 0.5 * FREQUENCY * DENSITY * SPEED
 """Stiffness k of the soft joint, Pa/m: lets 1/sqrt(2) of those waves through."""
-BOND: dict[str, float] = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
-"""Strength of all joints."""
 EVEN = Penalty(STIFF, SHEAR)
 """Law of all joints but soft ones."""
 SANDSTONE = Rock(name="sandstone", young=20e9, poisson=0.2, density=2500.0)
@@ -78,10 +73,10 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
     ``soft`` is the normal stiffness, Pa/m, of the joints at some places, m.
     """
     builder = new_model(
-        "P-wave", young=rock.young, density=rock.density, poisson=rock.poisson, **BOND
+        "P-wave", young=rock.young, density=rock.density, poisson=rock.poisson, **BONDED
     )
     for joint, stiffness in soft.items():
-        numbers: dict[str, float] = {**BOND, "normal_stiffness": stiffness}
+        numbers: dict[str, float] = {**BONDED, "normal_stiffness": stiffness}
         builder.add_joint(f"soft {joint}", between=[(str(joint - 1), str(joint))], **numbers)
     for k in range(BLOCKS):
         builder.block(name=str(k), vertices=box(k, 0, k + 1, 1), velocity=(bell(k + 0.5), 0.0, 0.0))
@@ -92,10 +87,8 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
 
 def run(soft: Mapping[int, float], variant: Variant, rock: Rock = GRANITE) -> Run:
     """Return the run of the wave along the bar with these soft joints."""
-    model = bar(soft, rock)
-    method = variant.method(model, p=STIFF, max_displacement=0.01)
-    schedule = Schedule(step=STEP, end=DURATION, every=DURATION)
-    return simulate(model, replace(method, contact_law=EVEN), schedule)
+    model, end = bar(soft, rock), DURATION
+    return variant.run(model, step=STEP, end=end, p=STIFF, max_displacement=0.01, contact_law=EVEN)
 
 
 def peak(history: PointHistory) -> tuple[float, float]:
