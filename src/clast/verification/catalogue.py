@@ -13,7 +13,7 @@ from clast.verification.problem import Problem
 
 MODULES = {
     "blocks": "free_fall spin pendulum patch column floating",
-    "contact": "penetration stiffness stack two_planes bounce restitution collision",
+    "contact": "at_rest stiffness bounce restitution collision",
     "friction": (
         "incline decelerating_block slip_weakening stick_slip rough_joint seams "
         "direct_shear plane_of_weakness ladder open_joints dam submerged_block tilt_table "
@@ -27,7 +27,7 @@ MODULES = {
         "two_bolts pull_test bolted_stages in_situ kirsch snap_through "
     ),
     "masonry": (
-        "overhang kern bonded_beam arch arch_load arch_push arch_falls wall_push "
+        "overhang kern bonded_beam arch arch_push arch_falls wall_push "
         "wall_buckling three_hinges rocking "
     ),
     "supports": (
