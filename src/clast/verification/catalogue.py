@@ -23,7 +23,7 @@ MODULES = {
         "active_passive bolted_block bolted_toppling "
     ),
     "underground": (
-        "key_block roof_wedge slipping_ring jointed_rock excavated_stack relaxed_support "
+        "key_block roof_wedge slipping_ring jointed_rock excavation "
         "two_bolts pull_test bolted_stages in_situ kirsch snap_through "
     ),
     "masonry": (

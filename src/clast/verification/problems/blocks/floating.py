@@ -4,7 +4,7 @@ import numpy as np
 
 from clast.verification.fixtures import box, new_model
 from clast.verification.problems import Floats, Model, PointHistory, Trial, problem
-from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
+from clast.verification.variants import EACH_PROCESS, MIDPOINT, Variant
 
 GRAVITY, WATER, DENSITY = 9.81, 1000.0, 500.0
 BREADTH, HEIGHT = 3.0, 1.0
@@ -50,9 +50,7 @@ def moved(down: float, tilt: float, end: float, variant: Variant) -> PointHistor
     )
 
 
-@problem(
-    set_up=lambda: raft(DOWN, 0.0), variants=(LAGGED, OPEN_CLOSE, CONVEX, MIDPOINT), few=(FEW,)
-)
+@problem(set_up=lambda: raft(DOWN, 0.0), variants=(*EACH_PROCESS, MIDPOINT), few=(FEW,))
 def floating_raft(trial: Trial, periods: int = PERIODS) -> None:
     """Raft that heaves and rolls.
 

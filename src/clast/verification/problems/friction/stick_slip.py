@@ -20,14 +20,7 @@ import numpy as np
 
 from clast.model.stages import TIME, Stage
 from clast.verification.problems import Floats, Model, Trial, box, new_model, problem
-from clast.verification.variants import (
-    CONVEX,
-    CONVEX_MULTIPLIERS,
-    LAGGED,
-    MIDPOINT,
-    OPEN_CLOSE,
-    Variant,
-)
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, EACH_PROCESS, MIDPOINT, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
 LENGTH, HEIGHT = 1.0, 0.1
@@ -96,9 +89,7 @@ def turns(force: Floats) -> tuple[Floats, Floats]:
 
 
 @problem(
-    set_up=slider,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS, MIDPOINT),
-    quick=(CONVEX, MIDPOINT),
+    set_up=slider, variants=(*EACH_PROCESS, CONVEX_MULTIPLIERS, MIDPOINT), quick=(CONVEX, MIDPOINT)
 )
 def stick_slip(trial: Trial) -> None:
     """Stick-slip of a slider on a spring.

@@ -1,7 +1,7 @@
 """Blocks under water: one rests on the bottom with less weight, one that is lighter rises."""
 
 from clast.verification.problems import InputBuilder, Model, Run, Trial, box, problem
-from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX_MULTIPLIERS, EACH_PROCESS, Variant
 
 GRAVITY, WATER = 9.8, 1000.0
 HEAVY, LIGHT = 2500.0, 800.0
@@ -37,10 +37,7 @@ def run_of(model: Model, variant: Variant, dynamic_ratio: float) -> Run:
     )
 
 
-@problem(
-    set_up=lambda: under_water(HEAVY, 0.0),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
-)
+@problem(set_up=lambda: under_water(HEAVY, 0.0), variants=(*EACH_PROCESS, CONVEX_MULTIPLIERS))
 def submerged_block(trial: Trial) -> None:
     """Blocks under water.
 

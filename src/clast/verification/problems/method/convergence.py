@@ -22,15 +22,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
-from clast.verification.variants import (
-    CONVEX,
-    LAGGED,
-    MIDPOINT,
-    MIDPOINT_OPEN_CLOSE,
-    MIDPOINT_PASSES,
-    OPEN_CLOSE,
-    Variant,
-)
+from clast.verification.variants import CONVEX, HALF_WAY, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
 SOFT, RIGID = 1e7, 1e14
@@ -147,7 +139,7 @@ def shortening(stiffness: float, variant: Variant) -> float:
 
 @problem(
     set_up=lambda: blocks_at_rest(YOUNG, RATIOS[0] * YOUNG, BLOCKS),
-    variants=(CONVEX, LAGGED, OPEN_CLOSE, MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    variants=(CONVEX, LAGGED, OPEN_CLOSE, *HALF_WAY),
     quick=(MIDPOINT,),
 )
 def convergence(trial: Trial) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from clast.verification.problems import Floats, Model, Trial, new_model, problem
-from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE
+from clast.verification.variants import CONVEX, EACH_PROCESS, MULTIPLIERS
 
 GRAVITY, DIP = 9.8, np.radians(25.0)
 HEIGHT = 1.0
@@ -90,7 +90,7 @@ def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
     return builder.build()
 
 
-@problem(set_up=inclined_block, variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS), few=(FEW,))
+@problem(set_up=inclined_block, variants=(*EACH_PROCESS, MULTIPLIERS), few=(FEW,))
 def slide_topple(trial: Trial, modes: tuple[str, ...] = tuple(BLOCKS)) -> None:
     """Slide or topple: a block on a slope.
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.verification.problems import Floats, InputBuilder, Model, Trial, box, problem
-from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE
+from clast.verification.variants import MULTIPLIERS, WITH_EULER
 
 GRAVITY, FRICTION_ANGLE = 9.8, 15.0
 GRIP = GRAVITY * float(np.tan(np.radians(FRICTION_ANGLE)))
@@ -77,7 +77,7 @@ def shaken_block() -> Model:
     return builder.build()
 
 
-@problem(set_up=shaken_block, variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS), quick=())
+@problem(set_up=shaken_block, variants=(*WITH_EULER, MULTIPLIERS), quick=())
 def moving_base(trial: Trial) -> None:
     """Block on a moving base: stick and slip.
 
