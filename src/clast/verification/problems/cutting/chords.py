@@ -4,7 +4,7 @@ import numpy as np
 
 from clast.rockmass import Circle, Cut, JointSet, Opening, cut
 from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Model, Trial, problem
+from clast.verification.problems import Trial, problem
 
 SIDE, CENTER, RADIUS = 8.0, (3.0, 4.0), 2.0
 """Side of the domain, centre and radius of the opening, m."""
@@ -35,11 +35,11 @@ def around(chords: int) -> Cut:
     return cut(rectangle(SIDE, SIDE), [bedding], openings=[tunnel])
 
 
-def _drawing() -> Model:
-    return drawing_of(around(16), "A circular opening of 16 chords")
-
-
-@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,))
+@problem(
+    set_up=lambda: drawing_of(around(16), "A circular opening of 16 chords"),
+    variants=(CUT,),
+    quick=(CUT,),
+)
 def chords(trial: Trial) -> None:
     """Circular openings of straight chords.
 

@@ -34,6 +34,8 @@ SPAN, SHARE = 2.0, 0.04
 RESOLUTION = "bisected to 0.12 degrees"
 TIPS = "bisected to 0.25 %; heel and toe are springs"
 LEANS = "heel and toe are springs: the dam leans by 1e-4, and its weight acts beside its middle"
+SLIDES = StaticRun(p=STIFFNESS, step=FINE, steps=STEPS, bisections=5)
+TIPS_OVER = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS, bisections=5)
 
 
 def thrust(level: float) -> float:
@@ -100,10 +102,6 @@ def compare_reactions(trial: Trial) -> None:
     chart.exact("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1])
     chart.computed(LEVELS, 1e-3 * forces[:, 0], "heel")
     chart.computed(LEVELS, 1e-3 * forces[:, 1], "toe")
-
-
-SLIDES = StaticRun(p=STIFFNESS, step=FINE, steps=STEPS, bisections=5)
-TIPS_OVER = StaticRun(p=STIFFNESS, step=STEP, steps=STEPS, bisections=5)
 
 
 def compare_limits(trial: Trial) -> None:

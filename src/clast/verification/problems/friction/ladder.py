@@ -21,6 +21,7 @@ ANGLES = (45.0, 55.0, 65.0)
 """Angles with the floor, degrees."""
 SPAN = 2.0
 """Half of the range of the friction angle that is searched, degrees."""
+STATIC = StaticRun(p=3e7, step=4e-3, steps=300)
 
 
 def outline(angle: float, width: float = WIDTH) -> np.ndarray:
@@ -52,9 +53,6 @@ def model_of_ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> M
     builder.block(name="ladder", vertices=corners)
     builder.measured_point("centroid", corners.mean(axis=0), block="ladder")
     return builder.build()
-
-
-STATIC = StaticRun(p=3e7, step=4e-3, steps=300)
 
 
 @problem(set_up=model_of_ladder, variants=EACH_PROCESS, quick=())

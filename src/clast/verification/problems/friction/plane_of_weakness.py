@@ -38,6 +38,7 @@ DENSITY = 2500.0
 SPAN = 0.02
 """Half of the range of s1 - s3 that is searched as a share of it."""
 RESOLUTION = "bracket of 0.5 %"
+STATIC = StaticRun(p=1e9, step=2e-3, steps=300, unit=CONFINING / (DENSITY * HEIGHT), bisections=3)
 
 
 def exact_strength(dip: float) -> float:
@@ -71,9 +72,6 @@ def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None
     axial = CONFINING + difference
     builder.line_load((WIDTH, HEIGHT), (0.0, HEIGHT), (0.0, -axial), block=str(planes))
     return builder.build()
-
-
-STATIC = StaticRun(p=1e9, step=2e-3, steps=300, unit=CONFINING / (DENSITY * HEIGHT), bisections=3)
 
 
 @problem(set_up=specimen, variants=EACH_PROCESS, few=(SPECIMENS[2:3],))

@@ -13,6 +13,7 @@ WIDTHS = (0.2, 0.4, 0.5, 1.0)
 """Widths of the block, m: it topples, topples barely before it slides, slides twice."""
 SPAN = 1.2
 RESOLUTION = "bisected to 0.075 degrees; the corners are springs"
+STATIC = StaticRun(p=2e9, step=1e-2, steps=300, bisections=5)
 
 
 def exact_angle(width: float) -> float:
@@ -37,9 +38,6 @@ def add_block(builder: InputBuilder, width: float) -> None:
     builder.block(name="block", vertices=box(0, 0, width, HEIGHT))
     builder.measured_point("foot", (0.0, 0.0), block="block")
     builder.measured_point("top", (0.0, HEIGHT), block="block")
-
-
-STATIC = StaticRun(p=2e9, step=1e-2, steps=300, bisections=5)
 
 
 @problem(set_up=table, variants=(OPEN_CLOSE, CONVEX), quick=())

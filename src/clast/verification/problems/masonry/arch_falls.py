@@ -42,7 +42,6 @@ BEYOND = 1.04
 """Spread at the end, in the same units."""
 LEAST_TURN = 1e-3
 """Turn of a hinge, rad."""
-TOLERANCE = 0.01
 WHY = "joints and blocks give a little; a step moves the support by 0.4 % of the way to the fall"
 
 
@@ -226,12 +225,12 @@ def arch_falls(trial: Trial, arches: tuple[Arch, ...] = ARCHES) -> None:
         run = run_of(arch, BEYOND * limit, trial.variant, ("right", "left")[number % 2])
         displacement, sunk = followed(run, BEYOND * limit)
         quantity = f"spread at the fall, {arch.name}"
-        trial.relative(quantity, "m", fall(displacement, sunk), limit, TOLERANCE, WHY)
+        trial.relative(quantity, "m", fall(displacement, sunk), limit, 0.01, WHY)
         for share in SHARES:
             at = share * limit
             quantity = f"displacement of the crown at {share:g} of it, {arch.name}"
             down = float(np.interp(at, displacement, sunk))
-            trial.relative(quantity, "m", down, half.sunk(at), TOLERANCE, WHY)
+            trial.relative(quantity, "m", down, half.sunk(at), 0.01, WHY)
             others = half.hinges ^ hinges_in(run, arch, BEYOND * limit, at)
             quantity = f"hinges elsewhere at {share:g} of it, {arch.name}"
             trial.absolute(quantity, "", len(others), 0.0, 0.0, "where the line touches")

@@ -14,6 +14,7 @@ HARMONIC = float(sum(1.0 / k for k in range(1, BRICKS + 1)))
 SHARES = (0.95, 0.97, 0.99, 1.01, 1.03)
 """Overhangs as shares of the limit."""
 BRACKETED = "bracketed by 0.99 and 1.01 of it; the joints are springs"
+STATIC = StaticRun(p=2e8, step=2e-3, steps=500, max_displacement=0.01)
 
 
 def pile(share: float = 0.99) -> Model:
@@ -28,9 +29,6 @@ def pile(share: float = 0.99) -> Model:
         builder.block(name=f"brick {k}", vertices=box(left, low, reach, high))
         builder.measured_point(f"brick {k}", (reach - 0.5 * LENGTH, low + 0.5 * HEIGHT))
     return builder.build()
-
-
-STATIC = StaticRun(p=2e8, step=2e-3, steps=500, max_displacement=0.01)
 
 
 @problem(set_up=pile, variants=EACH_PROCESS, quick=())

@@ -33,7 +33,6 @@ BEYOND = (1.02, 1.1, 1.5)
 COURSES = (3, 12, 24)
 TURNS = (0.0, 37.0, 90.0)
 """Angles by which wall, weight and load are turned, degrees."""
-TIME = 20.0
 SECOND_ORDER = "the exact sway is that to second order, of stones that are rigid"
 
 VERDICT = "it fails or it stands"
@@ -102,7 +101,7 @@ def swayed(courses: int, share: float, variant: Variant, angle: float = 0.0) -> 
     run = variant.static(
         wall(courses, share, angle),
         step=0.02,
-        end=TIME,
+        end=20.0,
         stages=(Stage(name="load"),),
         p=STIFFNESS,
         max_displacement=0.05 * float(np.sqrt(WIDTH * HEIGHT / courses)),

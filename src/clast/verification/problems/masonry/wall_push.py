@@ -23,6 +23,7 @@ GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2000.0, 40.0
 BRICK, COURSE = 1.0, 0.5
 """Length and height of a brick, m."""
 RESOLUTION = "bisected to 0.81 %; joints give a little"
+STATIC = StaticRun(p=1e10, step=2e-2, steps=300)
 
 
 @dataclass(frozen=True)
@@ -101,9 +102,6 @@ def add_wall(builder: InputBuilder, wall: Wall) -> None:
         builder.measured_point(
             str(k + 1), (0.5 * (left + right), foot + 0.5 * COURSE), block=str(k + 1)
         )
-
-
-STATIC = StaticRun(p=1e10, step=2e-2, steps=300)
 
 
 @problem(set_up=pushed, variants=(CONVEX,), quick=())

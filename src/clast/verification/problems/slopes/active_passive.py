@@ -33,6 +33,7 @@ OWN = (35.0, 15.0, 25.0)
 STEP, STEPS = 4e-3, 300
 SPAN = 2.0
 """Half of the range of the friction angle that is searched, degrees."""
+STATIC = StaticRun(p=5e8, step=4e-3, steps=300)
 
 
 def outlines(flat: float) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
@@ -106,9 +107,6 @@ def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20
 def alike(flat: float, friction_angle: float) -> Model:
     """Return base and blocks with one friction angle, degrees."""
     return slope(flat, (friction_angle, friction_angle, friction_angle))
-
-
-STATIC = StaticRun(p=5e8, step=4e-3, steps=300)
 
 
 @problem(set_up=slope, variants=EACH_PROCESS, quick=())

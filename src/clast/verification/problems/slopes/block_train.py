@@ -36,6 +36,7 @@ SPAN = 0.02
 RESOLUTION = "bracket of 0.5 %"
 SHEAR = "shear springs give way before the plane slides; forces at the end of a step"
 CLOSING = "the joints swing about their forces until the step has damped it"
+STATIC = StaticRun(p=3e8, step=STEP, steps=600, bisections=3)
 
 
 def acceleration() -> float:
@@ -104,9 +105,6 @@ def forces_between(run: Run) -> np.ndarray:
 def slide(variant: Variant) -> Run:
     """Return the run of the blocks that slide."""
     return variant.run(train(), step=STEP, end=DURATION, p=1e9, max_displacement=0.02)
-
-
-STATIC = StaticRun(p=3e8, step=STEP, steps=600, bisections=3)
 
 
 @problem(set_up=train, variants=EACH_PROCESS)

@@ -22,6 +22,7 @@ SPAN = 0.03
 RESOLUTION = "bisected to 0.004"
 ASIDE = 0.01
 """Share by which the force is raised or lowered to see whether the block holds."""
+STATIC = StaticRun(p=2e9, step=4e-3, steps=200)
 
 
 def reduced(factor: float) -> float:
@@ -63,9 +64,6 @@ def bolted(
     builder.bolt(middle, middle + 8.0 * displacement, kind="cable", pretension_is="jacked")
     builder.measured_point("block", middle, block="block")
     return builder.build()
-
-
-STATIC = StaticRun(p=2e9, step=4e-3, steps=200)
 
 
 @problem(set_up=bolted, variants=EACH_PROCESS, few=(FACTORS[:1],))

@@ -44,6 +44,8 @@ RESOLUTION = "bracket of 0.5 %"
 WEDGE_FRICTION, WEDGE_COHESION, FLAT = float(np.tan(np.radians(25.0))), 5e3, 5.0
 """tan phi and cohesion, Pa, of the joints of two wedges, and dip of the lower plane, degrees."""
 WEDGES = "bracket of 1 %"
+SLAB = StaticRun(p=2e9, step=2e-3, steps=STEPS, bisections=3)
+WEDGE = StaticRun(p=5e8, step=8e-3, steps=STEPS, bisections=3)
 
 
 def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
@@ -66,10 +68,6 @@ def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
             if name == "slab":
                 builder.measured_point(f"slab {k}", 0.25 * sum(corners), block=f"slab {k}")
     return builder.build()
-
-
-SLAB = StaticRun(p=2e9, step=2e-3, steps=STEPS, bisections=3)
-WEDGE = StaticRun(p=5e8, step=8e-3, steps=STEPS, bisections=3)
 
 
 def stands_shaken(model: Model, variant: Variant) -> bool:

@@ -18,6 +18,7 @@ LEVELS = (0.0, 0.5, 1.0)
 """Height of the water in the crack over its depth."""
 SPAN = 2.0
 """Half of the range of the friction angle that is searched, degrees."""
+STATIC = StaticRun(p=2e9, step=4e-3, steps=300)
 
 
 def pressures(level: float) -> tuple[float, float]:
@@ -56,9 +57,6 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
         builder.line_load(head, head + up, (-on_crack, 0.0), block="slab")
     builder.measured_point("slab", toe + 0.5 * LENGTH * ALONG + 0.5 * up, block="slab")
     return builder.build()
-
-
-STATIC = StaticRun(p=2e9, step=4e-3, steps=300)
 
 
 @problem(set_up=slab, variants=EACH_PROCESS, quick=())

@@ -10,7 +10,6 @@ SPAN, LENGTH, HEIGHT = 5.0, 6.0, 0.5
 """Distance of the edges, length and height of the lintel, m."""
 SETTLEMENT, DURATION = 0.03, 3.0
 WEIGHT = DENSITY * GRAVITY * LENGTH * HEIGHT
-STEP = 5e-3
 TILT = "the middle of the lintel is 0.25 m above the edges, and moves by 1.5 mm as it turns"
 
 
@@ -32,7 +31,7 @@ def scene(side: float = 1.0) -> Model:
     return builder.build()
 
 
-def settled(variant: Variant, side: float = 1.0, step: float = STEP) -> Run:
+def settled(variant: Variant, side: float = 1.0, step: float = 5e-3) -> Run:
     """Return the run."""
     return variant.static(scene(side), step=step, end=3.3, p=1e9, max_displacement=0.02)
 

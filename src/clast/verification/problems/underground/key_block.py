@@ -23,6 +23,7 @@ WEIGHT = DENSITY * GRAVITY * 0.5 * (TOP + BOTTOM) * HEIGHT
 FRICTION_ANGLES = (25.0, 35.0, 45.0)
 """Friction angles of the sides, degrees."""
 BISECTED = "bisected to 2 %; loaded by weight and force at once"
+STATIC = StaticRun(p=4e8, step=4e-3, steps=300)
 
 
 def exact_force(friction_angle: float) -> float:
@@ -53,9 +54,6 @@ def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     builder.line_load((-out, HEIGHT), (-out, 0.0), (pressure, 0.0), block="left")
     builder.measured_point("wedge", (0.0, 0.5 * HEIGHT), block="wedge")
     return builder.build()
-
-
-STATIC = StaticRun(p=4e8, step=4e-3, steps=300)
 
 
 @problem(set_up=roof, variants=EACH_PROCESS, quick=())

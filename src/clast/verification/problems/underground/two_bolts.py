@@ -14,7 +14,6 @@ STAGES = (0.9e5, 2.2e5, 0.0)
 LOADS = (0.0, *(load for load in STAGES for _ in range(2)))
 INSTANTS = tuple(float(k) for k in range(len(LOADS)))
 STEP = 0.1
-TOLERANCE = 1e-3
 REASON = "blocks give by 1e-4 of what bolts do"
 
 
@@ -70,10 +69,10 @@ def two_bolts(trial: Trial) -> None:
         exact = exact_stretch(load, most)
         name = f"stretch under {1e-3 * load:g} kN/m"
         name += " again" if load == 0.0 else ""
-        trial.relative(name, "m", float(stretch[at]), exact, TOLERANCE, REASON)
+        trial.relative(name, "m", float(stretch[at]), exact, 1e-3, REASON)
     left = float(run.bolt_history("strong at 1").force[-1])
     exact = ELASTIC * exact_stretch(0.0, max(LOADS))
-    trial.relative("force that stays", "N/m", left, exact, TOLERANCE, REASON)
+    trial.relative("force that stays", "N/m", left, exact, 1e-3, REASON)
     loads = np.interp(history.time, INSTANTS, LOADS)
     corners = [0.0, YIELD / YIELDING * (YIELDING + ELASTIC), max(LOADS)]
     path = [exact_stretch(load, load) for load in corners] + [exact_stretch(0.0, max(LOADS))]

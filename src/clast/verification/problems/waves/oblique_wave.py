@@ -42,7 +42,6 @@ C_P = C_S * float(np.sqrt((2.0 - 2.0 * POISSON) / (1.0 - 2.0 * POISSON)))
 """Speeds of the waves, m/s."""
 WAVE_LENGTH = 10.0
 """Ten rows of triangles, m."""
-STEPS_OF_PERIOD = 100
 LARGEST = 1e-3
 """Largest velocity at the start, m/s."""
 FREE, VISCOUS = 0.0, 1.0
@@ -199,7 +198,7 @@ def packet(case: Incidence, x: Floats, y: Floats) -> Floats:
 def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
     """Return the energy when the packets are back in the middle."""
     model = replace(strip(case, dashpot), velocity=velocities_of(case, triangles_of(case)))
-    step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing
+    step, end = WAVE_LENGTH / case.speed / 100, case.crossing
     energy = variant.run(model, step=step, end=end, p=5e11, max_displacement=0.01).energy
     held = np.sum([energy[key] for key in ("kinetic", "elastic", "contact")], axis=0)
     return float(held[-1] / held[0])
@@ -240,7 +239,6 @@ CASES_OF_SURFACE = (
     Incidence("SV", 30.0, waves=8.0),
     Incidence("SV", 45.0, waves=8.0),
 )
-STEPS_OF_PERIOD_OF_SURFACE = 40
 MESH = "waves in triangles strained evenly, ten rows a wave, are 2 to 3 % off in speed and angle"
 TOLERANCE = 0.04
 """Of the motion of the surface, in units of that of the wave."""
@@ -280,7 +278,7 @@ def amplitudes(case: Incidence, rows: int, variant: Variant) -> tuple[float, flo
     Those of waves that stand across the strip: v_x ~ sin(k_x x), v_y ~ cos(k_x x).
     """
     model = running(case, rows)
-    step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD_OF_SURFACE, case.crossing
+    step, end = WAVE_LENGTH / case.speed / 40, case.crossing
     run = variant.run(model, step=step, end=end, p=5e12, max_displacement=0.01)
     columns = columns_of(case)
     histories = [run.history(f"{column}") for column in range(columns)]
