@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from clast.rockmass import Cut, JointSet, Voronoi, cut
+from clast.rockmass import JointSet, Voronoi, cut
 from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Floats, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, problem
 
 SIDE = 10.0
 """Side of the square, m."""
@@ -20,18 +20,13 @@ SHARE = 0.03
 """Tolerance with 5,000 cells."""
 
 
-def tessellation(count: int, **settings: float) -> Cut:
-    """Return so many cells in the square; ``settings`` as of Domain."""
-    network = [JointSet(name="cells", model=Voronoi(count=count))]
-    return cut(rectangle(SIDE, SIDE, **settings), network, seed=3)
-
-
-def cells(count: int) -> tuple[float, float, float]:
+def cells(count: int, seed: int = 3) -> tuple[float, float, float]:
     """Return mean area, m2, mean number of corners and variation of areas of so many cells.
 
     The mean area is that of all cells, the others those of cells that do not touch the rim.
     """
-    rock_mass = tessellation(count, smallest_block=0.0)
+    network = [JointSet(name="cells", model=Voronoi(count=count))]
+    rock_mass = cut(rectangle(SIDE, SIDE, smallest_block=0.0), network, seed=seed)
     low = np.minimum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
     high = np.maximum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
     inner = ((low > 1e-6) & (high < SIDE - 1e-6)).all(axis=1)
@@ -46,12 +41,12 @@ def allowed(count: Floats | int) -> Floats:
     return np.asarray(SHARE * np.sqrt(COUNTS[-1] / np.asarray(count)))
 
 
-@problem(
-    set_up=lambda: drawing_of(tessellation(250), "Voronoi cells"),
-    variants=(CUT,),
-    quick=(CUT,),
-    few=(FEW,),
-)
+def _drawing() -> Model:
+    network = [JointSet(name="cells", model=Voronoi(count=250))]
+    return drawing_of(cut(rectangle(SIDE, SIDE), network, seed=3), "Voronoi cells")
+
+
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,), few=(FEW,))
 def voronoi_cells(trial: Trial, counts: tuple[int, ...] = COUNTS) -> None:
     """Cells about random points.
 

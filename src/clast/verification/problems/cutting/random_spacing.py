@@ -13,9 +13,9 @@ be biased.
 import numpy as np
 from scipy import special
 
-from clast.rockmass import Cut, Exponential, JointSet, cut
+from clast.rockmass import Exponential, JointSet, cut
 from clast.verification.fixtures import CUT, areas, drawing_of, rectangle
-from clast.verification.problems import Floats, Trial, problem
+from clast.verification.problems import Floats, Model, Trial, problem
 
 WIDTH, HEIGHT = 40.0, 30.0
 """Sides of the domain, m."""
@@ -53,14 +53,9 @@ def exact_share(area: Floats) -> Floats:
     return np.asarray(z * special.k1(z))
 
 
-def network(seed: int) -> Cut:
-    """Return the blocks of a network."""
-    return cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=seed)
-
-
 def of_network(seed: int) -> tuple[int, Floats]:
     """Return the number of blocks of a network, and the areas of those that end inside, m2."""
-    rock_mass = network(seed)
+    rock_mass = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=seed)
     high = np.maximum.reduceat(rock_mass.vertices, rock_mass.block_start[:-1], axis=0)
     inside = (high < np.array([WIDTH, HEIGHT]) - 1e-6).all(axis=1)
     return rock_mass.block_count, areas(rock_mass)[inside]
@@ -73,12 +68,12 @@ def distance(sample: Floats) -> float:
     return float(max((step[1:] - below).max(), (below - step[:-1]).max()))
 
 
-@problem(
-    set_up=lambda: drawing_of(network(1), "Two sets of random spacing"),
-    variants=(CUT,),
-    quick=(CUT,),
-    few=(FEW,),
-)
+def _drawing() -> Model:
+    rock_mass = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=1)
+    return drawing_of(rock_mass, "Two sets of random spacing")
+
+
+@problem(set_up=_drawing, variants=(CUT,), quick=(CUT,), few=(FEW,))
 def random_spacing(trial: Trial, seeds: int = SEEDS) -> None:
     """Blocks between joints of random spacing.
 
