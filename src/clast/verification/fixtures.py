@@ -14,7 +14,7 @@ from clast.verification.variants import Variant
 
 CUT = Variant(name="cut", process={"name": "none"})
 """Nothing is simulated: no process, law or integrator applies."""
-BONDED = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
+BONDED: dict[str, Any] = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
 """Joints that never give way."""
 
 

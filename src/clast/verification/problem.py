@@ -287,8 +287,8 @@ class Problem:
             for known in self.known_failures
             if known.variant == variant and comparison.quantity.startswith(known.quantity)
         )
-        names = {"problem": self.name, "variant": variant.name}
-        return Row(**vars(comparison), **names, known_failure=reason)
+        name = self.name
+        return Row(**vars(comparison), problem=name, variant=variant.name, known_failure=reason)
 
 
 FIELDS = {"Exact": "formula", "Source": "source", "Not run with": "left_out"}

@@ -50,8 +50,8 @@ def cells(row: Row) -> tuple[str, ...]:
     error, tolerance = f"{row.error:.3g} {unit}", f"{row.tolerance:.7g} {unit}"
     if row.measure is Measure.RELATIVE:
         error, tolerance = f"{100.0 * row.error:.3g} %", f"{100.0 * row.tolerance:.3g} %"
-    texts = (row.problem, row.quantity, f"{computed} {unit}", f"{row.exact:.7g} {unit}")
-    texts = (*texts, error, tolerance, row.variant, row.verdict.value)
+    values = (f"{computed} {unit}", f"{row.exact:.7g} {unit}", error, tolerance)
+    texts = (row.problem, row.quantity, *values, row.variant, row.verdict.value)
     return tuple(text.strip() for text in texts)
 
 

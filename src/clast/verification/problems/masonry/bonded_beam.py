@@ -14,6 +14,7 @@ The wall is one block or several: a face is a face.
 """
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -26,12 +27,12 @@ STIFFNESS, STRENGTH = 1e10, 1e6
 """Stiffness k of the joint, Pa/m, and its tensile strength s, Pa."""
 FORCE = 2e5
 """Force N that presses the beam on, N/m."""
-STIFF: dict[str, float] = {
+STIFF: dict[str, Any] = {
     "friction_angle": 40.0,
     "normal_stiffness": STIFFNESS,
     "shear_stiffness": STIFFNESS,
 }
-BONDED: dict[str, float] = {"friction_angle": 40.0, "cohesion": 1e9, "tensile_strength": STRENGTH}
+BONDED: dict[str, Any] = {"friction_angle": 40.0, "cohesion": 1e9, "tensile_strength": STRENGTH}
 SHARES = (0.1, 0.2, 0.25, 1.0 / 3.0, 0.4, 0.45)
 """Eccentricities e over b."""
 WALLS = (1, 4)
@@ -42,7 +43,7 @@ CHORDS = "fifteen points stand for the face: within 4 % up to e = 0.465 b, and r
 
 
 def beam(
-    blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: dict[str, float] = STIFF
+    blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: dict[str, Any] = STIFF
 ) -> Model:
     """Return the beam on a wall of so many blocks, with N, N/m, and M, N m/m, at its joint."""
     builder = new_model("Bonded beam", young=1e13, density=2500.0, poisson=0.0, **joint)

@@ -1,6 +1,7 @@
 """Nothing depends on where a case lies, how it is turned, numbered or measured."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -92,7 +93,7 @@ def written_down(view: View) -> Model:
 
 def motion(view: View, variant: Variant) -> tuple[Floats, Floats]:
     """Return time, s, and displacement of the block in the original's axes and units, m (t, 2)."""
-    numbers = {"p": 1e8 * view.mass, "max_displacement": 0.01 * view.length}
+    numbers: dict[str, Any] = {"p": 1e8 * view.mass, "max_displacement": 0.01 * view.length}
     history = variant.run(written_down(view), step=1e-3, end=0.3, **numbers).history("centroid")
     return history.time, view.back(history.displacement)
 

@@ -69,7 +69,7 @@ def scene(segments: int | None = SECTORS, relaxed: float = RELAXED) -> Model:
     return builder.build()
 
 
-def _corner(radius: float, k: int) -> tuple[float, float]:
+def _corner(radius: float, k: float) -> tuple[float, float]:
     angle = 2.0 * np.pi * (k % SECTORS) / SECTORS
     return float(radius * np.cos(angle)), float(radius * np.sin(angle))
 

@@ -17,6 +17,7 @@ where a little load makes a long way, and there a change of shape of 0.3 % count
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -236,7 +237,7 @@ def slipping_ring(trial: Trial, rings: tuple[LeaningRing, ...] = CASES) -> None:
     chart = trial.chart("ground reaction", "convergence, mm", "pressure in the opening, MPa")
     for ring in rings:
         model = ring_in_rock(ring)
-        numbers = {"p": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
+        numbers: dict[str, Any] = {"p": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
         run, name = (
             trial.variant.run(model, step=STEP, end=STEP * (1 + STAGES), every=STEP, **numbers),
             f"{ring.friction:g} degrees",

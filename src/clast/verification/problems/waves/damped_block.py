@@ -12,6 +12,8 @@ Damping with the ratio z takes from each peak to the next the share exp(-d) of t
 where it passes its equilibrium, at T/4, and takes all the energy that it began with.
 """
 
+from typing import Any
+
 import numpy as np
 
 from clast.actions.action import Action
@@ -54,7 +56,7 @@ def block() -> Model:
 
 def strained(damping: Action, variant: Variant, periods: float) -> Run:
     """Return the run of some periods with a damping."""
-    numbers = {"p": YOUNG, "max_displacement": 0.1, "damping": damping}
+    numbers: dict[str, Any] = {"p": YOUNG, "max_displacement": 0.1, "damping": damping}
     return variant.run(block(), step=PERIOD / STEPS, end=periods * PERIOD, **numbers)
 
 

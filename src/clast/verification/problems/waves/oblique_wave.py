@@ -122,7 +122,7 @@ def plane_wave(
     return pull / c, p, cosine
 
 
-def between_rollers(title: str, triangles: Floats) -> tuple[InputBuilder, list[str]]:
+def between_rollers(title: str, triangles: Floats) -> tuple[InputBuilder, tuple[str, ...]]:
     """Begin a strip of triangles between rollers; return the names of its blocks, too."""
     builder = new_model(title, plane=PlaneStrain(), young=YOUNG, density=DENSITY, poisson=POISSON)
     builder.add_joint(**BONDED)
@@ -230,7 +230,8 @@ def oblique_wave(trial: Trial) -> None:
     )
     for kind, points in returned.items():
         chart.exact(kind, angles, [reflected(kind, one) for one in angles])
-        chart.computed(*zip(*points, strict=True), label=f"{kind}, {trial.variant.name}")
+        places, shares = zip(*points, strict=True)
+        chart.computed(places, shares, kind)
 
 
 CASES_OF_SURFACE = (

@@ -16,6 +16,7 @@ could not narrow at all, E/(1 - nu2).
 
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
         "P-wave", young=rock.young, density=rock.density, poisson=rock.poisson, **BONDED
     )
     for joint, stiffness in soft.items():
-        numbers: dict[str, float] = {**BONDED, "normal_stiffness": stiffness}
+        numbers: dict[str, Any] = {**BONDED, "normal_stiffness": stiffness}
         builder.add_joint(f"soft {joint}", between=[(str(joint - 1), str(joint))], **numbers)
     for k in range(BLOCKS):
         builder.block(name=str(k), vertices=box(k, 0, k + 1, 1), velocity=(bell(k + 0.5), 0.0, 0.0))
