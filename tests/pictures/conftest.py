@@ -232,23 +232,19 @@ def browser(request: pytest.FixtureRequest) -> Iterator[tuple[Any, str]]:
 def opened(browser: tuple[Any, str], tmp_path: Path) -> Iterator[Callable[..., Any]]:
     """Return a function that opens a page in a window of its own, and keeps what goes wrong."""
     started, renderer = browser
-    windows = []
+    windows, faults = [], []
 
     def opening(
         results: Any, width: int = 1280, height: int = 800, address: str = "", **media: str
     ) -> Any:
         windows.append(started.new_context(viewport={"width": width, "height": height}, **media))
         page = windows[-1].new_page()
-        page.faults = []
-        page.on("pageerror", lambda fault: page.faults.append(str(fault)))
-        page.on(
-            "console",
-            lambda said: page.faults.append(said.text) if said.type == "error" else None,
-        )
+        page.on("pageerror", lambda fault: faults.append(str(fault)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
         page.on(
             "request",
             lambda asked: (
-                page.faults.append(asked.url)
+                faults.append(asked.url)
                 if not asked.url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))
                 else None
             ),
@@ -264,3 +260,4 @@ def opened(browser: tuple[Any, str], tmp_path: Path) -> Iterator[Callable[..., A
     yield opening
     for window in windows:
         window.close()
+    assert faults == []

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import clast
-from clast.errors import CaseError
 from clast.pictures.film import FilmLook, FrameDrawer
 from clast.pictures.joint_values import JOINT_FIELDS, faces_opened
 from clast.pictures.plot import plot_results
@@ -69,15 +68,6 @@ def test_neighbours_that_are_far_from_each_other_are_no_joint_any_more():
 
 
 @pytest.mark.parametrize("field", ["slip", "opening"])
-@pytest.mark.parametrize("ending", ["png", "svg"])
-def test_joints_are_plotted(parted, tmp_path, field, ending):
-    path = plot_results(parted, tmp_path / f"joints.{ending}", field=field, contacts=False)
-    assert path.stat().st_size > 5000
-    if ending == "svg":
-        assert f"{field.capitalize()} of joints" in path.read_text("utf-8")
-
-
-@pytest.mark.parametrize("field", ["slip", "opening"])
 def test_a_film_has_one_scale_for_joints(parted, field):
     drawing = FrameDrawer(parted, range(len(parted.times)), FilmLook(field=field), 640)
     first, last = drawing.picture(0), drawing.picture(len(parted.times) - 1)
@@ -87,8 +77,3 @@ def test_a_film_has_one_scale_for_joints(parted, field):
     assert (first != last).any()
     strip = slice(None), slice(-130, None)  # the colour bar stays as it is
     assert (first[strip] == last[strip]).all()
-
-
-def test_a_film_refuses_what_is_no_field():
-    with pytest.raises(CaseError, match="no field 'slipp'"):
-        FilmLook(field="slipp")

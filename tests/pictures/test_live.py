@@ -499,13 +499,12 @@ def test_a_page_that_waits_for_a_first_frame_hears_that_its_run_was_killed(tmp_p
         assert status == 503 and "killed before its first frame" in text
 
 
-def test_an_address_that_cannot_be_had(tmp_path):
-    taken = socket.create_server(("127.0.0.1", 0))
-    with pytest.raises(CaseError, match="the page cannot be served at"):
+def test_a_port_that_is_taken(tmp_path):
+    with (
+        socket.create_server(("127.0.0.1", 0)) as taken,
+        pytest.raises(CaseError, match="the page cannot be served at"),
+    ):
         LivePage(tmp_path / "run.vtkhdf", f"127.0.0.1:{taken.getsockname()[1]}")
-    with pytest.raises(CaseError, match="the page cannot be served at"):
-        LivePage(tmp_path / "run.vtkhdf", "256.1.1.1:0")
-    taken.close()
 
 
 def test_a_part_of_the_frames_is_what_the_whole_has(wall):

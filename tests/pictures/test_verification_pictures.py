@@ -35,13 +35,20 @@ def chart(curves: int, label: str = "modified, lagged friction") -> Chart:
     return Chart(title=f"{curves} curves", x_label="slip, m", y_label="way, m", curves=every)
 
 
+SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+
+
+def rock() -> InputBuilder:
+    builder = InputBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    return builder
+
+
 def blocks(count: int):
     """Return a row of blocks that move, on nothing."""
-    builder = InputBuilder(title="A row")
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    builder = rock()
     for k in range(count):
-        builder.block(vertices=np.add(square, (1.5 * k, 0.0)), velocity=(1.0, 0.3, 0.0))
+        builder.block(vertices=np.add(SQUARE, (1.5 * k, 0.0)), velocity=(1.0, 0.3, 0.0))
     return builder.build()
 
 
@@ -67,8 +74,7 @@ def test_legends_cover_nothing_and_nothing_is_cut(curves: tuple[int, ...]):
 
 def column(high: float) -> Any:
     """Return one block that is 1 m wide, its left edge at -0.5 m."""
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder = rock()
     builder.block(vertices=[(-0.5, 0.0), (0.5, 0.0), (0.5, high), (-0.5, high)])
     return builder.build()
 
@@ -85,10 +91,8 @@ def test_numbers_of_an_axis_do_not_meet(set_up: Any):
 @pytest.mark.parametrize("flat", [0.15, 0.17, 0.2, 0.25, 0.3, 0.5, 1.0, 3.0])
 @pytest.mark.parametrize("low", [0.0, -0.5])
 def test_numbers_above_each_other_do_not_meet(flat: float, low: float):
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    corners = np.array([(0.0, low), (1.0, low), (1.0, 1.0 + low), (0.0, 1.0 + low)])
-    builder.block(vertices=corners * (6.2, 6.2 * flat))
+    builder = rock()
+    builder.block(vertices=np.add(SQUARE, (0.0, low)) * (6.2, 6.2 * flat))
     figure = figure_of(builder.build(), [chart(3)])
     figure.canvas.draw()
     axis = figure.axes[0].yaxis
@@ -170,20 +174,16 @@ def test_a_palette_keeps_the_colours_of_thin_marks(tmp_path: Path):
 
 @pytest.mark.parametrize(("height", "thin"), [(1.0, False), (0.1, True)])
 def test_outlines_of_flat_blocks_are_thin(height: float, thin: bool):
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([(0.0, 0.0), (6.0, 0.0), (6.0, 1.0), (0.0, 1.0)])
+    builder = rock()
     for k in range(5):
-        builder.block(vertices=np.add(square, (0.0, k)) * (1.0, height))
+        builder.block(vertices=np.add(SQUARE, (0.0, k)) * (6.0, height))
     outlines = figure_of(builder.build(), []).axes[0].patches
     assert all((one.get_linewidth() < 0.5) == thin for one in outlines)
 
 
 def test_a_crowd_of_arrows_about_one_place_is_not_drawn():
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    builder.block(name="large", vertices=100.0 * square)
+    builder = rock()
+    builder.block(name="large", vertices=100.0 * SQUARE)
     for k in range(CROWD + 1):
         builder.point_load((50.0 + 0.1 * k, 50.0), (1.0, 0.0), block="large")
     assert not figure_of(builder.build(), []).axes[0].texts
@@ -191,23 +191,19 @@ def test_a_crowd_of_arrows_about_one_place_is_not_drawn():
 
 @pytest.mark.parametrize("parts", [1, 2, 4])
 def test_a_floor_in_parts_is_drawn_whole(parts: int):
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    builder.block(vertices=square)
+    builder = rock()
+    builder.block(vertices=SQUARE)
     for k in range(parts):
-        part = np.add(square, (k, -1.0)) * (8.0 / parts, 1.0)
+        part = np.add(SQUARE, (k, -1.0)) * (8.0 / parts, 1.0)
         builder.block(vertices=part, fixed=True)
     assert len(figure_of(builder.build(), []).axes[0].patches) == parts + 1
 
 
 @pytest.mark.parametrize(("away", "seen"), [(0.0, 2), (1.2, 2), (5.0, 1)])
 def test_fixed_blocks_far_away_are_left_out(away: float, seen: int):
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    builder.block(vertices=square)
-    builder.block(vertices=np.add(square, (1.0 + away, 0.0)), fixed=True)
+    builder = rock()
+    builder.block(vertices=SQUARE)
+    builder.block(vertices=np.add(SQUARE, (1.0 + away, 0.0)), fixed=True)
     axes = figure_of(builder.build(), []).axes[0]
     assert len(axes.patches) == seen
 
@@ -217,13 +213,11 @@ def supported(wet: str):
 
     ``wet``: where the water presses, on "faces" or in "joints".
     """
-    builder = InputBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder = rock()
     builder.add_joint("default", friction_angle=30.0)
-    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    builder.block(name="block", vertices=square)
-    builder.block(name="base", vertices=np.add(square, (0.0, -1.0)), fixed=True)
-    builder.block(name="wall", vertices=np.add(square, (6.0, 0.0)), fixed=True)
+    builder.block(name="block", vertices=SQUARE)
+    builder.block(name="base", vertices=np.add(SQUARE, (0.0, -1.0)), fixed=True)
+    builder.block(name="wall", vertices=np.add(SQUARE, (6.0, 0.0)), fixed=True)
     builder.add_bolt_kind("bar", stiffness=1e6)
     builder.bolt((0.5, 0.5), (6.5, 0.5), kind="bar", name="bolt")
     builder.link((0.2, 1.0), blocks=("block", "base"), x="rigid", contacts=False)

@@ -28,21 +28,23 @@ NAME_BOX = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 
 
 TEXT: dict[str, Any] = {"fontsize": 9.0, "color": INK}
 """Labels of axes and colour bars."""
+SMALL: dict[str, Any] = {"fontsize": 8.0, "color": INK}
+"""Text within axes, and beside keys."""
 LEGEND: dict[str, Any] = {"fontsize": 8.0, "labelcolor": INK, "frameon": False}
 """Legends."""
 
 LEFT, RIGHT, BELOW = 0.75, 0.25, 0.55
 """Margins for the labels of the axes, inches."""
-BESIDE_TITLE = 0.5
-"""Room to the right of the title, for the arrow of gravity, inches."""
 TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 11.0, 9.0, 8.0
 """Sizes of type, points."""
 LINE = 0.2
 """Height of a line of text, inches."""
-KEY = 0.33
-"""Width of a line or patch in a legend, and of the space behind it, inches."""
 BAR, BAR_LABELS = 0.16, 0.95
 """Width of a colour bar and of its labels, inches."""
+UPRIGHT = 2.2
+"""Height of axes from which the colour bar stands beside them, inches."""
+ROOM = (1.0, 0.8)
+"""Least width and height of axes, inches."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,39 +64,37 @@ class Sheet:
     legend: float
     """Bottom of the upper line of the legend."""
 
-    def share(self, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-        """Return a box as shares of the sheet."""
+    @property
+    def room(self) -> tuple[float, float]:
+        """Width and height of the axes."""
+        return self.axes[2], self.axes[3]
+
+    def parts(self, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+        """Return a box in parts of the width and the height of the sheet."""
         width, height = self.size
         return box[0] / width, box[1] / height, box[2] / width, box[3] / height
-
-
-def axes_size(extent: Floats) -> tuple[float, float]:
-    """Return width and height of axes, inches, for something ``extent`` (2,) m wide and high."""
-    width, height = extent
-    longest = 9.5 if width > 2.5 * height else 6.5
-    scale = min(longest / width, 6.8 / height)
-    # Slender things keep room for their labels; the rest of the axes stays empty.
-    return max(2.4, scale * width), max(1.3, scale * height)
 
 
 Part = tuple[Floats, Floats]
 """Lower left and upper right corner of the picture, m, (2,) each."""
 
 
-def sizes(
+def lay_out(
     part: Part, look: Look, title: str, handles: list[Any], bars: int, keys_below: int = 0
-) -> tuple[tuple[float, float], Keys, float]:
-    """Return the size of the axes, inches, the legend, and the least size of axes and bars.
-
-    Below the legend there is room for so many lines of other keys.
-    """
+) -> tuple[Sheet, Keys]:
+    """Return the sheet of a picture of a part, and its legend."""
     extent = part[1] - part[0]
     extent = np.maximum(extent, 1e-3 * extent.max())
     if look.inches is None:
-        size = axes_size(extent)
-        return size, Keys(handles, max(size[0], 4.0)), 4.2
-    keys = Keys(handles, look.inches[0] - LEFT - RIGHT)
-    return axes_in(look.inches, extent, title, keys.lines + keys_below, bars), keys, 0.0
+        width, height = extent
+        scale = min((9.5 if width > 2.5 * height else 6.5) / width, 6.8 / height)
+        # slender things keep room for their labels; the rest of the axes stays empty
+        size = max(2.4, float(scale * width)), max(1.3, float(scale * height))
+        keys, narrowest = Keys(handles, max(size[0], 4.0)), 4.2
+    else:
+        keys, narrowest = Keys(handles, look.inches[0] - LEFT - RIGHT), 0.0
+        size = axes_in(look.inches, extent, title, keys.lines + keys_below, bars)
+    return sheet_for(size, title, keys.lines + keys_below, bars, narrowest), keys
 
 
 def axes_in(
@@ -102,11 +102,10 @@ def axes_in(
 ) -> tuple[float, float]:
     """Return width and height of the axes on a sheet of a size in inches.
 
-    A height of None is as much as something ``extent`` (2,) m wide and high needs.  Raises
-    CaseError for a sheet on which nothing finds room.
+    A height of None is as much as something ``extent`` (2,) m wide and high needs.
     """
     width, height = sheet
-    lines = len(wrapped(title, min(width - LEFT - BESIDE_TITLE, 6.5), TITLE_SIZE))
+    lines = len(wrapped(title, min(width - LEFT - 0.5, 6.5), TITLE_SIZE))
     around = 0.12 + LINE * legend_lines + BELOW + 0.32 + LINE * (lines + 1)
     across = width - LEFT - RIGHT - (BAR + BAR_LABELS) * bars
     slope = extent[1] / extent[0]
@@ -125,18 +124,8 @@ def axes_in(
     return across, up
 
 
-ROOM = (1.0, 0.8)
-"""Least width and height of axes, inches."""
-UPRIGHT = 2.2
-"""Height of axes from which the colour bar stands beside them, inches."""
-
-
 def sheet_for(
-    axes: tuple[float, float],
-    title: str,
-    legend_lines: int,
-    bars: int = 1,
-    narrowest: float = 4.2,
+    axes: tuple[float, float], title: str, legend_lines: int, bars: int = 1, narrowest: float = 4.2
 ) -> Sheet:
     """Return a sheet with axes of a size in inches, a title, lines of legend, colour bars or 0.
 
@@ -146,7 +135,7 @@ def sheet_for(
     upright = up >= UPRIGHT
     beside = (BAR + BAR_LABELS) * bars if upright else 0.0
     width = LEFT + max(narrowest, across + beside) + RIGHT
-    lines = wrapped(title, min(width - LEFT - BESIDE_TITLE, 6.5), TITLE_SIZE)
+    lines = wrapped(title, min(width - LEFT - 0.5, 6.5), TITLE_SIZE)
     under = 0.12 + LINE * legend_lines
     bottom = under + BELOW + (0.0 if upright else 0.75 * bars)
     if upright:
@@ -176,14 +165,11 @@ def empty_part(low: Floats, high: Floats) -> CaseError:
 
 
 class Keys:
-    """The legend, in as many lines as it needs below axes that are ``width`` inches wide.
-
-    Labels that are longer than a line go on in the next one.
-    """
+    """The legend, in as many lines as it needs below axes that are ``width`` inches wide."""
 
     def __init__(self, handles: list[Any], width: float) -> None:
         for handle in handles:
-            label = wrapped(handle.get_label(), width + 0.5 * RIGHT - KEY, SMALL_SIZE)
+            label = wrapped(handle.get_label(), width + 0.5 * RIGHT - 0.33, SMALL_SIZE)
             handle.set_label("\n".join(label))
         labels = [handle.get_label().split("\n") for handle in handles]
         longest = max((len(line) for lines in labels for line in lines), default=0)
@@ -222,6 +208,11 @@ def check_installed() -> None:
         ) from error
 
 
+def dots_for(blocks: int) -> int:
+    """Return the dots per inch of a picture of so many blocks."""
+    return 160 if blocks <= 500 else 220
+
+
 def new_figure(size: tuple[float, float], dots: float) -> Figure:
     """Return an empty white figure of a size in inches, with dots per inch."""
     check_installed()
@@ -231,10 +222,7 @@ def new_figure(size: tuple[float, float], dots: float) -> Figure:
 
 
 def seen(low: Floats, high: Floats, box: tuple[float, float]) -> tuple[Floats, Floats]:
-    """Return the range that axes of a size in inches show of (low, high) and around it, m.
-
-    A metre is as long in x as in y, and there is a margin.
-    """
+    """Return the range that axes of a size in inches show of (low, high) and around it, m."""
     middle, extent = 0.5 * (low + high), 1.04 * (high - low)
     half = 0.5 * float(np.max(extent / box)) * np.array(box)
     return middle - half, middle + half
@@ -267,16 +255,15 @@ def style(axes: Axes) -> None:
         spine.set_visible(name in ("left", "bottom"))
 
 
-FEW_DECADES = 0.7
-"""Powers of ten up to which a logarithmic axis has round numbers, as a linear one."""
-
-
 def label_logarithms(axes: Axes) -> None:
-    """Write numbers beside axes that are logarithmic, as many as there is room for.
-
-    Numbers of all digits would lie on each other.
-    """
+    """Write numbers beside axes that are logarithmic, as many as there is room for."""
     from matplotlib import ticker
+
+    def plain(value: float, _: int) -> str:
+        if 1e-3 <= value < 1e4:
+            return f"{value:g}"
+        exponent = int(np.floor(np.log10(value) + 1e-9))
+        return rf"${value / 10.0**exponent:g} \times 10^{{{exponent}}}$"
 
     for axis, scale, (low, high) in (
         (axes.xaxis, axes.get_xscale(), axes.get_xlim()),
@@ -290,20 +277,12 @@ def label_logarithms(axes: Axes) -> None:
         if np.floor(last) - np.ceil(first) >= 1:
             axis.set_major_formatter(ticker.LogFormatterMathtext())
             continue
-        axis.set_major_formatter(ticker.FuncFormatter(_power))
+        axis.set_major_formatter(ticker.FuncFormatter(plain))
         axis.set_major_locator(
             ticker.MaxNLocator(4, steps=[1, 2, 5, 10])
-            if last - first < FEW_DECADES
+            if last - first < 0.7
             else ticker.LogLocator(subs=(1.0, 2.0, 5.0))
         )
-
-
-def _power(value: float, _: int) -> str:
-    """Return 200 as it is, and 2e8 as 2 x 10^8."""
-    if 1e-3 <= value < 1e4:
-        return f"{value:g}"
-    exponent = int(np.floor(np.log10(value) + 1e-9))
-    return rf"${value / 10.0**exponent:g} \times 10^{{{exponent}}}$"
 
 
 def wrapped(text: str, width: float, size: float) -> list[str]:
@@ -330,7 +309,7 @@ def literal(text: str) -> str:
 def head(figure: Figure, left: float, lines: Sequence[str], below: str) -> None:
     """Write the lines of a title at the top of a figure, and a line in small type below it."""
     width, height = figure.get_size_inches()
-    bold = {"fontsize": TITLE_SIZE, "fontweight": "bold", "color": INK}
+    bold: dict[str, Any] = {"fontsize": TITLE_SIZE, "fontweight": "bold", "color": INK}
     for number, line in enumerate((*map(literal, lines), below)):
         up = height - 0.1 - LINE * (number + 0.5)
         looks = bold if number < len(lines) else TEXT
@@ -339,9 +318,8 @@ def head(figure: Figure, left: float, lines: Sequence[str], below: str) -> None:
 
 def write(axes: Axes, text: str, at: Any, zorder: float, **words: Any) -> None:
     """Write small text about a point (2,), m, readable on anything; ``words`` as for matplotlib."""
-    middle = {"ha": "center", "va": "center", "bbox": NAME_BOX}
-    looks = {"fontsize": SMALL_SIZE, "color": INK, "zorder": zorder, **middle, **words}
-    axes.annotate(text, (float(at[0]), float(at[1])), **looks)
+    looks = {**SMALL, "ha": "center", "va": "center", "bbox": NAME_BOX, **words}
+    axes.annotate(text, (float(at[0]), float(at[1])), zorder=zorder, **looks)
 
 
 def colour_bar(

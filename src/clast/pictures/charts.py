@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.model.model import Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import INK, LEGEND, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import LEGEND, SMALL, TEXT
 from clast.thumbnails import CURVE_COLOURS
 
 if TYPE_CHECKING:
@@ -59,11 +59,8 @@ class Chart:
     y_label: str
     """Quantity and unit of the ordinate."""
     curves: Sequence[Curve]
-    """The curves."""
     x_scale: Scale = "linear"
-    """Scale of the abscissa."""
     y_scale: Scale = "linear"
-    """Scale of the ordinate."""
 
 
 def curve(label: str, x: Any, y: Any) -> Curve:
@@ -107,10 +104,7 @@ def draw_charts(charts: Sequence[Chart], path: Path) -> Path:
 
 
 def draw_chart(axes: Axes, chart: Chart) -> None:
-    """Draw a chart: exact curves as lines, computed values as marks on them.
-
-    Runs that stopped are crosses at the upper edge.
-    """
+    """Draw a chart: exact curves as lines, computed values as marks on them."""
     exact = [one for one in chart.curves if one.exact]
     for k, one in enumerate(exact):
         dashes = EXACT_STYLES[k % len(EXACT_STYLES)]
@@ -143,8 +137,8 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
     canvas.label_logarithms(axes)
     if chart.x_scale == "linear":
         axes.locator_params(axis="x", nbins=6)
-    axes.set_xlabel(chart.x_label, fontsize=SMALL_SIZE, color=INK)
-    axes.set_ylabel(chart.y_label, fontsize=SMALL_SIZE, color=INK)
-    axes.set_title(chart.title, fontsize=TEXT_SIZE, color=INK)
+    axes.set_xlabel(chart.x_label, **SMALL)
+    axes.set_ylabel(chart.y_label, **SMALL)
+    axes.set_title(chart.title, **TEXT)
     axes.grid(color="#dddddd", lw=0.6)
     canvas.style(axes)

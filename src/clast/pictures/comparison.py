@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import INK, SMALL_SIZE, TEXT
+from clast.pictures.canvas import INK, SMALL, TEXT
 from clast.pictures.fields import colours_between, prefixed
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ BETWEEN, HEADS = 0.35, 0.5
 """Space between panels, and for the two lines above each, inches."""
 SCALE_ROOM = 0.75
 """Space for the colour bar below the panels, inches."""
-DOTS = 150
-"""Dots per inch."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +31,6 @@ class Panel:
     """One end state."""
 
     title: str
-    """The title."""
     remark: str
     """A line below the title."""
     finished: bool
@@ -49,7 +46,6 @@ class SideBySide:
     """The system that all panels show; n blocks, nv vertices."""
 
     title: str
-    """Title of the picture."""
     start: Floats
     """Vertices at the start, m, shape (nv, 2)."""
     block_start: Ints
@@ -81,12 +77,15 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
     shown = [panel for panel in scene.panels if panel.finished] or list(scene.panels)
     low, high = _limits(scene, shown)
     rows = -(-len(scene.panels) // scene.columns)
-    size = _panel_size(high - low, scene.columns, rows)
+    extent = np.maximum(high - low, 0.05 * (high - low).max())
+    across, up = min(4.0, 11.0 / scene.columns), min(4.0, 9.0 / rows)
+    scale = min(across / extent[0], up / extent[1])
+    size = max(1.8, float(scale * extent[0])), max(1.0, float(scale * extent[1]))
     width = canvas.LEFT + scene.columns * (size[0] + BETWEEN) + canvas.RIGHT
     title = canvas.wrapped(scene.title, width - canvas.LEFT - 0.1, canvas.TITLE_SIZE)
     top = 0.32 + canvas.LINE * len(title)
     height = top + rows * (size[1] + HEADS) + canvas.BELOW + SCALE_ROOM
-    figure = canvas.new_figure((width, height), DOTS)
+    figure = canvas.new_figure((width, height), 150)
     canvas.head(figure, canvas.LEFT, title, "")
     largest = max(map(scene.farthest, shown))
     drawn = None
@@ -123,13 +122,6 @@ def _limits(scene: SideBySide, shown: Sequence[Panel]) -> tuple[Floats, Floats]:
     return low, high
 
 
-def _panel_size(extent: Floats, columns: int, rows: int) -> tuple[float, float]:
-    """Return width and height of a panel, inches, for something ``extent`` (2,) m wide, high."""
-    extent = np.maximum(extent, 0.05 * extent.max())
-    scale = min(min(4.0, 11.0 / columns) / extent[0], min(4.0, 9.0 / rows) / extent[1])
-    return max(1.8, scale * extent[0]), max(1.0, scale * extent[1])
-
-
 def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> PolyCollection:
     draw_blocks.draw_start(axes, scene, scene.start, panel.absent)
     free = draw_blocks.draw_blocks(axes, scene, panel.vertices, absent=panel.absent)
@@ -143,6 +135,5 @@ def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> 
     title, remark = canvas.literal(panel.title), canvas.literal(panel.remark)
     axes.annotate(title, (0.0, 1.0), xytext=(0, 17), **place, **TEXT, fontweight="bold")
     colour = INK if panel.finished else STOPPED
-    looks = {"fontsize": SMALL_SIZE, "color": colour}
-    axes.annotate(remark, (0.0, 1.0), xytext=(0, 5), **place, **looks)
+    axes.annotate(remark, (0.0, 1.0), xytext=(0, 5), **place, **{**SMALL, "color": colour})
     return free

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, Sheet, colour_bar, literal, write
 from clast.pictures.fields import ColourScale, prefixed
-from clast.pictures.strokes import GROUND
+from clast.pictures.strokes import following
 from clast.results import Recording
 
 if TYPE_CHECKING:
@@ -17,14 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.collections import Collection, PolyCollection
     from matplotlib.figure import Figure
 
-MOST_NAMES = 40
-"""Blocks that get their names written into them, at most."""
+BLOCK_NAMES_MAX = 40
+"""Blocks that get their names written into them."""
 FIXED = "#dcdcdc"
 """Fill of fixed blocks."""
 EXCAVATED = (0, (4.0, 3.0))
 """Dashes of the outlines of excavated blocks."""
-THIN = 0.02
-"""Width of outlines by the size of blocks."""
 HATCH = "////"
 """Hatching of fixed blocks."""
 KIND_COLOURS = (
@@ -67,11 +65,10 @@ def _line_width(axes: Axes, results: Divided, vertices: Floats) -> float:
     """Return a width of outlines, points, that leaves room for the colours of small blocks."""
     box = axes.get_window_extent()
     figure = axes.get_figure(root=True)
-    scale = (
-        box.width / abs(float(np.ptp(axes.get_xlim()))) * 72.0 / (figure.dpi if figure else 72.0)
-    )
+    dots = figure.dpi if figure else 72.0
+    scale = box.width / abs(float(np.ptp(axes.get_xlim()))) * 72.0 / dots
     size = scale * float(np.sqrt(np.median(areas_of(results, vertices))))
-    return float(np.clip(THIN * size, 0.05, 0.8))
+    return float(np.clip(0.02 * size, 0.05, 0.8))
 
 
 def draw_start(axes: Axes, results: Outlined, start: Floats, absent: Bools | None = None) -> None:
@@ -79,16 +76,10 @@ def draw_start(axes: Axes, results: Outlined, start: Floats, absent: Bools | Non
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, start)
-    width = _line_width(axes, results, start)
-    axes.add_collection(
-        PolyCollection(
-            outlines if absent is None else [outlines[b] for b in np.flatnonzero(~absent)],
-            facecolors="none",
-            edgecolors=FAINT,
-            linewidths=0.8 * width,
-            zorder=1,
-        )
-    )
+    if absent is not None:
+        outlines = [outlines[block] for block in np.flatnonzero(~absent)]
+    width = 0.8 * _line_width(axes, results, start)
+    axes.add_collection(PolyCollection(outlines, fc="none", ec=FAINT, lw=width, zorder=1))
 
 
 def draw_blocks(
@@ -108,50 +99,26 @@ def draw_blocks(
 
     outlines = outlines_of(results, vertices)
     whole = _line_width(axes, results, vertices)
-    width = share * whole
-    there = np.ones(len(outlines), np.bool_) if absent is None else ~absent
-    fixed, free = np.flatnonzero(results.fixed & there), np.flatnonzero(~results.fixed & there)
-    axes.add_collection(
-        PolyCollection(
-            [
-                outlines[b]
-                for b in np.flatnonzero(~there if awaited is None else ~(there | awaited))
-            ],
-            facecolors="none",
-            edgecolors=FAINT,
-            linewidths=0.6 * whole,
-            linestyles=EXCAVATED,
-            zorder=1,
-        )
-    )
-    axes.add_collection(
-        PolyCollection(
-            [outlines[b] for b in fixed],
-            facecolors=FIXED,
-            edgecolors=FAINT,
-            linewidths=width,
-            hatch=HATCH,
-            zorder=2,
-        )
-    )
-    blocks = PolyCollection([outlines[b] for b in free], edgecolors=INK, linewidths=width, zorder=3)
-    axes.add_collection(blocks)
-    return blocks
-
-
-PLAIN = ("joint", "none")
-"""Fields that leave the blocks themselves without colours."""
-
-
-def paint_kinds(
-    blocks: PolyCollection, results: Recording, field: str, frame: int, drawn: Bools
-) -> None:
-    """Colour the blocks ``drawn`` (n,) by a field that tells kinds apart."""
-    if field in PLAIN:
-        blocks.set_facecolor(GROUND)
-        return
-    kinds = results.field(field, frame)[drawn]
-    blocks.set_facecolor([kind_colour(kind) for kind in kinds])
+    gone = np.zeros(len(outlines), np.bool_) if absent is None else absent
+    excavated = gone if awaited is None else gone & ~awaited
+    excavated_looks: dict[str, Any] = {
+        "fc": "none",
+        "ec": FAINT,
+        "lw": 0.6 * whole,
+        "ls": EXCAVATED,
+    }
+    fixed_looks: dict[str, Any] = {"fc": FIXED, "ec": FAINT, "lw": share * whole, "hatch": HATCH}
+    free_looks: dict[str, Any] = {"ec": INK, "lw": share * whole}
+    blocks = []
+    for zorder, drawn, looks in (
+        (1, excavated, excavated_looks),
+        (2, results.fixed & ~gone, fixed_looks),
+        (3, ~results.fixed & ~gone, free_looks),
+    ):
+        chosen = [outlines[block] for block in np.flatnonzero(drawn)]
+        blocks.append(PolyCollection(chosen, zorder=zorder, **looks))
+        axes.add_collection(blocks[-1])
+    return blocks[-1]
 
 
 def paint(blocks: Collection, values: Floats, scale: ColourScale, unit: str) -> str:
@@ -163,10 +130,6 @@ def paint(blocks: Collection, values: Floats, scale: ColourScale, unit: str) -> 
     return unit
 
 
-WIDTH_OF_TICK = 0.45
-"""Width of a number below a colour bar with the space beside it, inches."""
-
-
 def draw_colour_bar(
     figure: Figure, sheet: Sheet, coloured: Collection, label: str, extend: str
 ) -> None:
@@ -174,31 +137,26 @@ def draw_colour_bar(
     from matplotlib.ticker import MaxNLocator
 
     orientation = "vertical" if sheet.upright else "horizontal"
-    bar = colour_bar(figure, coloured, sheet.share(sheet.bar), label, extend, orientation)
+    bar = colour_bar(figure, coloured, sheet.parts(sheet.bar), label, extend, orientation)
     if not sheet.upright:
-        most = max(2, int(sheet.bar[2] / WIDTH_OF_TICK))
+        most = max(2, int(sheet.bar[2] / 0.45))  # inches that a number takes
         bar.locator = MaxNLocator(min(9, most), steps=[1, 2, 2.5, 5, 10])
         bar.update_ticks()
 
 
 def areas_of(results: Divided, vertices: Floats) -> Floats:
     """Return the area of each block, m2, shape (n,)."""
-    start = results.block_start
-    onwards = np.arange(1, len(vertices) + 1)
-    onwards[start[1:] - 1] = start[:-1]
     # about the middle, or the digits of far coordinates are lost
     vertices = vertices - vertices.mean(axis=0)
-    (x, y), (x2, y2) = vertices.T, vertices[onwards].T
-    area: Floats = 0.5 * np.abs(np.add.reduceat(x * y2 - x2 * y, start[:-1]))
-    return area
+    (x, y), (x2, y2) = vertices.T, vertices[following(results.block_start)].T
+    return np.asarray(0.5 * np.abs(np.add.reduceat(x * y2 - x2 * y, results.block_start[:-1])))
 
 
 def within(results: Divided, vertices: Floats, low: Floats, high: Floats) -> Bools:
     """Return which blocks may be seen in the box (low, high), m, shape (n,)."""
     first = results.block_start[:-1]
     left, right = np.minimum.reduceat(vertices, first), np.maximum.reduceat(vertices, first)
-    seen: Bools = np.all((right >= low) & (left <= high), axis=1)
-    return seen
+    return np.asarray(np.all((right >= low) & (left <= high), axis=1))
 
 
 def kind_colour(kind: int) -> str:
@@ -209,7 +167,7 @@ def kind_colour(kind: int) -> str:
 def draw_names(axes: Axes, results: Recording, vertices: Floats, absent: Bools) -> None:
     """Write the names of the blocks that are not ``absent`` (n,) into them, where they are few."""
     outlines = outlines_of(results, vertices)
-    if len(outlines) > MOST_NAMES:
+    if len(outlines) > BLOCK_NAMES_MAX:
         return
     for block in np.flatnonzero(~absent):
         write(axes, literal(results.block_name[block]), outlines[block].mean(axis=0), 4)

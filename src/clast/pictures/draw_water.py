@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import shapely
 
 from clast.actions.water import pressed_by
 from clast.model.drainage import drained
-from clast.model.model import Bools, Floats, Ints
+from clast.model.model import Floats, Ints
 from clast.model.stages import standing
 from clast.model.water import Water, surface_at
 from clast.pictures.canvas import Part
@@ -26,14 +27,10 @@ if TYPE_CHECKING:
 
 BLUE, PALE = "#1f6fb4", "#5aa5dc"
 """Colours of the level and of pressures."""
-ABOVE = 0.5
+HEIGHT_ABOVE_MAX = 0.5
 """How far above the blocks a level is still shown, in their heights."""
-BESIDE = 0.06
-"""Place of the triangle, from the left, as a share of the picture."""
-POINTS = 8.0
-"""Size of the triangle, points."""
-NEAR = 1e-3
-"""How far above a void a level still belongs to it, as a share of the size of the model."""
+TRIANGLE_SIZE, TRIANGLE_PLACE = 8.0, 0.06
+"""Size of the triangle, points, and its place from the left, as a share of the picture."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,40 +52,25 @@ class PressureDiagrams:
         return float(self.pressure.max(initial=0.0))
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Blocks:
-    """The blocks of a frame, as ``pressed_by`` knows them."""
-
-    vertex_block: Ints
-    vertex_after: Ints
-    absent: Bools
-
-
 def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
-    """Return the waters that press in a frame: of those of a stage, the ones that it has brought.
-
-    A stage begins with the last frame of the one before.
-    """
-    stages, begins = results.frame_stages, results.begins
-    begun: dict[str, float | None] = {}
-    for name, stage in begins.items():
+    """Return the waters that press in a frame, those that a later stage brings left out."""
+    stages = results.frame_stages
+    since: dict[str, float | None] = {}
+    for name, stage in results.begins.items():
+        # a stage begins with the last frame of the one before
         first = stages.index(stage) if stage in stages else len(stages)
-        begun[name] = None if first > frame else float(results.times[max(0, first - 1)])
+        since[name] = None if first > frame else float(results.times[max(0, first - 1)])
     now = float(results.times[frame])
-    standings = (standing(water, begun) for water in results.water)
+    standings = (standing(water, since) for water in results.water)
     return tuple(water for water in standings if water.pressure_of_head(now) > 0.0)
 
 
 def pressures_of(
     results: Recording, waters: Sequence[Water], frame: int, here: Floats
 ) -> PressureDiagrams:
-    """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m.
-
-    They are those that press in the run: none on blocks that are not there, and none on the faces
-    that these have laid bare.
-    """
+    """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m."""
     count = np.diff(results.block_start)
-    blocks = _Blocks(
+    blocks: Any = SimpleNamespace(
         vertex_block=np.repeat(np.arange(len(count)), count),
         vertex_after=following(results.block_start),
         absent=absent_in_frame(results, frame),
@@ -119,7 +101,7 @@ def dry_of(results: Recording, water: Water, frame: int) -> Floats:
     line = shapely.linestrings(_points(water, results, (low, high)))
     owner = np.repeat(np.arange(len(absent)), np.diff(results.block_start))
     polygons = shapely.polygons(shapely.linearrings(here, indices=owner))
-    near = NEAR * float(np.hypot(*(high - low)))
+    near = 1e-3 * float(np.hypot(*(high - low)))  # a level so far above a void belongs to it
     void = shapely.union_all(shapely.buffer(polygons[excavated], near, join_style="mitre"))
     rock = polygons[~absent]
     rock = shapely.union_all(rock[shapely.intersects(rock, line)])
@@ -132,7 +114,7 @@ def dry_of(results: Recording, water: Water, frame: int) -> Floats:
 def with_levels(results: Recording, waters: Sequence[Water], part: Part) -> Part:
     """Return the part to show, made so high that levels not far above the blocks are in it."""
     low, high = part
-    most = float(high[1] + ABOVE * (high[1] - low[1]))
+    most = float(high[1] + HEIGHT_ABOVE_MAX * (high[1] - low[1]))
     tops = [float(_points(water, results, part)[:, 1].max()) for water in waters]
     seen = [top for top in tops if top <= most]
     return low, np.array([high[0], max([float(high[1]), *seen])])
@@ -173,18 +155,15 @@ def draw_water(
         return
     pressures = pressures_of(results, waters, frame, results.vertices(frame))
     if pressures.largest > 0.0:
-        axes.add_collection(
-            PolyCollection(
-                list(_diagrams(pressures, length_of_longest(results, *part))),
-                facecolors=PALE,
-                edgecolors=BLUE,
-                linewidths=0.4,
-                alpha=0.6,
-                zorder=3.5,
-            )
-        )
+        outlines = list(_diagrams(pressures, length_of_longest(results, *part)))
+        looks: dict[str, Any] = {"fc": PALE, "ec": BLUE, "lw": 0.4, "alpha": 0.6, "zorder": 3.5}
+        axes.add_collection(PolyCollection(outlines, **looks))
     figure = axes.get_figure(root=True)
-    up = ScaledTranslation(0.0, 0.5 * POINTS / 72.0, figure.dpi_scale_trans) if figure else None
+    up = (
+        ScaledTranslation(0.0, 0.5 * TRIANGLE_SIZE / 72.0, figure.dpi_scale_trans)
+        if figure
+        else None
+    )
     for number, water in enumerate(waters):
         points = _points(water, results, part)
         ends = np.clip(dry_of(results, water, frame), part[0][0], part[1][0])
@@ -193,7 +172,7 @@ def draw_water(
             inner = points[(points[:, 0] > low) & (points[:, 0] < high), 0]
             across = np.concatenate([[low], inner, [high]])
             axes.plot(across, np.interp(across, *points.T), color=BLUE, lw=0.9, zorder=5.5)
-        x = float(part[0][0] + (1.0 + 0.7 * number) * BESIDE * (part[1][0] - part[0][0]))
+        x = float(part[0][0] + (1.0 + 0.7 * number) * TRIANGLE_PLACE * (part[1][0] - part[0][0]))
         if not ((wet[:, 0] < x) & (x < wet[:, 1])).any():
             x = float(wet[np.diff(wet).argmax()].mean())  # the sign stands on water
         y = float(np.interp(x, *points.T))
@@ -201,18 +180,8 @@ def draw_water(
             continue
         # it stands on the level, which may be the upper edge of the picture
         tip = axes.transData + up if up else axes.transData
-        axes.plot(
-            [x],
-            [y],
-            "v",
-            ms=POINTS,
-            mfc="white",
-            mec=BLUE,
-            mew=0.9,
-            zorder=5.6,
-            transform=tip,
-            clip_on=False,
-        )
+        looks = {"ms": TRIANGLE_SIZE, "mfc": "white", "mec": BLUE, "mew": 0.9, "zorder": 5.6}
+        axes.plot([x], [y], "v", transform=tip, clip_on=False, **looks)
 
 
 def _diagrams(pressures: PressureDiagrams, longest: float) -> Floats:

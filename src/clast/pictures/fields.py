@@ -62,12 +62,7 @@ SCALARS = {
 }
 """Fields with a scale."""
 
-KINDS = {
-    "rock": "Rock",
-    "block": "Blocks",
-    "joint": "Edges by joint",
-    "none": "Blocks",
-}
+KINDS = {"rock": "Rock", "block": "Blocks", "joint": "Edges by joint", "none": "Blocks"}
 """Fields that tell kinds apart, and that which colours nothing."""
 
 
@@ -78,8 +73,7 @@ def check_field(name: str, more: Iterable[str] = ()) -> None:
         close = spelling.nearest(name, known)
         every = f"the fields are: {', '.join(known)}"  # they are listed nowhere else in a terminal
         raise CaseError(
-            f"there is no field '{name}'",
-            remedy=f"did you mean '{close}'?" if close else every,
+            f"there is no field '{name}'", remedy=f"did you mean '{close}'?" if close else every
         )
 
 
@@ -103,12 +97,6 @@ def round_below(value: float) -> float:
     return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-12))
 
 
-FEW = 0.01
-"""Share of the area whose values may lie beyond the scale."""
-SPOILT = 3.0
-"""A scale is spoilt where its largest value is this many times the largest of all but a few."""
-NOISE = 1e-6
-"""Values below this share of the largest do not make a scale of their own."""
 ONE_SIDED = 0.02
 """Values on one side of zero but for this share get a scale of one colour."""
 
@@ -194,15 +182,16 @@ def _ends(values: Floats, area: Floats) -> tuple[float, float]:
     return -size, size
 
 
-def largest_but_few(sizes: Floats, weight: Floats, few: float = FEW) -> float:
+def largest_but_few(sizes: Floats, weight: Floats, few: float = 0.01) -> float:
     """Return the largest of ``sizes`` (n,) >= 0, but for a few that would spoil a scale.
 
-    They are those that make up less than the share ``few`` of the total ``weight`` (n,).
+    They make up less than the share ``few`` of the total ``weight`` (n,), and are more than three
+    times the largest of all others.
     """
     largest = float(sizes.max(initial=0.0))
     order = np.argsort(-sizes, kind="stable")
     within = np.cumsum(weight[order]) > few * weight.sum()
     usual = float(sizes[order][within].max(initial=0.0))
-    if usual <= NOISE * largest:
+    if usual <= 1e-6 * largest:
         return largest
-    return float(sizes[sizes <= SPOILT * usual].max(initial=0.0))
+    return float(sizes[sizes <= 3.0 * usual].max(initial=0.0))

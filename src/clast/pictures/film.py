@@ -1,20 +1,26 @@
-"""Films of runs: axes, legend and colour bar are drawn once, blocks anew in each picture."""
+"""Films of runs as MP4 by ffmpeg, and as GIF or WebP by Pillow.
+
+Axes, legend and colour bar are drawn once, blocks anew in each picture.
+"""
 
 from __future__ import annotations
 
 import math
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
-from typing import Any
+from typing import IO, TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.encoders import ENCODERS, Pixels
 from clast.pictures.fields import check_field
 from clast.pictures.figure_options import CM, Look
 from clast.pictures.frames import FrameDrawing
@@ -23,12 +29,13 @@ from clast.pictures.layers import draw_scale_bar
 from clast.results import Recording
 from clast.rockmass.drawings.drawing_files import replaced_path
 
+if TYPE_CHECKING:
+    from PIL import Image
+
 DOTS = 100
 """Dots per inch: type of 9 points is 12.5 pixels high."""
 STEEPEST = 0.75
 """Height over width of a film at most, where neither is asked for."""
-SCALE_FRAMES_MAX = 60
-"""Frames at most from which the ends of the colours follow."""
 LEAST, MOST = 320, 3840
 """Width and height of a film, pixels."""
 WIDTHS = {".mp4": 1280, ".webp": 960, ".gif": 720}
@@ -37,8 +44,6 @@ SLOWEST, FASTEST = 0.1, 240.0
 """Frames per second."""
 PICTURES_MAX = 100_000
 """Pictures of a film: an hour at 25 a second."""
-ROUNDING = 1e-9
-"""Share of the time between two pictures by which a frame may lie after its picture."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +102,120 @@ class FilmSpeed:
             )
 
 
+GIF_RATE_MAX, GIF_COLOURS = 50.0, 255
+"""Pictures a second in a GIF, as browsers slow down faster ones, and its colours beside that of
+paper, which Pillow would make a light grey."""
+
+Pixels: TypeAlias = np.ndarray[Any, np.dtype[np.uint8]]
+"""A picture: rows from above, pixels, red green blue alpha, shape (height, width, 4)."""
+Encoder = Callable[[Path, Iterator[Pixels], Sequence[int], float], None]
+"""Writes pictures into a file, each for a number of ticks, so many ticks a second."""
+
+
+def ffmpeg() -> str:
+    """Return the program ffmpeg: that of the machine, or of the package imageio-ffmpeg."""
+    if program := shutil.which("ffmpeg"):
+        return program
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        return str(get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        raise CaseError(
+            "MP4 needs the program ffmpeg, which is not installed",
+            remedy="install it, or: pip install 'clast[film]'; GIF and WebP need no other program",
+        ) from None
+
+
+def write_mp4(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
+    """Write H.264 that browsers and slides play."""
+    program = ffmpeg()
+    first = next(pictures)
+    height, width = first.shape[:2]
+    command = [program, "-nostdin", "-loglevel", "error", "-y"]
+    command += ["-f", "rawvideo", "-pix_fmt", "rgba", "-video_size", f"{width}x{height}"]
+    command += ["-framerate", f"{fps:.9g}", "-i", "pipe:0", "-an"]
+    command += ["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"]
+    command += ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]
+    # a constant rate factor of 18 shows no loss in drawings
+    command += ["-c:v", "libx264", "-preset", "veryfast", "-crf", "18"]
+    command += ["-movflags", "+faststart", "-f", "mp4", str(path.absolute())]
+    with tempfile.TemporaryFile() as log:
+        # a session of its own: Ctrl-C is for clast, which ends it in order
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True
+        )
+        try:
+            # where ffmpeg has ended, its own words say why
+            with suppress(BrokenPipeError), cast("IO[bytes]", process.stdin) as pipe:
+                for picture, times in zip(chain([first], pictures), ticks, strict=True):
+                    for _ in range(times):
+                        pipe.write(picture.data)
+            ended = process.wait()
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        if ended != 0:
+            log.seek(0)
+            lines = log.read().decode("utf-8", "replace").strip().splitlines()
+            raise OSError(f"ffmpeg ended with {ended}: {lines[-1] if lines else 'no reason given'}")
+
+
+def write_gif(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
+    """Write an animated GIF that goes round; its colours are those of the first picture."""
+    from PIL import Image
+
+    if fps > GIF_RATE_MAX:
+        raise CaseError(
+            f"a GIF shows {GIF_RATE_MAX:g} pictures per second at most",
+            where="fps",
+            remedy="give fewer, or write .mp4 or .webp",
+        )
+    first = _image(next(pictures))
+    palette = first.quantize(GIF_COLOURS, dither=Image.Dither.NONE)
+    colours = [*(palette.getpalette() or [])[: 3 * GIF_COLOURS], 255, 255, 255]
+
+    def reduced(image: Image.Image) -> Image.Image:
+        numbers = np.array(image.quantize(palette=palette, dither=Image.Dither.NONE))
+        numbers[np.asarray(image).min(axis=2) == 255] = GIF_COLOURS
+        image = Image.fromarray(numbers, "P")
+        image.putpalette(colours)
+        return image
+
+    more = (reduced(_image(picture)) for picture in pictures)
+    looks: dict[str, Any] = {"duration": _durations(ticks, fps, 10), "optimize": False}
+    _save(reduced(first), more, path, "GIF", **looks)
+
+
+def write_webp(path: Path, pictures: Iterator[Pixels], ticks: Sequence[int], fps: float) -> None:
+    """Write an animated WebP that goes round."""
+    looks: dict[str, Any] = {"duration": _durations(ticks, fps, 1), "quality": 90, "method": 1}
+    _save(_image(next(pictures)), map(_image, pictures), path, "WEBP", **looks)
+
+
+def _save(
+    first: Image.Image, more: Iterator[Image.Image], path: Path, kind: str, **looks: Any
+) -> None:
+    first.save(path, format=kind, save_all=True, append_images=more, loop=0, **looks)
+
+
+def _image(picture: Pixels) -> Image.Image:
+    from PIL import Image
+
+    return Image.fromarray(picture).convert("RGB")
+
+
+def _durations(ticks: Sequence[int], fps: float, unit: int) -> list[int]:
+    """Return how long each picture is shown, ms, in multiples of ``unit``, none of it lost."""
+    ends = np.round(np.cumsum([0, *ticks]) * (1000.0 / fps / unit)).astype(int)
+    return [int(unit * length) for length in np.diff(ends)]
+
+
+ENCODERS: dict[str, Encoder] = {".mp4": write_mp4, ".gif": write_gif, ".webp": write_webp}
+"""Ending of a name -> the writer of such a film."""
+
+
 AS_IS = FilmLook()
 EACH_FRAME = FilmSpeed()
 
@@ -141,10 +260,7 @@ def write_film(
 
 
 def frames_of(results: Recording, stage: str | None) -> Sequence[int]:
-    """Return the numbers of all frames, or of those of a stage, from the state that it begins with.
-
-    Raises CaseError for a stage that the run does not have.
-    """
+    """Return the numbers of all frames, or of those of a stage, from the state it begins with."""
     if stage is None:
         return range(len(results.times))
     last = results.frame(-1, stage=stage).number
@@ -155,20 +271,18 @@ def timing(times: Floats, frames: Sequence[int], speed: FilmSpeed) -> tuple[tupl
     """Return which of the frames are shown, one after the other, and for how many ticks of 1/fps s.
 
     Without a speed each frame is one picture.  With it each picture shows the last frame that is
-    not after its time: frames are left out where they are closer together than pictures, and stand
-    still where they are further apart.  ``times`` are those of all frames of the run, s.  Raises
-    CaseError for a film that would be too long.
+    not after its time.  ``times`` are those of all frames of the run, s.
     """
     if speed.speed is None:
         _check_length(len(frames), speed)
         return tuple((frame, 1) for frame in frames)
     at = np.asarray(times, np.float64)[np.asarray(frames)]
     between = speed.speed / speed.fps
-    pictures = math.floor((at[-1] - at[0]) / between + ROUNDING) + 1
+    pictures = math.floor((at[-1] - at[0]) / between + 1e-9) + 1
     _check_length(pictures, speed)
     shown = at[0] + between * np.arange(pictures)
     # of several frames at one time, as where a stage begins, the last
-    place = np.searchsorted(at, shown + ROUNDING * between, side="right") - 1
+    place = np.searchsorted(at, shown + 1e-9 * between, side="right") - 1
     return tuple((frames[k], len(list(same))) for k, same in groupby(place.tolist()))
 
 
@@ -195,14 +309,24 @@ class FrameDrawer:
 
         self._results = results
         self._drawing = FrameDrawing(results, frames, look.field, look.zoom)
-        some = [*frames[: -1 : -(-len(frames) // SCALE_FRAMES_MAX)], frames[-1]]
-        sheet, box, keys = self._sheet(self._drawing.handles(frames[-1]), look, width)
-        self._seen = canvas.seen(*self._drawing.part, box)
-        self._figure = canvas.new_figure(_even(sheet.size), DOTS)
+        some = [*frames[: -1 : -(-len(frames) // 60)], frames[-1]]
+        part, bars = self._drawing.part, int(self._drawing.has_scale)
+
+        def lay_out(*pixels: float) -> tuple[canvas.Sheet, canvas.Keys]:
+            title, handles = results.title or results.name, self._drawing.handles(frames[-1])
+            return canvas.lay_out(part, look.of_picture(*pixels), title, handles, bars, 1)
+
+        sheet, keys = lay_out(*(look.size or (width,)))
+        if sheet.size[1] > STEEPEST * sheet.size[0] and not look.size:
+            sheet, keys = lay_out(width, round(STEEPEST * width))
+        self._seen = canvas.seen(*part, sheet.room)
+        # films need even numbers of pixels
+        across, up = (2 * max(1, round(DOTS * inches / 2)) / DOTS for inches in sheet.size)
+        self._figure = canvas.new_figure((across, up), DOTS)
         agg: Any = FigureCanvasAgg(self._figure)
         self._canvas = agg
-        self._axes = self._figure.add_axes(sheet.share(sheet.axes))
-        canvas.view(self._axes, *self._seen, box)
+        self._axes = self._figure.add_axes(sheet.parts(sheet.axes))
+        canvas.view(self._axes, *self._seen, sheet.room)
         canvas.head(self._figure, sheet.axes[0], sheet.title, "")
         keys.draw(self._figure, sheet)
         self._scale = self._drawing.scale(some, self._seen, look.limits)
@@ -212,15 +336,9 @@ class FrameDrawer:
             extend = self._scale.extend
             draw_blocks.draw_colour_bar(self._figure, sheet, sample, label, extend)
         draw_scale_bar(self._figure, sheet, self._seen)
-        self._clock = self._figure.text(
-            sheet.axes[0] / sheet.size[0],
-            1.0 - (0.1 + canvas.LINE * (len(sheet.title) + 0.5)) / sheet.size[1],
-            "",
-            fontsize=canvas.TEXT_SIZE,
-            color=canvas.INK,
-            va="center",
-            animated=True,
-        )
+        top = 1.0 - (0.1 + canvas.LINE * (len(sheet.title) + 0.5)) / sheet.size[1]
+        looks: dict[str, Any] = {"va": "center", "animated": True, **canvas.TEXT}
+        self._clock = self._figure.text(sheet.axes[0] / sheet.size[0], top, "", **looks)
         self._canvas.draw()
         self._ground = self._canvas.copy_from_bbox(self._figure.bbox)
         self._standing = frozenset(self._axes.get_children())
@@ -242,29 +360,6 @@ class FrameDrawer:
         self._clock.set_text(_time(self._results, frame))
         self._figure.draw_artist(self._clock)
         return np.array(self._canvas.buffer_rgba(), np.uint8)
-
-    def _sheet(
-        self, handles: list[Any], look: FilmLook, width: int
-    ) -> tuple[canvas.Sheet, tuple[float, float], canvas.Keys]:
-        """Return the sheet, the size of its axes, inches, and its legend."""
-        title = self._results.title or self._results.name
-        part, bars = self._drawing.part, int(self._drawing.has_scale)
-
-        def laid_out(*pixels: float) -> tuple[canvas.Sheet, tuple[float, float], canvas.Keys]:
-            box, keys, narrowest = canvas.sizes(
-                part, look.of_picture(*pixels), title, handles, bars, 1
-            )
-            return canvas.sheet_for(box, title, keys.lines + 1, bars, narrowest), box, keys
-
-        layout = laid_out(*(look.size or (width,)))
-        high = layout[0].size[1] > STEEPEST * layout[0].size[0]
-        return laid_out(width, round(STEEPEST * width)) if high and not look.size else layout
-
-
-def _even(size: tuple[float, float]) -> tuple[float, float]:
-    """Return a size in inches whose pixels are even numbers."""
-    width, height = (2 * max(1, round(DOTS * length / 2)) / DOTS for length in size)
-    return width, height
 
 
 def _time(results: Recording, frame: int) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Floats, Ints
-from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
+from clast.pictures.canvas import INK, SMALL, SMALL_SIZE, Sheet, letters_in
 from clast.pictures.draw_blocks import outlines_of
 from clast.pictures.fields import largest_but_few, prefixed, round_below
 from clast.results import Recording
@@ -17,18 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MANY = 400
-"""Contacts from which on arrows are kept farther apart."""
-APART, FARTHER = 0.06, 0.2
-"""Arrows have this distance at least, inches; of nearer ones only the largest is drawn."""
-FEW = 0.05
-"""Share of the arrows whose forces do not set the scale if they would spoil it."""
+NEAR_CONTACTS_MAX, APART, FARTHER = 400, 0.06, 0.2
+"""Distance of arrows of up to so many contacts, and of more, inches: of nearer ones the largest
+alone is drawn."""
 HEAD = 0.02
 """Length of the head of the shortest arrow beyond its end, inches."""
 ARROW = "#111111"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Arrows:
     """Contact forces to be drawn, a pair of arrows each; k pairs."""
 
@@ -56,20 +53,17 @@ class Arrows:
 def arrows_of(
     results: Recording, frame: int, low: Floats, high: Floats, per_inch: float, *, zoomed: bool
 ) -> Arrows:
-    """Return the arrows in a part (low, high) of a frame, m, drawn at ``per_inch`` m an inch.
-
-    Where the part is ``zoomed`` arrows that would leave it are not drawn.
-    """
+    """Return the arrows in a part of a frame; those of a ``zoomed`` one do not leave it."""
     contacts = results.contacts(frame)
     at, force = contacts.position, contacts.force
     size = np.hypot(*force.T)
     shown = np.flatnonzero(((at >= low) & (at <= high)).all(axis=1) & (size > 0.0))
     count = len(shown)
-    apart = (APART if count <= MANY else FARTHER) * per_inch
-    shown = shown[_apart(at[shown], size[shown], apart)]
+    apart = (APART if count <= NEAR_CONTACTS_MAX else FARTHER) * per_inch
+    shown = shown[keep_apart(at[shown], size[shown], apart)]
     thinned = len(shown) < count
     size = size[shown]
-    largest = largest_but_few(size, np.ones(len(size)), FEW)
+    largest = largest_but_few(size, np.ones(len(size)), 0.05)
     longest = max(length_of_longest(results, low, high), 0.5 * apart)
     length = longest * np.minimum(1.0, size / largest) if len(size) else size
     vector = force[shown] * (length / size)[:, None]
@@ -79,18 +73,10 @@ def arrows_of(
         ends = np.stack([at + vector, at - vector])
         inside = ((ends >= low + slack) & (ends <= high - slack)).all(axis=(0, 2))
         at, vector, size = at[inside], vector[inside], size[inside]
-    return Arrows(
-        at=at,
-        vector=vector,
-        longest=longest,
-        largest=largest,
-        cut=int(np.sum(size > largest)),
-        contacts=count,
-        thinned=thinned,
-    )
+    return Arrows(at, vector, longest, largest, int(np.sum(size > largest)), count, thinned)
 
 
-def _apart(at: Floats, size: Floats, distance: float) -> Ints:
+def keep_apart(at: Floats, size: Floats, distance: float) -> Ints:
     """Return which points (k, 2) are kept so that none is within ``distance`` of a larger one."""
     from scipy.spatial import KDTree  # slow to load
 
@@ -109,10 +95,8 @@ def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> Non
     """Draw the arrows and explain their length below, and which are drawn."""
     width, height = sheet.size
     if not len(arrows.at):
-        said = "no contact carries a force" if not arrows.contacts else "no arrow fits in here"
-        figure.text(
-            sheet.axes[0] / width, 0.2 / height, said, fontsize=SMALL_SIZE, color=INK, va="center"
-        )
+        text = "no contact carries a force" if not arrows.contacts else "no arrow fits in here"
+        figure.text(sheet.axes[0] / width, 0.2 / height, text, va="center", **SMALL)
         return
     inches = arrows.longest * sheet.axes[2] / float(np.ptp(axes.get_xlim()))
     drawn = axes.quiver(
@@ -148,20 +132,16 @@ def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> Non
 
 
 def _words(arrows: Arrows, shown: float) -> list[str]:
-    """Return the texts for the arrows: the force ``shown``, N/m, and which; shorter and shorter.
-
-    All but the shortest say which arrows are drawn shorter than they should be.
-    """
+    """Return the texts for the arrows: the force ``shown``, N/m, and which; shorter and shorter."""
     factor, unit = prefixed(shown, "N/m")
-    force, counted = f"contact force, {shown * factor:g} {unit}", ""
-    if len(arrows.at) < arrows.contacts:
-        counted = f"{len(arrows.at):,} of {arrows.contacts:,}"
+    force = f"contact force, {shown * factor:g} {unit}"
     which = "the largest of each place: " if arrows.thinned else ""
     factor, unit = prefixed(arrows.largest, "N/m")
     most = f"; {arrows.cut} above {arrows.largest * factor:.3g} {unit} drawn as long as that"
     cut = most if arrows.cut else ""
-    if not counted:
+    if len(arrows.at) == arrows.contacts:
         return [force + cut, force]
+    counted = f"{len(arrows.at):,} of {arrows.contacts:,}"
     return [f"{force} ({which}{counted}){cut}", f"{force} ({counted}){cut}", f"{force} ({counted})"]
 
 

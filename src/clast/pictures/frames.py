@@ -29,8 +29,6 @@ from clast.results.frames import absent_in_frame
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-TOGETHER = 1e-3
-"""Edges of two blocks are drawn as one up to this distance, as a share of the picture."""
 POINT_NAMES_MAX = 12
 """Measured points drawn with their names."""
 
@@ -125,7 +123,11 @@ class FrameDrawing:
                 coloured = draw_faces(axes, faces, scale)
                 label = self.paint(coloured, faces.value, scale)
         elif scale is None:
-            draw_blocks.paint_kinds(coloured, results, field, frame, drawn)
+            if field in ("joint", "none"):
+                coloured.set_facecolor(GROUND)
+            else:
+                kinds = results.field(field, frame)[drawn]
+                coloured.set_facecolor([*map(draw_blocks.kind_colour, kinds)])
         else:
             label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
         draw_water(axes, results, waters_of(results, frame), frame, seen)
@@ -143,8 +145,9 @@ class FrameDrawing:
         """Return the edges in the colours of their joints, if they are asked for."""
         if self.field != "joint":
             return ()
-        together = TOGETHER * float((self.part[1] - self.part[0]).max())
-        return edges_by_joint(self.results, frame, together)
+        # edges of two blocks are one up to a thousandth of the picture
+        apart = 1e-3 * float((self.part[1] - self.part[0]).max())
+        return edges_by_joint(self.results, frame, apart)
 
 
 def _part(
@@ -182,7 +185,11 @@ def _draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
     for name, at in list(zip(names, places, strict=True))[:POINT_NAMES_MAX]:
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
         text, side = _beside(axes, name, float(at[0]))
-        beside = {"xytext": (4, 4) if side == "left" else (-4, 4), "ha": side, "va": "baseline"}
+        beside: dict[str, Any] = {
+            "xytext": (4, 4) if side == "left" else (-4, 4),
+            "ha": side,
+            "va": "baseline",
+        }
         text = canvas.literal(text)
         canvas.write(axes, text, at, 7, textcoords="offset points", **beside)
 

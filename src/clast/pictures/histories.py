@@ -46,17 +46,17 @@ class History:
     """Part or component, "" where there is one alone -> its values, shape (t,)."""
 
 
+def _of_bolt(results: Recording, name: str) -> Iterator[History]:
+    bolt = results.bolt_history(name)
+    yield History(f"Bolt {name}, force", "Force", "N/m", bolt.time, {"": bolt.force})
+
+
 def _of_point(results: Recording, name: str) -> Iterator[History]:
     point = results.history(name)
     for quantity, unit in (("displacement", "m"), ("velocity", "m/s")):
         x, y = getattr(point, quantity).T
         panel, title = quantity.capitalize(), f"Point {name}, {quantity}"
         yield History(title, panel, unit, point.time, {"x": x, "y": y})
-
-
-def _of_bolt(results: Recording, name: str) -> Iterator[History]:
-    bolt = results.bolt_history(name)
-    yield History(f"Bolt {name}, force", "Force", "N/m", bolt.time, {"": bolt.force})
 
 
 def _of_contact(results: Recording, name: str) -> Iterator[History]:
@@ -119,8 +119,7 @@ def _of_steps(results: Recording, name: str) -> Iterator[History]:
 RUN = ("energy", "steps")
 """Kinds that are of the run itself."""
 KINDS: dict[
-    str,
-    tuple[Callable[[Recording], Sequence[str]], Callable[[Recording, str], Iterator[History]]],
+    str, tuple[Callable[[Recording], Sequence[str]], Callable[[Recording, str], Iterator[History]]]
 ] = {
     "point": (lambda results: results.point_name, _of_point),
     "bolt": (lambda results: results.bolt_name, _of_bolt),
@@ -132,13 +131,6 @@ KINDS: dict[
     "steps": (lambda _: RUN[1:], _of_steps),
 }
 """Kind of thing -> the names of those in a run, and the histories of one."""
-
-
-def histories_of(results: Recording) -> Iterator[History]:
-    """Yield all histories of a run."""
-    for names, histories in KINDS.values():
-        for name in names(results):
-            yield from histories(results, name)
 
 
 def plot_histories(
@@ -154,7 +146,7 @@ def plot_histories(
     panels: dict[tuple[str, str], list[Curve]] = {}
     label, abscissa = _abscissa(results, against)
     for name in names:
-        for thing, one in _asked(results, name):
+        for thing, one in _histories_called(results, name):
             # the velocity of a point is on its own picture
             if one.panel not in ("", "Velocity"):
                 curves = panels.setdefault((one.panel, one.unit), [])
@@ -192,26 +184,23 @@ def plot_bolt_history(results: Recording, path: Path | str, bolt: str) -> Path:
     return canvas.save(figure, Path(path))
 
 
-def _asked(results: Recording, name: str) -> list[tuple[str, History]]:
-    """Return the histories of everything called so, or of one kind of it: "lining:crown".
-
-    They come with the name of the thing, "" for the run.  CaseError where nothing is called so.
-    """
-    asked, known = list[tuple[str, History]](), list[str]()
+def _histories_called(results: Recording, name: str) -> list[tuple[str, History]]:
+    """Return the histories of everything called so, or of one kind of it: "lining:crown"."""
+    wanted, known = list[tuple[str, History]](), list[str]()
     for kind, (names, histories) in KINDS.items():
         known += names(results)
         of = "run" if kind in RUN else kind
         for one in dict.fromkeys((name, name.removeprefix(f"{of}:"))):
             if one in names(results):
                 thing = "" if kind in RUN else one
-                asked += [(thing, history) for history in histories(results, one)]
-    if not asked:
+                wanted += [(thing, history) for history in histories(results, one)]
+    if not wanted:
         raise CaseError(
             f"there is no history '{name}'",
             where="history",
             remedy=spelling.advice(name, dict.fromkeys(known), kind="history"),
         )
-    return asked
+    return wanted
 
 
 def _curves(history: History, thing: str, x: Floats) -> list[Curve]:

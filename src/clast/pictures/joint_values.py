@@ -16,22 +16,17 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.fields import ColourScale, Field, scale_of
-from clast.pictures.strokes import following, partners
+from clast.pictures.strokes import following, partners, visible
 from clast.results import FrameContacts, Recording
+from clast.results.contact_samples import SLIDES
 from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import LineCollection
 
-STRAIGHT = 12
+DIRECTIONS = 12
 """Directions in half a turn that are told apart: faces of two blocks at a corner are two."""
-APART = 0.5
-"""Distance of two edges, as a share of their length, up to which they are still a joint."""
-SLIDES = 1
-"""Mode of a contact that slides."""
-CORNER = 0.01
-"""Contacts nearer than this share of the smaller block's size have no face between them."""
 THIN, THICK = 0.7, 4.0
 """Widths of lines whose value is 0, and the largest, points."""
 
@@ -54,8 +49,7 @@ class Faces:
 
     def within(self, low: Floats, high: Floats) -> Bools:
         """Return which may be seen in a part (low, high), m, shape (k,)."""
-        seen: Bools = ((self.ends.max(axis=1) >= low) & (self.ends.min(axis=1) <= high)).all(axis=1)
-        return seen
+        return visible(self.ends, (low, high))
 
 
 def faces_opened(results: Recording, frame: int) -> Faces:
@@ -64,17 +58,17 @@ def faces_opened(results: Recording, frame: int) -> Faces:
     after = following(results.block_start)
     other = partners(start, after)
     absent = np.repeat(absent_in_frame(results, frame), np.diff(results.block_start))
-    own = np.flatnonzero((other > np.arange(len(other))) & ~absent & ~absent[other])
-    mine = np.stack([here[own], here[after[own]]], axis=1)
-    theirs = np.stack([here[after[other[own]]], here[other[own]]], axis=1)
+    edge = np.flatnonzero((other > np.arange(len(other))) & ~absent & ~absent[other])
+    mine = np.stack([here[edge], here[after[edge]]], axis=1)
+    theirs = np.stack([here[after[other[edge]]], here[other[edge]]], axis=1)
     along = mine[:, 1] - mine[:, 0]
     length = np.maximum(np.hypot(*along.T), 1e-300)
     out = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
     apart = np.einsum("kex,kx->ke", theirs - mine, out).mean(axis=1)
-    near = np.hypot(*(theirs - mine).mean(axis=1).T) <= APART * length
+    near = np.hypot(*(theirs - mine).mean(axis=1).T) <= 0.5 * length
     # further apart they are no neighbours; what is pressed together is closed
     return Faces(
-        ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]), edge=own[near]
+        ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]), edge=edge[near]
     )
 
 
@@ -115,7 +109,8 @@ def _stress(results: Recording, frame: int, force: str) -> Faces:
     after = following(results.block_start)
     area = 0.5 * np.add.reduceat(x * y[after] - x[after] * y, results.block_start[:-1])
     smaller = area[np.stack([contacts.vertex_block[first], contacts.edge_block[first]])].min(axis=0)
-    long = np.flatnonzero(faces.length > CORNER * np.sqrt(smaller))
+    # of contacts that are nearly in one place there is no face
+    long = np.flatnonzero(faces.length > 0.01 * np.sqrt(smaller))
     value = sums[0][long] / faces.length[long]
     return Faces(
         ends=faces.ends[long],
@@ -144,8 +139,8 @@ def _faces_of(contacts: FrameContacts, *values: Floats) -> tuple[Faces, list[Flo
 def _divided(contacts: FrameContacts) -> tuple[Ints, Ints]:
     """Return the first contact of each face (k,), and the face of each contact (m,)."""
     blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block]), axis=0)
-    angle = np.arctan2(contacts.normal[:, 0], -contacts.normal[:, 1]) * STRAIGHT / np.pi
-    key = np.stack([*blocks, np.round(angle).astype(np.int64) % STRAIGHT], axis=1)
+    angle = np.arctan2(contacts.normal[:, 0], -contacts.normal[:, 1]) * DIRECTIONS / np.pi
+    key = np.stack([*blocks, np.round(angle).astype(np.int64) % DIRECTIONS], axis=1)
     _, first, face = np.unique(key, axis=0, return_index=True, return_inverse=True)
     return first, face.ravel()
 
@@ -171,8 +166,7 @@ def resultants_of(contacts: FrameContacts) -> Resultants:
     weight = np.hypot(*force.T)
 
     def summed(values: Floats) -> Floats:
-        sums: Floats = np.bincount(face, values, len(first)).astype(np.float64)
-        return sums
+        return np.bincount(face, values, len(first)).astype(np.float64)
 
     total = np.maximum(summed(weight), 1e-300)
     at = np.stack([summed(weight * x) / total for x in contacts.position.T], axis=1)
@@ -191,9 +185,7 @@ def together(some: Sequence[Faces]) -> Faces:
 
 JOINT_FIELDS = {
     "slip": Field(
-        "Slip of joints",
-        "m",
-        _from_sums(lambda one: (one.slip, np.ones(len(one))), np.divide),
+        "Slip of joints", "m", _from_sums(lambda one: (one.slip, np.ones(len(one))), np.divide)
     ),
     "opening": Field("Opening of joints", "m", faces_opened),
     "mobilised": Field(
@@ -237,10 +229,7 @@ def draw_faces(axes: Axes, faces: Faces, scale: ColourScale) -> LineCollection:
     largest = max(abs(scale.low), abs(scale.high))
     share = np.minimum(1.0, np.abs(faces.value) / largest) if largest > 0.0 else 0.0 * faces.value
     lines = LineCollection(
-        list(faces.ends),
-        linewidths=THIN + (THICK - THIN) * share,
-        capstyle="round",
-        zorder=4.5,
+        list(faces.ends), linewidths=THIN + (THICK - THIN) * share, capstyle="round", zorder=4.5
     )
     axes.add_collection(lines)
     return lines

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.model.model import Floats
-from clast.pictures import canvas
-from clast.pictures.canvas import INK, SMALL_SIZE, Part, Sheet
+from clast.pictures.canvas import INK, SMALL, SMALL_SIZE, Part, Sheet
 from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed, round_below
 from clast.pictures.joint_values import resultants_of
@@ -25,12 +24,6 @@ if TYPE_CHECKING:
 CHAIN, PRESSED, PULLED, MOVED = "#5b2a86", "#2166ac", "#b2182b", "#0b5345"
 THIN, THICK = 0.4, 5.0
 """Widths of the lines of the smallest and the largest force, points."""
-FAINTEST = 0.005
-"""Forces below this share of the largest are not drawn."""
-LEVELS = 8
-"""Levels of displacement at most."""
-LONGEST = 0.12
-"""Longest arrow of a displacement, as a share of the picture's smaller side."""
 
 
 Layer = Callable[[Recording, int], tuple[list[Any], Callable[[Any], None]]]
@@ -71,7 +64,7 @@ def chains(results: Recording, frame: int) -> tuple[list[Any], Callable[[Axes], 
             np.where(results.fixed[block][:, None], faces.at, centres[block])
             for block in faces.block.T
         )
-        kept = np.flatnonzero(size > FAINTEST * largest)
+        kept = np.flatnonzero(size > 0.005 * largest)
         kept = kept[np.argsort(size[kept], kind="stable")]
         axes.add_collection(
             LineCollection(
@@ -136,7 +129,7 @@ def vectors(results: Recording, frame: int) -> tuple[list[Any], Callable[[Axes],
             return
         seen = float(min(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())))
         # as they are where they can be seen, else enlarged
-        arrow = max(1.0, LONGEST * seen / largest) * moved[there]
+        arrow = max(1.0, 0.12 * seen / largest) * moved[there]
         axes.quiver(
             *(_centres(results, frame)[there] - 0.5 * arrow).T,
             *arrow.T,
@@ -154,27 +147,22 @@ def vectors(results: Recording, frame: int) -> tuple[list[Any], Callable[[Axes],
     return [_legend(MOVED, "displacement", largest, "m")] if largest > 0.0 else [], draw
 
 
-def _reference(results: Recording, frame: int) -> Floats:
-    """Return the vertices that displacements of a frame count from, m, (nv, 2)."""
-    since = 0
-    for event in results.events:
-        if event.kind == "displacements reset":
-            last = results.frame(-1, stage=event.stage).number
-            since = last if last < frame else since
-    return results.vertices(since)
-
-
 def levels(results: Recording, frame: int) -> tuple[list[Any], Callable[[Axes], None]]:
     """Lines of equal displacement within blocks, with their values."""
     from matplotlib.lines import Line2D
     from matplotlib.ticker import MaxNLocator
 
+    since = 0
+    for event in results.events:
+        if event.kind == "displacements reset":
+            last = results.frame(-1, stage=event.stage).number
+            since = last if last < frame else since
     here = results.vertices(frame)
-    size = np.hypot(*(here - _reference(results, frame)).T)
+    size = np.hypot(*(here - results.vertices(since)).T)
     there = np.repeat(~absent_in_frame(results, frame), np.diff(results.block_start))
     largest = float(size[there].max(initial=0.0))
     factor, unit = prefixed(largest, "m")
-    values = np.asarray(MaxNLocator(LEVELS).tick_values(0.0, factor * largest))
+    values = np.asarray(MaxNLocator(8).tick_values(0.0, factor * largest))
     values = values[(values > 0.0) & (values < factor * largest)]
 
     def draw(axes: Axes) -> None:
@@ -232,16 +220,12 @@ LAYERS: dict[str, Layer] = {
 """Name of a layer, as ``Look.layers`` has it -> the layer."""
 
 
-BAR = 0.2
-"""Length of the scale bar at most, as a share of the width of the axes."""
-
-
 def draw_scale_bar(figure: Figure, sheet: Sheet, seen: Part, up: float = 0.2) -> None:
     """Draw a bar of a round length at a height, inches, with the length beside it."""
     from matplotlib.lines import Line2D
 
     per_inch = float(seen[1][0] - seen[0][0]) / sheet.axes[2]
-    length = round_below(BAR * sheet.axes[2] * per_inch)
+    length = round_below(0.2 * sheet.axes[2] * per_inch)
     factor, unit = prefixed(length, "m")
     width, height = sheet.size
     left, right = sheet.axes[0], sheet.axes[0] + length / per_inch
@@ -251,15 +235,9 @@ def draw_scale_bar(figure: Figure, sheet: Sheet, seen: Part, up: float = 0.2) ->
         ((right, right), (up - 0.04, up + 0.04)),
     ):
         place = np.array(x) / width, np.array(y) / height
-        figure.add_artist(Line2D(*place, color=canvas.INK, lw=1.2, solid_capstyle="butt"))
-    figure.text(
-        (right + 0.08) / width,
-        up / height,
-        f"{factor * length:g} {unit}",
-        fontsize=canvas.SMALL_SIZE,
-        color=canvas.INK,
-        va="center",
-    )
+        figure.add_artist(Line2D(*place, color=INK, lw=1.2, solid_capstyle="butt"))
+    text = f"{factor * length:g} {unit}"
+    figure.text((right + 0.08) / width, up / height, text, va="center", **SMALL)
 
 
 def draw_gravity(figure: Figure, sheet: Sheet, results: Recording) -> None:
@@ -282,13 +260,5 @@ def draw_gravity(figure: Figure, sheet: Sheet, results: Recording) -> None:
             lw=1.0,
         )
     )
-    figure.text(
-        (middle[0] - 0.12) / width,
-        middle[1] / height,
-        "g",
-        fontsize=SMALL_SIZE,
-        color=INK,
-        ha="right",
-        va="center",
-        style="italic",
-    )
+    place: dict[str, Any] = {"ha": "right", "va": "center", "style": "italic"}
+    figure.text((middle[0] - 0.12) / width, middle[1] / height, "g", **place, **SMALL)

@@ -19,7 +19,7 @@ from clast.actions.linings import InteractionCurve, interaction_curve
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, LEGEND, NAME_BOX, TEXT_SIZE
+from clast.pictures.canvas import FAINT, LEGEND, NAME_BOX, TEXT
 from clast.pictures.fields import prefixed
 from clast.results import Recording
 from clast.results.result_tables import LiningHistory
@@ -33,16 +33,12 @@ TALLEST = 0.12
 
 @dataclass(frozen=True)
 class LiningQuantity:
-    """A quantity that is drawn along linings."""
+    """A quantity that is drawn along linings: its letter, and its column of the table."""
 
     letter: str
-    """Its sign in the legend."""
     column: str
-    """Its column of the table."""
     unit: str
-    """Its unit."""
     colour: str
-    """Its colour."""
 
 
 DIAGRAMS = {
@@ -80,9 +76,13 @@ def diagram(
         for name, values, here in drawn:
             scaled = TALLEST * room / largest * values
             foot, tip = _ordinates(results, frame, name, scaled)
-            order = np.arange(len(foot) + comes_back(results, name)) % len(foot)
+            order = [k % len(foot) for k in range(len(foot) + comes_back(results, name))]
             _draw_diagram(
-                axes, foot, tip, [k for k in itertools.pairwise(order) if here[[*k]].all()], one
+                axes,
+                foot,
+                tip,
+                [pair for pair in itertools.pairwise(order) if here[[*pair]].all()],
+                one,
             )
             factor, unit = prefixed(float(np.abs(values).max()), one.unit)
             for k in {int(values.argmin()), int(values.argmax())}:
@@ -139,7 +139,7 @@ LEGEND_LINES = 3
 """Lines of the legend."""
 LOST = 4
 """State of a joint of a lining from which on it carries nothing."""
-MOST_POINTS = 20_000
+POINTS_MAX = 20_000
 """Points of other instants that are drawn at most."""
 
 
@@ -174,7 +174,7 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
     axes = figure.add_axes(box)
     _draw_curve(axes, history, curve, there, row)
     place = (canvas.LEFT / width, 0.1 / height)
-    padding = {"borderpad": 0.0, "borderaxespad": 0.0}
+    padding: dict[str, Any] = {"borderpad": 0.0, "borderaxespad": 0.0}
     figure.legend(loc="lower left", bbox_to_anchor=place, ncols=2, **padding, **LEGEND)
     return canvas.save(figure, Path(path))
 
@@ -217,8 +217,8 @@ def _draw_curve(
     axes.axhline(0.0, color=FAINT, lw=0.6)
     axes.axvline(0.0, color=FAINT, lw=0.6)
     axes.invert_yaxis()
-    axes.set_xlabel(f"M ({metre}), positive: stretched inside", fontsize=TEXT_SIZE, color=INK)
-    axes.set_ylabel(f"N ({newton}), compression upwards", fontsize=TEXT_SIZE, color=INK)
+    axes.set_xlabel(f"M ({metre}), positive: stretched inside", **TEXT)
+    axes.set_ylabel(f"N ({newton}), compression upwards", **TEXT)
     axes.grid(color="#e4e4e4", lw=0.6)
     canvas.style(axes)
 
@@ -226,46 +226,18 @@ def _draw_curve(
 def _draw_states(
     axes: Axes, history: LiningHistory, there: Bools, row: int, scale: tuple[float, float]
 ) -> None:
-    """Draw N and M of all instants, those of one ``row`` above, and the largest utilisation.
-
-    ``scale`` has the units of N and M in the picture.
-    """
-    of_force, of_moment = scale
-    normal, moment = history.normal_force, history.moment
+    """Draw N and M of all instants, those of one ``row`` above, and the largest utilisation."""
+    normal, moment = scale[0] * history.normal_force, scale[1] * history.moment
     every = np.flatnonzero(there.ravel())
-    every = every[:: max(1, -(-len(every) // MOST_POINTS))]
-    axes.plot(
-        of_moment * moment.ravel()[every],
-        of_force * normal.ravel()[every],
-        ".",
-        color=CLOUD,
-        ms=2.5,
-        label="at all times",
-        zorder=2.5,
-    )
+    every = every[:: max(1, -(-len(every) // POINTS_MAX))]
+    looks: dict[str, Any] = {"color": CLOUD, "ms": 2.5, "label": "at all times", "zorder": 2.5}
+    axes.plot(moment.ravel()[every], normal.ravel()[every], ".", **looks)
     now = there[row]
-    axes.plot(
-        of_moment * moment[row, now],
-        of_force * normal[row, now],
-        "o",
-        color=POINTS,
-        ms=4.0,
-        mec="white",
-        mew=0.4,
-        label="joints of the lining",
-        zorder=3,
-    )
+    looks = {"color": POINTS, "ms": 4.0, "mec": "white", "mew": 0.4, "zorder": 3}
+    axes.plot(moment[row, now], normal[row, now], "o", label="joints of the lining", **looks)
     used = np.where(there, history.utilisation, -1.0)
     at, joint = np.unravel_index(int(used.argmax()), used.shape)
-    axes.plot(
-        of_moment * moment[at, joint],
-        of_force * normal[at, joint],
-        "o",
-        ms=8.0,
-        mfc="none",
-        mec=CRACKS,
-        mew=1.2,
-        label=f"largest utilisation: {used[at, joint]:.3g}, {history.along[joint]:.3g} m along, "
-        f"$t$ = {history.time[at]:.4g} s",
-        zorder=4,
-    )
+    place = f"{history.along[joint]:.3g} m along, $t$ = {history.time[at]:.4g} s"
+    label = f"largest utilisation: {used[at, joint]:.3g}, {place}"
+    looks = {"ms": 8.0, "mfc": "none", "mec": CRACKS, "mew": 1.2, "zorder": 4}
+    axes.plot(moment[at, joint], normal[at, joint], "o", label=label, **looks)

@@ -18,9 +18,6 @@ from clast.results import Recording
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-HEIGHT = 640
-"""Height of a page in a notebook, pixels."""
-
 
 class PageFrame:
     """The page in a frame of a notebook; it sees nothing of the notebook."""
@@ -32,7 +29,7 @@ class PageFrame:
         # scripts run, but as those of a page from elsewhere
         return (
             f'<iframe srcdoc="{escape(self._text)}" sandbox="allow-scripts allow-downloads" '
-            f'style="width:100%;height:{HEIGHT}px;border:1px solid #ccc"></iframe>'
+            'style="width:100%;height:640px;border:1px solid #ccc"></iframe>'
         )
 
 
@@ -66,10 +63,7 @@ class Picture:
         """The figure of matplotlib."""
 
     def save(self, path: Path | str) -> Path:
-        """Write it in the format that the name's ending says; return the path.
-
-        Raises CaseError where it cannot be written.
-        """
+        """Write it in the format that the name's ending says; return the path."""
         return canvas.save(self.figure, Path(path))
 
     def _repr_png_(self) -> bytes:

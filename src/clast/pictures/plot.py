@@ -12,7 +12,7 @@ import numpy as np
 from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE, UPRIGHT
+from clast.pictures.canvas import BAR, BAR_LABELS, LEFT, RIGHT, TEXT
 from clast.pictures.fields import SCALARS
 from clast.pictures.figure_options import CM, DEFAULT, SMALLEST, Look
 from clast.pictures.forces import HEAD, Arrows, arrows_of, draw_arrows
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Look", "plot_bolt_history", "plot_history", "plot_results", "plot_two_frames"]
 
-FINE_FROM_BLOCKS = 500
-"""Blocks above which a picture has finer dots."""
 BETWEEN = 0.55
 """Space between two frames, inches."""
 
@@ -48,11 +46,10 @@ def plot_results(
     ``results`` are a run, or the content of a result file:  ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks of
     each contact, the largest in each place where they are many; ``reactions`` the reactions of
-    supports. "slip" and "opening" colour the
-    joints between blocks.  Water is drawn with its level and its pressures: outside faces, and
-    across joints.  ``look`` has limits of the colours, size, resolution and the part that is shown.
-    The format follows from the ending of ``path``.  Raises CaseError for results that are not
-    there, or that cannot be drawn or written.
+    supports.  "slip" and "opening" colour the joints between blocks.  Water is drawn with its level
+    and its pressures.  ``look`` has limits of the colours, size, resolution and the part that is
+    shown.  The format follows from the ending of ``path``.  Raises CaseError for results that are
+    not there, or that cannot be drawn or written.
     """
     figure = draw_results(
         results, frame=frame, field=field, contacts=contacts, reactions=reactions, look=look
@@ -74,17 +71,16 @@ def draw_results(
     number = results.frame(frame).number
     drawing = FrameDrawing(results, [number], field, look.zoom, look.layers)
     part, bars, title = drawing.part, int(drawing.has_scale), results.title or results.name
-    size, keys, narrowest = canvas.sizes(part, look, title, drawing.handles(number), bars, 1)
+    sheet, keys = canvas.lay_out(part, look, title, drawing.handles(number), bars, 1)
+    size = sheet.room
     arrows, pushes = None, list[ReactionArrow]()
     if contacts:
         arrows, part = _contact_arrows(results, number, part, size, look)
     seen = canvas.seen(*part, size)
     if reactions:
         pushes, seen = _reactions(results, number, part, size, look)
-    sheet = canvas.sheet_for(size, title, keys.lines + 1, bars, narrowest)
-    coarse = len(results.block_name) <= FINE_FROM_BLOCKS
-    figure = canvas.new_figure(sheet.size, look.dpi or (160 if coarse else 220))
-    axes = figure.add_axes(sheet.share(sheet.axes))
+    figure = canvas.new_figure(sheet.size, look.dpi or canvas.dots_for(len(results.block_name)))
+    axes = figure.add_axes(sheet.parts(sheet.axes))
     canvas.view(axes, *seen, size)
     canvas.head(figure, sheet.axes[0], sheet.title, _below(drawing, number, sheet))
     scale = drawing.scale([number], seen, look.limits)
@@ -168,13 +164,11 @@ def plot_two_frames(
     title, bars = results.title or results.name, int(drawing.has_scale)
     handles, below = drawing.handles(numbers[-1]), int("scale" in look.layers)
 
-    def laid_out(beside: int) -> tuple[tuple[float, float], canvas.Keys, float]:
-        return canvas.sizes(drawing.part, _half(look, beside), title, handles, bars, below)
-
-    size, keys, narrowest = laid_out(bars)
-    if size[1] < UPRIGHT:  # the colour bar lies below both
-        size, keys, narrowest = laid_out(0)
-    sheet = canvas.sheet_for(size, title, keys.lines + below, bars, narrowest)
+    part, half = drawing.part, _half(look, bars)
+    sheet, keys = canvas.lay_out(part, half, title, handles, bars, below)
+    if not sheet.upright:  # the colour bar lies below both
+        sheet, keys = canvas.lay_out(part, _half(look, 0), title, handles, bars, below)
+    size = sheet.room
     shift = size[0] + BETWEEN
     wide = replace(
         sheet,
@@ -183,12 +177,12 @@ def plot_two_frames(
     )
     figure = canvas.new_figure(wide.size, look.dpi or 160)
     canvas.head(figure, wide.axes[0], wide.title, "")
-    seen = canvas.seen(*drawing.part, size)
+    seen = canvas.seen(*part, size)
     scale = drawing.scale(numbers, seen, look.limits)
     for place, number in enumerate(numbers):
-        axes = figure.add_axes(wide.share((wide.axes[0] + place * shift, *wide.axes[1:])))
+        axes = figure.add_axes(wide.parts((wide.axes[0] + place * shift, *wide.axes[1:])))
         canvas.view(axes, *seen, size)
-        axes.set_title(_time(results, number), fontsize=TEXT_SIZE, color=INK, loc="left")
+        axes.set_title(_time(results, number), loc="left", **TEXT)
         coloured, label = drawing.draw(axes, number, seen, scale)
         if place:
             axes.set_ylabel("")
@@ -209,10 +203,7 @@ def _time(results: Recording, number: int) -> str:
 
 
 def _half(look: Look, bars: int) -> Look:
-    """Return the look of one of two, which together are as wide as asked for.
-
-    ``bars`` is the number of colour bars that stand beside them.
-    """
+    """Return the look of one of two beside so many colour bars, together as wide as asked for."""
     if look.size is None:
         return look
     beside = LEFT + RIGHT + (BAR + BAR_LABELS) * bars

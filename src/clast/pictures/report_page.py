@@ -27,12 +27,10 @@ from clast.results import Recording
 from clast.results.frames import absent_in_frame
 from clast.results.schema import BOLT_STATES
 
-FINE = 2000
-"""Blocks from which on figures are images of dots: drawings of lines would be slow to open."""
-CURVES_MAX = 6
-"""Measured points whose curves are drawn, a figure each."""
-ROWS_MAX = 60
-"""Rows of a table; the result file has all of them."""
+VECTOR_BLOCKS, CURVES_MAX, ROWS_MAX = 2000, 6, 60
+"""Blocks from which on figures are images of dots, as drawings of lines are slow to open; measured
+points whose curves are drawn; rows of a table."""
+STIFFNESSES = ("normal_stiffness", "shear_stiffness")
 STYLE = """
 body { font: 11pt/1.45 Georgia, serif; color: #222; max-width: 46rem; margin: 2rem auto;
   padding: 0 1rem; }
@@ -84,7 +82,7 @@ class _Figures:
     def __init__(self, results: Recording, folder: Path) -> None:
         self._folder = folder
         self._count = 0
-        fine = len(results.block_name) >= FINE
+        fine = len(results.block_name) >= VECTOR_BLOCKS
         self._ending, self._kind = (".png", "image/png") if fine else (".svg", "image/svg+xml")
 
     def of(self, caption: str, draw: Callable[[Path], object]) -> str:
@@ -175,18 +173,13 @@ def _materials(results: Recording, _: _Figures) -> Iterator[str]:
             one["friction_angle"],
             one["cohesion"] / 1e3,
             one["tensile_strength"] / 1e3,
-            _scaled(one["normal_stiffness"], 1e-9),
-            _scaled(one["shear_stiffness"], 1e-9),
+            *(None if one[key] is None else 1e-9 * one[key] for key in STIFFNESSES),
         )
         for one in about.get("joints", ())
         if one["cohesion"] < WELD_STRENGTH
     ]
     head = ("joint", "friction, °", "cohesion, kPa", "tension, kPa", "kn, GPa/m", "ks, GPa/m")
     yield _table(head, joints)
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else factor * value
 
 
 def _displacements(results: Recording, figures: _Figures) -> Iterator[str]:
@@ -210,8 +203,7 @@ def _displacements(results: Recording, figures: _Figures) -> Iterator[str]:
         yield _table(("point", "x, mm", "y, mm", "largest in the run, mm"), rows)
     for name in results.point_name[:CURVES_MAX]:
         yield figures.of(
-            f"Point {name} over time.",
-            partial(plot_histories, results, names=[f"point:{name}"]),
+            f"Point {name} over time.", partial(plot_histories, results, names=[f"point:{name}"])
         )
 
 

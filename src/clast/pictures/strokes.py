@@ -24,15 +24,11 @@ JOINT_COLOURS = ("#d55e00", "#009e73", "#aa4499", "#e69f00", "#882255", "#7a6a00
 """Colours of joints, told apart by most eyes (after Okabe and Ito, and Tol); water is blue."""
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1.5, 1)))
 """Lines of the first seven joints, of the next seven, and of all others."""
-LONGEST = 40
-"""Letters of a name in a legend, at most."""
-THINNEST, THICKEST = 0.15, 1.3
-"""Widths of edges, points."""
-LEAST_ABOVE = 0.5
-"""Least width of lines above the joints, points."""
-SHARE = 0.1
-"""Width of an edge as a share of the median length of the edges."""
-MANY_BLOCKS = 5000
+NAME_LETTERS_MAX = 40
+"""Letters of a name in a legend."""
+THINNEST, THICKEST, THINNEST_ABOVE = 0.15, 1.3, 0.5
+"""Widths of edges, and of lines above the joints at least, points."""
+VECTOR_BLOCKS_MAX = 5000
 """Blocks above which pdf and svg hold edges as dots: thousands of lines make viewers slow."""
 
 
@@ -43,7 +39,6 @@ class Stroke:
     label: str
     """Its text in the legend."""
     colour: str
-    """Colour."""
     dashes: Any = "-"
     """Line style, as matplotlib has it."""
     width: float = 1.0
@@ -75,10 +70,7 @@ WELD = Stroke(label="welded: no joint", colour=FAINT, dashes=(0, (1, 1.5)), widt
 
 
 def strokes_of(names: Mapping[int, str]) -> dict[int, Stroke]:
-    """Return how the edges of each joint are drawn, and under -1 those of none: number -> stroke.
-
-    Joints have their colours in the order of ``names``; welds and construction joints have none.
-    """
+    """Return how the edges of each joint are drawn, by its number, and under -1 those of none."""
     from clast.rockmass import CONSTRUCTION, WELDED  # slow to import: only who draws joints waits
 
     welds = {
@@ -87,33 +79,33 @@ def strokes_of(names: Mapping[int, str]) -> dict[int, Stroke]:
         if name.startswith(CONSTRUCTION) or name == WELDED
     }
     joints = [number for number in names if number not in welds]
-    found = {number: _stroke(place, names[number]) for place, number in enumerate(joints)}
-    return {**found, -1: UNNAMED, **welds}
-
-
-def _stroke(place: int, name: str) -> Stroke:
-    row = min(place // len(JOINT_COLOURS), len(DASHES) - 1)
-    return Stroke(
-        label=label(name), colour=JOINT_COLOURS[place % len(JOINT_COLOURS)], dashes=DASHES[row]
-    )
+    strokes = {}
+    for place, number in enumerate(joints):
+        row, column = divmod(place, len(JOINT_COLOURS))
+        dashes = DASHES[min(row, len(DASHES) - 1)]
+        name, colour = label(names[number]), JOINT_COLOURS[column]
+        strokes[number] = Stroke(label=name, colour=colour, dashes=dashes)
+    return {**strokes, -1: UNNAMED, **welds}
 
 
 def label(name: str) -> str:
     """Return a name of the user's as a legend has it: short, and no formula."""
     whole = " ".join(name.split())
     return canvas.literal(
-        whole if len(whole) <= LONGEST else textwrap.wrap(whole, LONGEST - 1)[0] + "…"
+        whole
+        if len(whole) <= NAME_LETTERS_MAX
+        else textwrap.wrap(whole, NAME_LETTERS_MAX - 1)[0] + "…"
     )
 
 
 def groups(strokes: Mapping[int, Stroke], number: Ints, ends: Floats) -> tuple[EdgeGroup, ...]:
     """Return the edges of each stroke that has some, from their numbers (n,) and ends (n, 2, 2)."""
-    found = []
+    edges = []
     for stroke in dict.fromkeys(strokes.values()):
-        own = np.isin(number, [k for k, one in strokes.items() if one is stroke])
-        if own.any():
-            found.append(EdgeGroup(ends=ends[own], stroke=stroke))
-    return tuple(found)
+        alike = np.isin(number, [k for k, one in strokes.items() if one is stroke])
+        if alike.any():
+            edges.append(EdgeGroup(ends=ends[alike], stroke=stroke))
+    return tuple(edges)
 
 
 # Which edges there are ----------------------------------------------------------------------------
@@ -127,33 +119,29 @@ def following(start: Ints) -> Ints:
 
 
 def partners(vertices: Floats, after: Ints) -> Ints:
-    """Return the edge that runs along each one the other way, -1 where there is none, (nv,).
-
-    Neighbours share their nodes to the last digit, as ``rockmass.cut`` makes them.
-    """
+    """Return the edge that runs back along each one, -1 where there is none, (nv,)."""
+    # neighbours share their nodes to the last digit, as ``rockmass.cut`` makes them
     node = np.unique(vertices[:, 0] + 1j * vertices[:, 1], return_inverse=True)[1]
     here, there = node.astype(np.int64), node[after].astype(np.int64)
     count = np.int64(len(vertices))
     key, wanted = here * count + there, there * count + here
     order = np.argsort(key)
     at = np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)
-    found = order[at]
-    return np.where(key[found] == wanted, found, -1)
+    nearest = order[at]
+    return np.where(key[nearest] == wanted, nearest, -1)
 
 
 def visible(ends: Floats, part: canvas.Part) -> Bools:
     """Return which edges (n, 2, 2) may be seen, shape (n,)."""
     low, high = part
-    seen: Bools = ((ends.max(axis=1) >= low) & (ends.min(axis=1) <= high)).all(axis=1)
-    return seen
+    return np.asarray(((ends.max(axis=1) >= low) & (ends.min(axis=1) <= high)).all(axis=1))
 
 
 def edges_by_joint(results: Recording, frame: int, apart: float) -> tuple[EdgeGroup, ...]:
-    """Return the edges of all blocks of a frame, in groups by joint.
+    """Return the edges of all blocks that are there in a frame, in groups by joint.
 
     Edges of two blocks that ran along each other at the start are one as long as they are no
-    farther ``apart`` than that, m, and of one joint.  Absent blocks have none.  Only joints that
-    edges have get a colour, so that it is the same in all frames.
+    farther ``apart`` than that, m, and of one joint.
     """
     joint, after, here = results.edge_joint, following(results.block_start), results.vertices(frame)
     ends = np.stack([here, here[after]], axis=1)
@@ -162,6 +150,7 @@ def edges_by_joint(results: Recording, frame: int, apart: float) -> tuple[EdgeGr
     single = (other < 0) | opened | (joint != joint[other])
     out = np.repeat(absent_in_frame(results, frame), np.diff(results.block_start))
     once = ~out & (single | out[other] | (np.arange(len(other)) < other))
+    # joints that edges have alone get a colour, so that it is the same in all frames
     names = {number: results.joint_name[number] for number in np.unique(joint[joint >= 0]).tolist()}
     return groups(strokes_of(names), joint[once], ends[once])
 
@@ -180,10 +169,7 @@ def handles_of(edges: Sequence[EdgeGroup], part: canvas.Part) -> list[Any]:
 
 
 def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks: int) -> None:
-    """Draw the edges of each kind in a part as one collection.
-
-    How many ``blocks`` there are decides whether they are lines or dots in pdf and svg.
-    """
+    """Draw the edges of each kind in a part as one collection."""
     from matplotlib.collections import LineCollection
 
     seen = [(one, one.ends[visible(one.ends, part)]) for one in edges]
@@ -195,7 +181,7 @@ def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks
     inches = axes.get_position().width * (figure.get_size_inches()[0] if figure else 1.0)
     points = 72.0 * float(inches) / float(part[1][0] - part[0][0])
     median = float(np.median(np.hypot(*(every[:, 1] - every[:, 0]).T)))
-    width = float(np.clip(SHARE * points * median, THINNEST, THICKEST))
+    width = float(np.clip(0.1 * points * median, THINNEST, THICKEST))
     for one, ends in seen:
         stroke = one.stroke
         axes.add_collection(
@@ -203,10 +189,10 @@ def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks
                 _lines(ends),
                 colors=stroke.colour,
                 linestyles=[stroke.dashes],
-                linewidths=max(width, LEAST_ABOVE * (stroke.above > 0)) * stroke.width,
+                linewidths=max(width, THINNEST_ABOVE * (stroke.above > 0)) * stroke.width,
                 capstyle="round" if stroke.dashes == "-" else "butt",
                 joinstyle="round",
-                rasterized=blocks > MANY_BLOCKS and stroke.above == 0,
+                rasterized=blocks > VECTOR_BLOCKS_MAX and stroke.above == 0,
                 zorder=4 + stroke.above,
                 label=stroke.label,
             )

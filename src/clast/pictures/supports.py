@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
 from clast.model.supports import FREE, GROUND, RIGID, LinkLines
 from clast.pictures import canvas
 from clast.pictures.fields import prefixed
 from clast.results import FrameBolts, FrameContacts, Recording
-from clast.results.schema import LINK_STATES
+from clast.results.schema import BOLT_STATES, LINK_STATES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,33 +31,30 @@ BOLT_LOOKS: tuple[tuple[str, str, Any], ...] = (
     ("bolt, broken", "#c0143c", (0, (3, 1.5))),
 )
 """Label, colour and line of a bolt by its state; those that are lost are not drawn."""
-BOLT_BROKEN = 3
+BOLT_BROKEN = BOLT_STATES.index("broken")
 BOLT_THIN, BOLT_THICK = 1.3, 3.6
 """Widths of a bolt without a force, and with the largest, points."""
-CASING = 1.8
-"""Width of the white line around it, points."""
 
 
 def handles_of_bolts(bolts: FrameBolts) -> list[Any]:
     """Return the legend of the bolts: states, and the largest force."""
     from matplotlib.lines import Line2D
 
-    found = []
-    for state, (name, colour, line) in enumerate(BOLT_LOOKS):
-        own = bolts.state == state
-        if not own.any():
+    handles = []
+    for state, (label, colour, line) in enumerate(BOLT_LOOKS):
+        forces = bolts.force[bolts.state == state]
+        if not len(forces):
             continue
-        largest = float(np.abs(bolts.force[own]).max())
-        label = name
+        largest = float(np.abs(forces).max())
         if largest > 0.0:
             factor, unit = prefixed(largest, "N/m")
-            label = f"{name}, up to {factor * largest:.3g} {unit}"
-        mark = "x" if state == BOLT_BROKEN else ""
-        width = _width(largest, bolts.force)
-        found.append(
-            Line2D([], [], color=colour, ls=line, lw=width, marker=mark, ms=4.5, label=label)
-        )
-    return found
+            label = f"{label}, up to {factor * largest:.3g} {unit}"
+        looks: dict[str, Any] = {
+            "lw": _width(largest, bolts.force),
+            "marker": "x" if state == BOLT_BROKEN else "",
+        }
+        handles.append(Line2D([], [], color=colour, ls=line, ms=4.5, label=label, **looks))
+    return handles
 
 
 def draw_bolts(axes: Axes, bolts: FrameBolts) -> None:
@@ -68,7 +64,7 @@ def draw_bolts(axes: Axes, bolts: FrameBolts) -> None:
         state = int(bolts.state[k])
         _, colour, line = BOLT_LOOKS[state]
         width = _width(float(bolts.force[k]), bolts.force)
-        axes.plot(*points.T, "-", color="white", lw=width + CASING, zorder=5.2)
+        axes.plot(*points.T, "-", color="white", lw=width + 1.8, zorder=5.2)
         axes.plot(*points.T, ls=line, color=colour, lw=width, zorder=5.3)
         axes.plot(*points[0], "o", color=colour, ms=width + 1.6, mec="white", mew=0.4, zorder=5.4)
         if state == BOLT_BROKEN:
@@ -86,58 +82,48 @@ def _width(force: float, forces: Floats) -> float:
 LINK_COLOURS = dict(zip(LINK_STATES, ("#8a8a8a", "#0b6b50", "#8e24aa", "#c0143c"), strict=True))
 """Colour of a link by its state."""
 LINK_BROKEN = LINK_STATES.index("broken")
-BAR_REACH = 0.018
-"""Half of the length of bars, in units of the picture's width."""
-TEETH = 8
-"""Corners of a zigzag."""
 LINK_SIZE, LINK_EDGE = 6.0, 1.4
 """Size of circles and squares, and width of their edges, points."""
 
 
 def states_of(results: Recording, frame: int) -> Ints:
     """Return the states of the links with a place in a frame, by their numbers, shape (k,)."""
-    found = []
-    for name in results.link_lines.name:
-        rows = results.link(name)
-        row = int(results.rows_at(rows["time"], frame))
-        found.append(int(rows["state"][row]))
-    return np.array(found, np.int64)
+    links = map(results.link, results.link_lines.name)
+    states = [rows["state"][int(results.rows_at(rows["time"], frame))] for rows in links]
+    return np.array(states, np.int64)
 
 
 def places_of(results: Recording, frame: int) -> Floats:
-    """Return where both blocks of each link carry its point, m, shape (k, 2, 2).
-
-    That on the ground is drawn where it was at the start.
-    """
+    """Return where both blocks of each link carry its point, m, shape (k, 2, 2)."""
     links, start = results.link_lines, results.block_start
     before, now = results.vertices(0), results.vertices(frame)
-    found = np.zeros((len(links.at), 2, 2))
+    places = np.zeros((len(links.at), 2, 2))
     for link, (blocks, at) in enumerate(zip(links.block, links.at, strict=True)):
         for end, block in enumerate(blocks):
             if block == GROUND:
-                found[link, end] = at
+                places[link, end] = at
                 continue
-            own = slice(start[block], start[block + 1])
-            middle = before[own].mean(axis=0)
+            corners = slice(start[block], start[block + 1])
+            middle = before[corners].mean(axis=0)
             # a block moves as x -> a + B x, all of its vertices and the point alike
             ones = np.ones((start[block + 1] - start[block], 1))
-            known = np.hstack([before[own] - middle, ones])
-            moves, *_ = np.linalg.lstsq(known, now[own], rcond=None)
-            found[link, end] = np.append(at - middle, 1.0) @ moves
-    return found
+            known = np.hstack([before[corners] - middle, ones])
+            moves, *_ = np.linalg.lstsq(known, now[corners], rcond=None)
+            places[link, end] = np.append(at - middle, 1.0) @ moves
+    return places
 
 
 def directions_of(results: Recording, frame: int) -> Floats:
-    """Return the direction of the bar of each link in a frame, (k, 2); (0, 0) where it has none.
-
-    It is the one direction that such a link holds, turned as the first edge of its first block; on
-    the ground it stays.
-    """
+    """Return the one direction that each link holds in a frame, (k, 2), or (0, 0)."""
+    # a link turns with the first edge of its first block; on the ground it stays
     links = results.link_lines
     if not links.name:
         return np.zeros((0, 2))
     first = results.block_start[links.block[:, 0]]
-    before, now = (_edge_after(results.vertices(k), first) for k in (0, frame))
+    before, now = (
+        (results.vertices(k)[first + 1] - results.vertices(k)[first]) @ [1.0, 1.0j]
+        for k in (0, frame)
+    )
     turn = np.where(links.block[:, 1] == GROUND, 1.0, now / before)
     direction = links.along @ np.array([1.0, 1.0j]) * turn / np.abs(turn)
     direction = np.where(links.holds[:, 0] > 0, direction, 1.0j * direction)
@@ -145,32 +131,22 @@ def directions_of(results: Recording, frame: int) -> Floats:
     return np.stack([direction.real, direction.imag], axis=1) * bar[:, None]
 
 
-def _edge_after(vertices: Floats, first: Ints) -> NDArray[np.complex128]:
-    """Return the edges that begin at some vertices, as complex numbers, m, (k,)."""
-    return np.asarray((vertices[first + 1] - vertices[first]) @ np.array([1.0, 1.0j]))
-
-
 def handles_of_links(results: Recording, frame: int) -> list[Any]:
     """Return the legend of the links: an entry for each state."""
     from matplotlib.lines import Line2D
 
-    found = []
+    handles = []
+    looks: dict[str, Any] = {"ls": "", "ms": LINK_SIZE, "mfc": "white", "mew": LINK_EDGE}
     for state in np.unique(states_of(results, frame)).tolist():
-        said = LINK_STATES[state]
-        found.append(
-            Line2D(
-                [],
-                [],
-                ls="",
-                marker="x" if state == LINK_BROKEN else "o",
-                ms=LINK_SIZE,
-                mfc="white",
-                mec=LINK_COLOURS[said],
-                mew=LINK_EDGE,
-                label="link" if said == "intact" else f"link, {said}",
-            )
-        )
-    return found
+        name = LINK_STATES[state]
+        mark, label = "x" if state == LINK_BROKEN else "o", link_label(name)
+        handles.append(Line2D([], [], marker=mark, mec=LINK_COLOURS[name], label=label, **looks))
+    return handles
+
+
+def link_label(state: str) -> str:
+    """Return the entry of a legend for links in a state."""
+    return "link" if state == "intact" else f"link, {state}"
 
 
 def draw_links(axes: Axes, results: Recording, frame: int) -> None:
@@ -184,7 +160,7 @@ def draw_links(axes: Axes, results: Recording, frame: int) -> None:
     for state, ends, direction, holds in zip(states, places, directions, links.holds, strict=True):
         colour, middle = LINK_COLOURS[LINK_STATES[state]], ends.mean(axis=0)
         axes.plot(*ends.T, "-", color=colour, lw=LINK_EDGE, zorder=5.5)
-        draw_link(axes, middle, direction * BAR_REACH * wide, holds, colour)
+        draw_link(axes, middle, direction * 0.018 * wide, holds, colour)
         if state == LINK_BROKEN:
             axes.plot(*middle, "x", color=colour, ms=1.5 * LINK_SIZE, mew=LINK_EDGE, zorder=5.7)
 
@@ -194,9 +170,8 @@ def draw_links_at_start(axes: Axes, links: LinkLines, reach: float) -> None:
     across = np.stack([-links.along[:, 1], links.along[:, 0]], axis=1)
     direction = np.where(links.holds[:, :1] > 0, links.along, across)
     bar = np.count_nonzero(links.holds[:, :2], axis=1) == 1
-    for at, half, holds in zip(
-        links.at, reach * direction * bar[:, None], links.holds, strict=True
-    ):
+    halves = reach * direction * bar[:, None]
+    for at, half, holds in zip(links.at, halves, links.holds, strict=True):
         draw_link(axes, at, half, holds, LINK_COLOURS["intact"])
 
 
@@ -206,15 +181,9 @@ def draw_link(axes: Axes, at: Floats, half: Floats, holds: Ints, colour: str) ->
         bar = _bar(at, half, int(holds[:2].max()))
         axes.plot(*bar.T, "-", color=colour, lw=LINK_EDGE, zorder=5.5)
     if holds[:2].all() or holds[2]:
-        axes.plot(
-            *at,
-            "o" if holds[:2].any() else "s",
-            ms=LINK_SIZE,
-            mfc=colour if holds[2] else "white",
-            mec=colour,
-            mew=LINK_EDGE,
-            zorder=5.6,
-        )
+        looks: dict[str, Any] = {"ms": LINK_SIZE, "mew": LINK_EDGE, "mec": colour, "zorder": 5.6}
+        mark, fill = "o" if holds[:2].any() else "s", colour if holds[2] else "white"
+        axes.plot(*at, mark, mfc=fill, **looks)
 
 
 def _bar(middle: Floats, half: Floats, holds: int) -> Floats:
@@ -222,19 +191,16 @@ def _bar(middle: Floats, half: Floats, holds: int) -> Floats:
     if holds in (FREE, RIGID):
         return np.stack([middle - half, middle + half])
     across = np.array([-half[1], half[0]])
-    place = np.linspace(-1.0, 1.0, TEETH)
-    swing = 0.35 * np.where(np.arange(TEETH) % 2, 1.0, -1.0)
+    place = np.linspace(-1.0, 1.0, 8)
+    swing = 0.35 * np.where(np.arange(8) % 2, 1.0, -1.0)
     swing[[0, -1]] = 0.0
     return np.asarray(middle + place[:, None] * half + swing[:, None] * across)
 
 
 REACTION_COLOUR = "#7a3b00"
-LONGEST, SHORTEST = 0.16, 0.05
-"""Lengths of the arrows of the largest force and of small ones, in units of the picture's width."""
-LEAST = 1e-6
-"""Force, in units of the largest, that is not drawn."""
-LABEL_ROOM = 0.03
-"""Room for a label behind the tail of its arrow, in the same units."""
+LONGEST, SHORTEST, LABEL_ROOM = 0.16, 0.05, 0.03
+"""Lengths of the arrows of the largest force and of small ones, and room for a label behind the
+tail of its arrow, in widths of the picture."""
 
 
 @dataclass(frozen=True)
@@ -253,12 +219,12 @@ class ReactionArrow:
 
 def reaction_arrows(results: Recording, frame: int, wide: float) -> list[ReactionArrow]:
     """Return the arrows of the step before a frame, in a picture ``wide`` m wide."""
-    found = forces_in(results, frame)
-    sizes = np.array([np.hypot(*force) for _, _, force in found])
+    reactions = forces_in(results, frame)
+    sizes = np.array([np.hypot(*force) for _, _, force in reactions])
     largest = float(sizes.max(initial=0.0))
     arrows = []
-    for (name, at, force), size in zip(found, sizes, strict=True):
-        if not size > LEAST * largest:
+    for (name, at, force), size in zip(reactions, sizes, strict=True):
+        if not size > 1e-6 * largest:
             continue
         length = wide * max(SHORTEST, LONGEST * size / largest)
         factor, unit = prefixed(size, "N/m")
@@ -278,36 +244,27 @@ def draw_reactions(axes: Axes, arrows: list[ReactionArrow]) -> None:
     """Draw the arrows, each with its label at its tail, away from the nearer side."""
     low, high = axes.get_xlim()
     for one in arrows:
-        axes.annotate(
-            "",
-            (float(one.tip[0]), float(one.tip[1])),
-            xytext=(float(one.tail[0]), float(one.tail[1])),
-            arrowprops={
-                "arrowstyle": "-|>",
-                "color": REACTION_COLOUR,
-                "lw": 1.8,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            },
-            zorder=8,
-        )
+        arrow: Any = {"arrowstyle": "-|>", "color": REACTION_COLOUR, "lw": 1.8}
+        arrow |= {"shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tuple(one.tip), xytext=tuple(one.tail), arrowprops=arrow, zorder=8)
         right = one.tail[0] > 0.5 * (low + high)
         away = (-4 if right else 4, -9 if one.tail[1] < one.tip[1] else 4)
-        beside = {
+        beside: dict[str, Any] = {
             "ha": "right" if right else "left",
             "va": "baseline",
             "textcoords": "offset points",
         }
-        looks = {"color": REACTION_COLOUR, "bbox": {**canvas.NAME_BOX, "alpha": 0.8}}
+        looks: dict[str, Any] = {
+            "color": REACTION_COLOUR,
+            "bbox": {**canvas.NAME_BOX, "alpha": 0.8},
+        }
         canvas.write(axes, canvas.literal(one.label), one.tail, 9, xytext=away, **beside, **looks)
 
 
 def forces_in(results: Recording, frame: int) -> list[tuple[str, Floats, Floats]]:
-    """Return name, point of application (2,), m, and force (2,), N/m, of reactions in a frame.
-
-    Of those that are one and the same, a total and its only part, the last.
-    """
-    found: dict[tuple[float, ...], tuple[str, Floats, Floats]] = {}
+    """Return name, point of application (2,), m, and force (2,), N/m, of reactions in a frame."""
+    # of those that are one and the same, a total and its only part, the last
+    reactions: dict[tuple[float, ...], tuple[str, Floats, Floats]] = {}
     contacts, of_block = results.contacts(frame), results.reaction_of_block
     for number, name in enumerate(results.reaction_name):
         rows = results.reaction(name)
@@ -315,19 +272,13 @@ def forces_in(results: Recording, frame: int) -> list[tuple[str, Floats, Floats]
         if np.isfinite(rows.position[row]).all():
             at, force = rows.position[row], rows.force[row]
             blocks = of_block[of_block[:, 0] == number, 1]
-            found[tuple(np.round([*at, *force], 6).tolist())] = (
-                name,
-                _beside_contacts(at, force, contacts, blocks),
-                force,
-            )
-    return list(found.values())
+            place = _beside_contacts(at, force, contacts, blocks)
+            reactions[tuple(np.round([*at, *force], 6).tolist())] = name, place, force
+    return list(reactions.values())
 
 
 def _beside_contacts(at: Floats, force: Floats, contacts: FrameContacts, blocks: Ints) -> Floats:
-    """Return the point of a line of action nearest to the middle of the contacts of blocks.
-
-    It is ``at`` (2,) itself where they have none.
-    """
+    """Return the point of a line of action, through ``at``, nearest to the contacts of blocks."""
     mine = np.isin(contacts.vertex_block, blocks) != np.isin(contacts.edge_block, blocks)
     weight = np.hypot(*contacts.force[mine].T)
     if not weight.sum() > 0.0:

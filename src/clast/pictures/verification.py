@@ -15,6 +15,7 @@ from clast.model.water import faces_of_joints, surface_at, wetted
 from clast.pictures.canvas import LEGEND, TEXT, style
 from clast.pictures.charts import Chart, Curve, curve, draw_chart, exact_curve, merged
 from clast.pictures.draw_water import BLUE
+from clast.pictures.forces import keep_apart
 from clast.pictures.strokes import following
 from clast.pictures.supports import LINK_COLOURS, draw_links_at_start
 
@@ -39,22 +40,24 @@ CROWD, ROOM, LEAST = 12, 0.12, 3
 tell something."""
 MANY, FLAT = 100, 5.0
 """Blocks with thin lines: so many, or as flat as this, points."""
-SHARE = 0.18
-"""Length of the longest arrow, in widths of the set-up."""
-BAR = 0.06
-"""Half of the length of a link's bar, in widths of the set-up."""
+LONGEST, BAR = 0.18, 0.06
+"""Lengths of the longest arrow and of half a link's bar, in widths of the set-up."""
 FAR, TOUCH = 1.25, 1e-6
 """Distance from free blocks beyond which fixed ones are left out, and of blocks that touch, in
 widths of the free ones."""
-DOTS = 150
-"""Dots per inch."""
-COLOURS = 160
-"""Colours of a picture."""
 
 
 def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
     """Draw the set-up and, beside it, the charts one below the other into a picture."""
-    _save_small(figure_of(set_up, merged(charts)), path)
+    from PIL import Image
+
+    buffer = BytesIO()
+    figure_of(set_up, merged(charts)).savefig(buffer, dpi=150, format="png")
+    picture = Image.open(buffer).convert("RGB")
+    # a palette takes a third of the size of full colours; the median cut would give thin marks the
+    # grey of their neighbours; without the means the largest coverage would tinge the blocks
+    few = picture.quantize(160, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
 
 
 def figure_of(set_up: Model, charts: Sequence[Chart]) -> Figure:
@@ -78,19 +81,6 @@ def figure_of(set_up: Model, charts: Sequence[Chart]) -> Figure:
     return figure
 
 
-def _save_small(figure: Figure, path: Path) -> None:
-    """Save a figure as a PNG with a palette, a third of the size of one with full colours."""
-    from PIL import Image
-
-    buffer = BytesIO()
-    figure.savefig(buffer, dpi=DOTS, format="png")
-    picture = Image.open(buffer).convert("RGB")
-    # the median cut would give thin marks the grey of their neighbours; without the means the
-    # largest coverage would give blocks a tinge of the marks
-    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
-    few.save(path, optimize=True)
-
-
 def draw_set_up(axes: Axes, model: Model) -> None:
     """Draw the blocks at the start with their supports, loads and velocities."""
     from matplotlib.patches import Polygon
@@ -99,7 +89,9 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     corners = np.concatenate([model.polygon(block) for block in drawn])
     width, height = np.ptp(corners, axis=0)
     size = float(max(width, height))
-    line = _outline_width(model, drawn, size)
+    # thin outlines where blocks are many, or flat in the picture
+    flat = float(np.median([np.ptp(model.polygon(block), axis=0).min() for block in drawn]))
+    is_crowded = model.block_count >= MANY or flat * 72.0 * SET_UP / size <= FLAT
     for block in drawn:
         fixed = bool(model.fixed[block])
         patch = Polygon(
@@ -107,7 +99,7 @@ def draw_set_up(axes: Axes, model: Model) -> None:
             closed=True,
             fc=FIXED if fixed else ROCK,
             ec=OUTLINE,
-            lw=line,
+            lw=0.3 if is_crowded else 0.8,
             hatch="///" if fixed else None,
         )
         axes.add_patch(patch)
@@ -115,12 +107,18 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     if len(held):
         # without a point an artist that is not clipped would ask for room at the edge of the figure
         axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=6, clip_on=False)
-    _draw_arrows(axes, *_loads(model), SHARE * size)
-    _draw_arrows(axes, *_velocities(model), SHARE * size)
+    moving = np.flatnonzero(np.hypot(*model.velocity[:, :2].T) > 0.0)
+    centres = np.reshape([model.polygon(int(block)).mean(axis=0) for block in moving], (-1, 2))
+    _draw_arrows(axes, *_loads(model), LONGEST * size)
+    _draw_arrows(axes, centres, model.velocity[moving, :2], LONGEST * size)
     _draw_spins(axes, model)
     _draw_ground_motion(axes, model, size)
     _draw_water(axes, model, float(corners[:, 0].min()), float(corners[:, 0].max()))
-    _draw_supports(axes, model, BAR * size)
+    for bolt in range(len(model.bolts)):
+        points = model.bolts.at[model.bolts.bolt == bolt] + model.origin
+        axes.plot(*points.T, "-", color=SUPPORT, lw=1.3)
+        axes.plot(*points[0], "o", color=SUPPORT, ms=3.0)
+    draw_links_at_start(axes, model.link_lines, BAR * size)
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
@@ -134,13 +132,6 @@ def draw_set_up(axes: Axes, model: Model) -> None:
         axes.set_yticks([])  # no room for numbers
     if width < 0.4 * height:
         axes.set_xticks([])
-
-
-def _outline_width(model: Model, drawn: Sequence[int], size: float) -> float:
-    """Return the width of outlines, points: less where blocks are many, or flat in the picture."""
-    flat = [float(np.ptp(model.polygon(block), axis=0).min()) for block in drawn]
-    points = 72.0 * SET_UP / size
-    return 0.8 if model.block_count < MANY and np.median(flat) * points > FLAT else 0.3
 
 
 def _draw_water(axes: Axes, model: Model, low: float, high: float) -> None:
@@ -159,20 +150,8 @@ def _draw_water(axes: Axes, model: Model, low: float, high: float) -> None:
         axes.plot(*ends[np.argmax(ends[:, 1])], "v", ms=5.0, mfc="white", mec=BLUE, mew=0.9)
 
 
-def _draw_supports(axes: Axes, model: Model, reach: float) -> None:
-    """Draw bolts, their heads as dots, and links with bars of half this length, m."""
-    for bolt in range(len(model.bolts)):
-        points = model.bolts.at[model.bolts.bolt == bolt] + model.origin
-        axes.plot(*points.T, "-", color=SUPPORT, lw=1.3)
-        axes.plot(*points[0], "o", color=SUPPORT, ms=3.0)
-    draw_links_at_start(axes, model.link_lines, reach)
-
-
 def _in_sight(model: Model) -> list[int]:
-    """Return the blocks of a set-up, without fixed ones that are far away and hold no bolt.
-
-    What touches one that is near is near: a floor in parts is shown whole.
-    """
+    """Return the blocks of a set-up, without fixed ones that are far away and hold no bolt."""
     low, high = (
         np.array([end(model.polygon(block), axis=0) for block in range(model.block_count)])
         for end in (np.min, np.max)
@@ -181,7 +160,7 @@ def _in_sight(model: Model) -> list[int]:
     if not kept.any():
         return list(range(model.block_count))
     size = float((high[kept].max(axis=0) - low[kept].min(axis=0)).max())
-    reach, before = FAR * size, 0
+    reach, before = FAR * size, 0  # what touches one that is near is near, as parts of a floor
     kept[model.bolts.block] = True
     while np.count_nonzero(kept) > before:
         before = int(np.count_nonzero(kept))
@@ -192,37 +171,23 @@ def _in_sight(model: Model) -> list[int]:
 
 
 def _loads(model: Model) -> tuple[Floats, Floats]:
-    """Return places and forces of all loads; a line load is drawn in three places."""
-    points, lines = model.point_loads, model.line_loads
-    thirds = [lines.start + share * (lines.end - lines.start) for share in (1 / 6, 1 / 2, 5 / 6)]
-    pressed, pushes = _pressures(model)
-    at = np.concatenate([points.at, *thirds, pressed]) + model.origin
-    return at, np.concatenate([points.force, *3 * [lines.traction], pushes])
-
-
-def _pressures(model: Model) -> tuple[Floats, Floats]:
-    """Return places (k, 2), m, and tractions (k, 2), Pa, of pressures, in three places of each."""
-    loads = model.pressures
+    """Return places and forces of all loads; line loads and pressures act in three places each."""
+    points, lines, loads = model.point_loads, model.line_loads, model.pressures
+    thirds = (1 / 6, 1 / 2, 5 / 6)
+    at = [points.at, *(lines.start + share * (lines.end - lines.start) for share in thirds)]
+    pushes = [points.force, *3 * [lines.traction]]
     after = loads.edge + 1
     after = np.where(
         after < model.block_start[loads.block + 1], after, model.block_start[loads.block]
     )
     first, along = model.vertices[loads.edge], model.vertices[after] - model.vertices[loads.edge]
     inwards = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
-    at, pushes = [np.zeros((0, 2))], [np.zeros((0, 2))]
-    for place in (1 / 6, 1 / 2, 5 / 6):
+    for place in thirds:
         share = (1.0 - place) * loads.share[:, 0] + place * loads.share[:, 1]
         pressure = (1.0 - place) * loads.pressure[:, 0] + place * loads.pressure[:, 1]
         at.append(first + share[:, None] * along)
         pushes.append(pressure[:, None] * inwards)
-    return np.concatenate(at), np.concatenate(pushes)
-
-
-def _velocities(model: Model) -> tuple[Floats, Floats]:
-    """Return centroids and velocities of the blocks that move at the start."""
-    moving = np.flatnonzero(np.hypot(*model.velocity[:, :2].T) > 0.0)
-    corners = [model.polygon(int(block)).mean(axis=0) for block in moving]
-    return np.array(corners).reshape(-1, 2), model.velocity[moving, :2]
+    return np.concatenate(at) + model.origin, np.concatenate(pushes)
 
 
 def _draw_spins(axes: Axes, model: Model) -> None:
@@ -262,29 +227,17 @@ def _draw_ground_motion(axes: Axes, model: Model, size: float) -> None:
     axes.plot((middle - half, middle + half), 2 * [below], color=ARROW, lw=0.5)
 
 
-def _apart(at: Floats, vectors: Floats, distance: float) -> list[int]:
-    """Return indices of vectors (k, 2) at (k, 2), m, so far apart, the longest first."""
-    kept: list[int] = []
-    for k in np.argsort(-np.hypot(*vectors.T), kind="stable").tolist():
-        if not kept or np.hypot(*(at[kept] - at[k]).T).min() >= distance:
-            kept.append(k)
-    return kept
-
-
 def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None:
-    """Draw vectors (k, 2) at (k, 2); the longest has the length given.
-
-    An arrow that would run into the picture ends at its place instead of starting there.  Of many
-    arrows the longest are drawn, as far as there is room between them, or none.
-    """
+    """Draw vectors (k, 2) at (k, 2), the longest with a length; of many those that have room."""
     largest = np.hypot(*vectors.T).max(initial=0.0)
     if largest == 0.0:
         return
     if len(at) > CROWD:
-        kept = _apart(at, vectors, ROOM / SHARE * length)
+        kept = keep_apart(at, np.hypot(*vectors.T), ROOM / LONGEST * length)
         if len(kept) < LEAST:  # all about one place, as in a small hole
             return
         at, vectors = at[kept], vectors[kept]
+    # an arrow that would run into the picture ends at its place instead of starting there
     arrows = vectors * length / largest
     middle = at.mean(axis=0)
     inwards = np.sum((middle - at) * arrows, axis=1) > 1e-9 * length**2

@@ -15,7 +15,7 @@ import numpy as np
 from clast.errors import CaseError
 from clast.pictures.page.document import BUDGET, page_text
 from clast.pictures.page.frame_data import moving
-from clast.pictures.page.scene import scene_of, told
+from clast.pictures.page.scene import scene_of, words_of
 from clast.results import Results, read_results
 
 READ_INTERVAL_MIN, READ_PAUSE_RATIO = 0.25, 20.0
@@ -88,14 +88,14 @@ class Feed:
         self.say({"over": True, "paused": False, "killed": killed})
 
     def _open(self) -> None:
-        begun = time.monotonic()
+        start = time.monotonic()
         try:
             with self._reading:
                 self._results = read_results(self.path, whole=0)
         except CaseError:
             return  # later
         self.say({})
-        self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
+        self._rest = READ_PAUSE_RATIO * (time.monotonic() - start)
 
     def scene(self) -> str:
         """Return all that there is, as JSON: "null" before the first frame."""
@@ -108,7 +108,7 @@ class Feed:
 
     def part(self, first: int) -> tuple[str, int]:
         """Return the frames from ``first`` on as JSON, and how many frames there are then."""
-        begun = time.monotonic()
+        start = time.monotonic()
         with self._reading:
             results = self._read()
             count = len(results.times)
@@ -117,18 +117,18 @@ class Feed:
                 share = self.budget * (count - first) / max(FRAMES_EXPECTED, count)
                 part = moving(results, np.arange(first, count), share)
                 self._parts = {key: json.dumps({**part, "next": count})}
-                self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
+                self._rest = READ_PAUSE_RATIO * (time.monotonic() - start)
             return self._parts[key], count
 
     def words(self) -> tuple[int, str]:
         """Return curves and report as JSON, with the number of frames that they go to."""
-        begun = time.monotonic()
+        start = time.monotonic()
         with self._reading:
             results = self._read()
             count = len(results.times) + (results.report is not None)
             if count != self._curves[0]:
-                self._curves = count, json.dumps(told(results))
-                self._rest = READ_PAUSE_RATIO * (time.monotonic() - begun)
+                self._curves = count, json.dumps(words_of(results))
+                self._rest = READ_PAUSE_RATIO * (time.monotonic() - start)
             return self._curves
 
     def page(self) -> str:

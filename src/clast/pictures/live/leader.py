@@ -39,10 +39,7 @@ ORDERS = ("pause", "go", "step", "end", "checkpoint")
 
 
 class LivePage:
-    """The page of a run that writes ``output``; it goes where ``progress`` of a run goes.
-
-    ``address`` is the one that a browser opens.  Raises CaseError where the page cannot be served.
-    """
+    """The page of a run that writes ``output``; it goes where ``progress`` of a run goes."""
 
     def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
         self.wants_line = wants_line

@@ -234,7 +234,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _send_news(self, first: int) -> None:
         """Send frames from ``first`` on, curves and report where they grow, and a sign of life."""
-        feed, seen, told, curves_sent = self.server.feed, -1, -1, 0.0
+        feed, seen, sent, curves_sent = self.server.feed, -1, -1, 0.0
         while True:
             with feed.changed:
                 beat = STATUS_INTERVAL_AFTER if feed.is_over else STATUS_INTERVAL
@@ -246,8 +246,8 @@ class Handler(BaseHTTPRequestHandler):
             if over or time.monotonic() - curves_sent > CURVES_INTERVAL:
                 count, text = feed.words()
                 curves_sent = time.monotonic()
-                if count != told:
-                    told = count
+                if count != sent:
+                    sent = count
                     self._event("words", text)
             # a page that shows the end has all of it
             self._event("status", json.dumps(status))

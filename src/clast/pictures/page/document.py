@@ -44,30 +44,9 @@ def write_html(text: str, path: Path) -> Path:
 
 
 SCRIPTS = (
-    "packing",
-    "moving",
-    "magnified",
-    "contact_faces",
-    "data",
-    "colours",
-    "colouring",
-    "pens",
-    "view",
-    "draw_canvas",
-    "draw_webgl",
-    "joints",
-    "chosen",
-    "supports",
-    "axes",
-    "layers",
-    "legend",
-    "ruler",
-    "charts",
-    "report",
-    "live",
-    "live_panel",
-    "app",
-)
+    "packing moving magnified contact_faces data colours colouring pens view draw_canvas "
+    "draw_webgl joints chosen supports axes layers legend ruler charts report live live_panel app"
+).split()
 """Modules of the page, each after those that it imports."""
 BUDGET = 12e6
 """Bytes of contacts and joints before they are compressed, unless another number is asked for."""
@@ -97,10 +76,7 @@ def live_text() -> str:
 
 
 def widget_script() -> str:
-    """Return the page as one module with ``export default {render}``, as anywidget wants it.
-
-    The page is put into a shadow tree: its style is that of nothing else in the notebook.
-    """
+    """Return the page as one module with ``export default {render}``, as anywidget wants it."""
     style = _file("vendor/uPlot.min.css") + _file("page.css")
     return "\n".join(
         [
@@ -149,7 +125,7 @@ def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
 def _own(name: str) -> str:
     """Return a module as a function of its own, which returns the exports of the module."""
     text = _file(f"script/{name}.js")
-    exported = ", ".join(found[2] for found in EXPORT.finditer(text))
+    exported = ", ".join(export[2] for export in EXPORT.finditer(text))
     text = EXPORT.sub(r"\1", IMPORT.sub(r"const \1 = modules.\2;", text))
     return f"modules.{name} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
 from typing import Any
 
@@ -10,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
-from clast.model.stage_records import counted_from
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
+from clast.pictures.frames import places_of_points
 from clast.pictures.joint_values import JOINT_FIELDS
 from clast.pictures.linings import DIAGRAMS, carries, comes_back
 from clast.pictures.page.packing import (
@@ -29,6 +28,7 @@ from clast.pictures.supports import (
     REACTION_COLOUR,
     directions_of,
     forces_in,
+    link_label,
     places_of,
     states_of,
 )
@@ -70,46 +70,38 @@ CONTACT_NAMES = ("vertex", "by", "mode", "joint")
 """What tells it: vertex, block that the vertex enters, mode and joint."""
 
 
-class _Frames(Sequence[Floats]):
-    """The vertices (nv, 2) of some frames, read one after the other."""
-
-    def __init__(self, results: Recording, numbers: Ints) -> None:
-        self._results, self._numbers = results, numbers
-
-    def __len__(self) -> int:
-        return len(self._numbers)
-
-    def __getitem__(self, k: Any) -> Any:
-        return self._results.vertices(int(self._numbers[k]))
-
-    def __iter__(self) -> Iterator[Floats]:
-        for number in self._numbers:
-            yield self._results.vertices(int(number))
-
-
 def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
     """Return the content of some frames on the page; m about the middle of the start.
 
     ``budget`` is the size of contacts and joints, bytes, before they are compressed.
     """
     start = results.vertices(0)
-    motion = affine(start, _Frames(results, numbers), results.block_start)
+    frames = (results.vertices(int(number)) for number in numbers)
+    motion = affine(start, frames, results.block_start)
     shown = _packed_motion(motion, start, results.block_start)
     stages = results.frame_stages
     about = _About(results, numbers, start)
+    # frames in which each block is taken away, comes, ...: linings of later stages go in the first
+    gone: list[list[int]] = [[] for _ in results.block_name]
+    before = np.zeros(len(gone), np.bool_)
+    for frame, number in enumerate(numbers):
+        absent = absent_in_frame(results, int(number))
+        for block in np.flatnonzero(absent != before):
+            gone[block].append(frame)
+        before = absent
     return {
         "times": results.times[numbers].tolist(),
         "stages": [stages[n] for n in numbers] if stages else [],
-        "gone": _gone(results, numbers),
+        "gone": gone,
         "motion": shown,
         "fields": _packed_fields(results, numbers, motion, shown),
-        **_thinned(about, budget),
+        **_contacts_and_joints(about, budget),
         "levels": _levels(about),
         "bolts": _bolts(about),
         "points": _points(about),
-        "links": links_in(results, numbers, about.origin),
-        "reactions": reactions_in(results, numbers, about.origin),
-        "linings": linings_in(results, numbers),
+        "links": _links(about),
+        "reactions": _reactions(about),
+        "linings": _linings(results, numbers),
     }
 
 
@@ -126,21 +118,6 @@ class _About:
     def origin(self) -> Floats:
         """Point that places are relative to, m, shape (2,)."""
         return np.asarray(self.start.mean(axis=0))
-
-
-def _gone(results: Recording, numbers: Ints) -> list[list[int]]:
-    """Return the frames in which each block is taken away, comes, is taken away, and so on.
-
-    Linings of later stages are taken away in the first.
-    """
-    found: list[list[int]] = [[] for _ in results.block_name]
-    before = np.zeros(len(found), np.bool_)
-    for frame, number in enumerate(numbers):
-        absent = absent_in_frame(results, int(number))
-        for block in np.flatnonzero(absent != before):
-            found[block].append(frame)
-        before = absent
-    return found
 
 
 def _packed_motion(motion: dict[str, Floats], start: Floats, block_start: Ints) -> dict[str, Any]:
@@ -160,16 +137,12 @@ def _packed_motion(motion: dict[str, Floats], start: Floats, block_start: Ints) 
 def _packed_fields(
     results: Recording, numbers: Ints, motion: dict[str, Floats], shown: dict[str, Any]
 ) -> dict[str, Any]:
-    """Return the fields for the page, of many blocks and frames in fewer levels.
-
-    Those that follow from the ``motion`` are left out unless they differ from it by a tenth of what
-    it is rounded to as it is ``shown``: displacements may count from a later stage, and rotations
-    of blocks that deform are sums over steps.
-    """
+    """Return the fields for the page but for those that follow from the ``motion``."""
+    # displacements may count from a later stage, and rotations of blocks that deform are sums
     many = len(numbers) * len(results.block_name) > MANY
     levels = FEWER_LEVELS if many else LEVELS
     rounding = ROUNDING * max(1.0, float(np.ptp(results.vertices(0), axis=0).max()))
-    found = {}
+    fields = {}
     for names in FIELDS:
         values = {
             name: np.stack([results.field(name, int(number)) for number in numbers])
@@ -183,22 +156,28 @@ def _packed_fields(
                 quantum = (table["high"] - table["low"]) / table["levels"]
                 if np.abs(np.nan_to_num(one - motion[same])).max() <= max(0.1 * quantum, rounding):
                     continue
-            found[name] = packed(one, least, levels)
-    return found
+            fields[name] = packed(one, least, levels)
+    return fields
 
 
 # Contacts and joints -----------------------------------------------------------------------------
 
 
-def _thinned(about: _About, budget: float) -> dict[str, Any]:
-    """Return contacts and joints; where room is short, a share of them evenly in space."""
+def _contacts_and_joints(about: _About, budget: float) -> dict[str, Any]:
+    """Return contacts and joints; where room is short, a part of them evenly in space."""
     contacts = _contacts(about, Rows(CONTACT_BYTES, budget))
     order = spread(about.start)
     faces = {name: _faces(about, name, order, Rows(FACE_BYTES, budget)) for name in FACES}
     if not any(rows[:, 4].any() for rows in faces["worn"].rows):
         del faces["worn"]
     if about.results.water:
-        faces["water"] = _wetted(about, order, Rows(FACE_BYTES, budget))
+        # none are told by an edge
+        faces["water"] = Rows(FACE_BYTES, budget)
+        for number in map(int, about.numbers):
+            waters = waters_of(about.results, number)
+            wet = pressures_of(about.results, waters, number, about.results.vertices(number))
+            pressure, no_edge = wet.pressure.mean(axis=1), np.full(len(wet.ends), -1.0)
+            _add_faces(about, faces["water"], wet.ends, pressure, no_edge, order[wet.edge])
     room = room_of_each([one.bytes * one.total for one in (contacts, *faces.values())], budget)
 
     def cut(one: Rows) -> tuple[NDArray[Any], dict[str, Any]]:
@@ -206,29 +185,30 @@ def _thinned(about: _About, budget: float) -> dict[str, Any]:
         return flat, {"shown": len(flat), "of": one.total, "count": count}
 
     flat, counts = cut(contacts)
-    found: dict[str, Any] = {
+    columns: dict[str, Any] = {
         name: packed(flat[None, :, k], NOISE * float(np.abs(flat[:, like]).max(initial=0.0)))
         for k, (name, like) in enumerate(CONTACT_NUMBERS.items())
     }
     for k, name in enumerate(CONTACT_NAMES, len(CONTACT_NUMBERS)):
-        found[name] = raw(flat[:, k], "<i4")
+        columns[name] = raw(flat[:, k], "<i4")
     joints = {}
     for name, rows in faces.items():
-        flat_faces, told = cut(rows)
+        flat_faces, counts_of_faces = cut(rows)
         ends = {
             end: packed(flat_faces[None, :, k]) for k, end in enumerate(("x0", "y0", "x1", "y1"))
         }
         value = raw(flat_faces[:, 4], "<f4")
-        joints[name] = {**told, **ends, "value": value, "edge": raw(flat_faces[:, 5], "<i4")}
-    return {"contacts": {**counts, **found}, "faces": joints}
+        joints[name] = {
+            **counts_of_faces,
+            **ends,
+            "value": value,
+            "edge": raw(flat_faces[:, 5], "<i4"),
+        }
+    return {"contacts": {**counts, **columns}, "faces": joints}
 
 
-def _contacts(about: _About, found: Rows) -> Rows:
-    """Return CONTACT_NUMBERS and CONTACT_NAMES of every contact, in ``found``.
-
-    Those of two blocks stay together, in the order of the smaller one: what passes between the
-    blocks is their sum.
-    """
+def _contacts(about: _About, kept: Rows) -> Rows:
+    """Return numbers and names of every contact; those of two blocks stay together."""
     start, first = about.start, about.results.block_start[:-1]
     count = np.diff(about.results.block_start)[:, None]
     order = spread(np.add.reduceat(start, first) / count)
@@ -246,49 +226,37 @@ def _contacts(about: _About, found: Rows) -> Rows:
         smaller = np.where(size[pair[0]] < size[pair[1]], *pair)
         largest = np.hypot(*forces).argmax() if len(table) else 0
         stays = (pair == pair[:, largest : largest + 1]).all(axis=0)
-        found.add(rows, np.where(stays, ALWAYS, order[smaller]))
-    return found
+        kept.add(rows, np.where(stays, ALWAYS, order[smaller]))
+    return kept
 
 
-def _faces(about: _About, name: str, order: Floats, found: Rows) -> Rows:
+def _faces(about: _About, name: str, order: Floats, rows: Rows) -> Rows:
     """Return ends and value of every face of the joints; ``order`` (nv,) is that of their edges."""
     for number in about.numbers:
         faces = JOINT_FIELDS[name].values(about.results, int(number))
-        ends = (faces.ends - about.origin).reshape(-1, 4)
-        rows = np.column_stack([ends, faces.value, faces.edge])
-        found.add(rows, _with_largest(order[faces.edge], np.abs(faces.value)))
-    return found
+        _add_faces(about, rows, faces.ends, faces.value, faces.edge, order[faces.edge])
+    return rows
 
 
-def _with_largest(order: Floats, size: Floats) -> Floats:
-    """Return an order (m,) in which the row of the largest ``size`` (m,) is always kept."""
-    if len(size):
-        order[size.argmax()] = ALWAYS
-    return order
-
-
-def _wetted(about: _About, order: Floats, found: Rows) -> Rows:
-    """Return faces and joints under water with their mean pressures; none are told by an edge."""
-    for number in map(int, about.numbers):
-        waters = waters_of(about.results, number)
-        wet = pressures_of(about.results, waters, number, about.results.vertices(number))
-        ends = (wet.ends - about.origin).reshape(-1, 4)
-        pressure = wet.pressure.mean(axis=1)
-        rows = np.column_stack([ends, pressure, np.full(len(ends), -1.0)])
-        found.add(rows, _with_largest(order[wet.edge], pressure))
-    return found
+def _add_faces(
+    about: _About, rows: Rows, ends: Floats, value: Floats, edge: Floats | Ints, place: Floats
+) -> None:
+    """Add faces; the one with the largest value is always kept."""
+    if len(place):
+        place[np.abs(value).argmax()] = ALWAYS
+    rows.add(np.column_stack([(ends - about.origin).reshape(-1, 4), value, edge]), place)
 
 
 def _levels(about: _About) -> list[list[Any]]:
     """Return which waters press in each frame, and their ranges of x, m, that lie in voids."""
     results = about.results
     surfaces = [water.surface.tobytes() for water in results.water]
-    found: list[list[Any]] = []
+    levels: list[list[Any]] = []
     for number in map(int, about.numbers):
         here = {surfaces.index(one.surface.tobytes()): one for one in waters_of(results, number)}
         voids = {k: dry_of(results, here[k], number) - about.origin[0] for k in sorted(here)}
-        found.append([[k, dry.tolist()] for k, dry in voids.items()])
-    return found
+        levels.append([[k, dry.tolist()] for k, dry in voids.items()])
+    return levels
 
 
 # Bolts and measured points -----------------------------------------------------------------------
@@ -313,22 +281,17 @@ def _bolts(about: _About) -> dict[str, Any] | None:
 
 def _points(about: _About) -> list[dict[str, Any]]:
     """Return the measured points with where they are in every frame."""
-    results, found = about.results, []
-    for k, (name, at) in enumerate(zip(results.point_name, results.point_start, strict=True)):
-        history = results.history(name)
-        row = results.rows_at(history.time, about.numbers)
-        before = [counted_from(results.stages, k, float(history.time[one])) for one in row]
-        place = at - about.origin + history.displacement[row] + np.reshape(before, (-1, 2))
-        found.append({"name": name, "x": place[:, 0].tolist(), "y": place[:, 1].tolist()})
-    return found
+    names, places = about.results.point_name, places_of_points(about.results, about.numbers)
+    return [
+        {"name": name, "x": place[:, 0].tolist(), "y": place[:, 1].tolist()}
+        for name, place in zip(names, (places - about.origin).swapaxes(0, 1), strict=True)
+    ]
 
 
 def supports_of(results: Recording) -> dict[str, Any]:
     """Return names, colours and vertices of links, reactions and linings, which stay the same."""
     links = results.link_lines
-    looks = [
-        ("link" if one == "intact" else f"link, {one}", LINK_COLOURS[one]) for one in LINK_STATES
-    ]
+    looks = [(link_label(state), LINK_COLOURS[state]) for state in LINK_STATES]
     return {
         "link_looks": looks,
         "link_holds": links.holds.tolist() if links.name else [],
@@ -341,16 +304,18 @@ def supports_of(results: Recording) -> dict[str, Any]:
     }
 
 
-def links_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
+def _links(about: _About) -> dict[str, Any] | None:
     """Return both points, directions and states of the links in some frames; None without any."""
-    links = results.link_lines
+    results, links = about.results, about.results.link_lines
     if not links.name:
         return None
-    places = np.stack([places_of(results, int(k)) for k in numbers]) - origin
-    directions = np.stack([directions_of(results, int(k)) for k in numbers])
-    states = np.stack([states_of(results, int(k)) for k in numbers])
-    ends = {f"{axis}{end}": places[:, :, end, k] for end in (0, 1) for k, axis in enumerate("xy")}
-    ends |= {"wayX": directions[..., 0], "wayY": directions[..., 1]}
+    places, directions, states = (
+        np.stack([column(results, int(k)) for k in about.numbers])
+        for column in (places_of, directions_of, states_of)
+    )
+    at = places - about.origin
+    ends = {f"{axis}{end}": at[:, :, end, k] for end in (0, 1) for k, axis in enumerate("xy")}
+    ends |= {"alongX": directions[..., 0], "alongY": directions[..., 1]}
     return {
         "names": list(links.name),
         **{name: raw(values, "<f4") for name, values in ends.items()},
@@ -358,20 +323,20 @@ def links_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any
     }
 
 
-def reactions_in(results: Recording, numbers: Ints, origin: Floats) -> dict[str, Any] | None:
+def _reactions(about: _About) -> dict[str, Any] | None:
     """Return where reactions act, m, and their forces, N/m, in some frames; NaN for none."""
-    names = results.reaction_name
+    names = about.results.reaction_name
     if not names:
         return None
-    found = np.full((4, len(numbers), len(names)), np.nan)
-    for row, number in enumerate(numbers):
-        for name, at, force in forces_in(results, int(number)):
-            found[:, row, names.index(name)] = *(at - origin), *force
-    columns = zip(("x", "y", "fx", "fy"), found, strict=True)
+    rows = np.full((4, len(about.numbers), len(names)), np.nan)
+    for row, number in enumerate(about.numbers):
+        for name, at, force in forces_in(about.results, int(number)):
+            rows[:, row, names.index(name)] = *(at - about.origin), *force
+    columns = zip(("x", "y", "fx", "fy"), rows, strict=True)
     return {"names": list(names), **{name: raw(values, "<f4") for name, values in columns}}
 
 
-def linings_in(results: Recording, numbers: Ints) -> dict[str, str] | None:
+def _linings(results: Recording, numbers: Ints) -> dict[str, str] | None:
     """Return N, Q and M of the joints of all linings in some frames; NaN: it does not bear."""
     if not results.lining_name:
         return None

@@ -13,7 +13,7 @@ from __future__ import annotations
 import base64
 import math
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,7 +52,7 @@ def packed(values: Floats, least: float = 0.0, levels: int = LEVELS) -> dict[str
     order = 1
     if np.log2(1.0 + changes).sum() < np.log2(1.0 + coded).sum():
         coded, order = changes, 2
-    return {"low": low, "high": high, "levels": levels, "order": order, "data": text_of(coded)}
+    return {"low": low, "high": high, "levels": levels, "order": order, "data": raw(coded, "<u2")}
 
 
 def _differences(levels: Ints) -> Ints:
@@ -67,52 +67,39 @@ def _zigzag(change: Ints) -> NDArray[np.uint16]:
     return np.where(change < 0, -2 * change - 1, 2 * change).astype(np.uint16)
 
 
-def text_of(numbers: NDArray[np.uint16]) -> str:
-    """Return 16-bit numbers as a text: low bytes, then high bytes, deflated, in base64."""
-    flat = np.ascontiguousarray(numbers).ravel()
-    planes = np.concatenate([(flat & 0xFF).astype(np.uint8), (flat >> 8).astype(np.uint8)])
-    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
-
-
 def raw(numbers: NDArray[Any], kind: str) -> str:
-    """Return an array as a text: its bytes as ``kind``, such as "<f4", deflated, in base64.
-
-    All first bytes come first, then all second ones: like stands by like, which packs better.
-    """
+    """Return an array as a text: its bytes as ``kind``, such as "<f4", deflated, in base64."""
+    # all first bytes, then all second ones: like stands by like, which packs better
     flat = np.ascontiguousarray(numbers, kind).ravel()
     planes = flat.view(np.uint8).reshape(len(flat), flat.itemsize).T
     return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
 
 
-def affine(start: Floats, frames: Sequence[Floats], block_start: Ints) -> dict[str, Floats]:
+def affine(start: Floats, frames: Iterable[Floats], block_start: Ints) -> dict[str, Floats]:
     """Return how blocks have moved from their ``start`` (nv, 2) in f frames (nv, 2), by name.
 
     ``x`` and ``y``: displacement of a block's centroid, m; ``angle``: its rotation,
     counter-clockwise, rad, without jumps of a full turn; ``xx``, ``yy``, ``xy``: the stretch less
     one, in the axes of the start, from the polar decomposition F = R U.  Each has the shape (f, n).
     """
-    first, count = block_start[:-1], np.diff(block_start)
-    owner = np.repeat(np.arange(len(count)), count)
+    first, corners = block_start[:-1], np.diff(block_start)
+    owner = np.repeat(np.arange(len(corners)), corners)
     middle = moments(start, block_start)[1]
     arm = start - middle[owner]
-    moment = _sums(arm, arm, first)
-    inverse = np.linalg.inv(moment)
-    shape = (len(frames), len(count))
-    found = {key: np.zeros(shape) for key in ("x", "y", "angle", "xx", "yy", "xy")}
-    for f, here in enumerate(frames):
+    inverse = np.linalg.inv(_sums(arm, arm, first))
+    rows = []
+    for here in frames:
         now = moments(here, block_start)[1]
-        found["x"][f], found["y"][f] = (now - middle).T
-        gradient = _sums(here - now[owner], arm, first) @ inverse
-        turn = np.arctan2(
-            gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1]
+        (f_xx, f_xy), (f_yx, f_yy) = (_sums(here - now[owner], arm, first) @ inverse).T.swapaxes(
+            0, 1
         )
+        turn = np.arctan2(f_yx - f_xy, f_xx + f_yy)
         cosine, sine = np.cos(turn), np.sin(turn)
-        found["angle"][f] = turn
-        found["xx"][f] = cosine * gradient[:, 0, 0] + sine * gradient[:, 1, 0] - 1.0
-        found["yy"][f] = cosine * gradient[:, 1, 1] - sine * gradient[:, 0, 1] - 1.0
-        found["xy"][f] = cosine * gradient[:, 0, 1] + sine * gradient[:, 1, 1]
-    found["angle"] = np.unwrap(found["angle"], axis=0)
-    return found
+        xx, yy = cosine * f_xx + sine * f_yx - 1.0, cosine * f_yy - sine * f_xy - 1.0
+        rows.append([*(now - middle).T, turn, xx, yy, cosine * f_xy + sine * f_yy])
+    names = ("x", "y", "angle", "xx", "yy", "xy")
+    motion = dict(zip(names, np.array(rows).swapaxes(0, 1), strict=True))
+    return motion | {"angle": np.unwrap(motion["angle"], axis=0)}
 
 
 def _sums(left: Floats, right: Floats, first: Ints) -> Floats:
@@ -120,8 +107,6 @@ def _sums(left: Floats, right: Floats, first: Ints) -> Floats:
     return np.asarray(np.add.reduceat(left[:, :, None] * right[:, None, :], first, axis=0))
 
 
-CELLS = 12
-"""Bits of a coordinate along Morton's curve."""
 ALWAYS = -1.0
 """Order of rows that are always kept."""
 
@@ -134,17 +119,17 @@ def spread(places: Floats) -> Floats:
     1995).
     """
     size = float(np.ptp(places, axis=0).max(initial=0.0)) or 1.0
-    cell = ((places - places.min(axis=0)) / size * (2**CELLS - 1)).astype(np.int64)
-    code = sum(((cell >> bit & 1) @ [1, 2]) << 2 * bit for bit in range(CELLS))
+    cell = ((places - places.min(axis=0)) / size * (2**12 - 1)).astype(np.int64)
+    code = sum(((cell >> bit & 1) @ [1, 2]) << 2 * bit for bit in range(12))
     rank = np.empty(len(places), np.int64)
     rank[np.argsort(code, kind="stable")] = np.arange(len(places))
     chance = np.random.default_rng(0)
-    bits, found = len(places).bit_length(), np.zeros_like(rank)
+    bits, order = len(places).bit_length(), np.zeros_like(rank)
     for bit in range(bits):
         flip = chance.integers(0, 2, (int(rank.max(initial=0) >> bit + 1) + 1) << bit)
-        digit = (rank >> bit & 1) ^ flip[((rank >> bit + 1) << bit) + found]
-        found = 2 * found + digit
-    return np.asarray((found + 0.5) / 2**bits)
+        digit = (rank >> bit & 1) ^ flip[((rank >> bit + 1) << bit) + order]
+        order = 2 * order + digit
+    return np.asarray((order + 0.5) / 2**bits)
 
 
 def room_of_each(sizes: Sequence[int], budget: float) -> float:
@@ -168,7 +153,7 @@ class Rows:
     """
 
     bytes: int
-    """Bytes of a row."""
+    """Those of a row."""
     budget: float
     """Bytes that all tables of a page may take."""
     total: int = 0

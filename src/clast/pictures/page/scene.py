@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+import re
 from datetime import date
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.pictures.canvas import check_installed
 from clast.pictures.fields import SCALARS, colours_between
-from clast.pictures.histories import History, histories_of
+from clast.pictures.histories import KINDS, History
 from clast.pictures.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.frame_data import moving, supports_of
 from clast.pictures.page.packing import raw
@@ -19,18 +19,18 @@ from clast.pictures.supports import BOLT_LOOKS
 from clast.results import Recording
 from clast.thumbnails import CURVE_COLOURS
 
-MOST_VALUES = 4_000_000
+BLOCK_FRAMES_MAX = 4_000_000
 """Blocks times frames on a page; of longer runs frames are left out evenly."""
-COLOURS = 64
-"""Colours of a scale."""
-CURVE_POINTS_MAX = 2_000
-"""Instants of a curve."""
+SCALE_COLOURS, CURVE_POINTS_MAX = 64, 2_000
+"""Colours of a scale, and instants of a curve."""
 MONTHS = (
     "January February March April May June July August September October November December"
 ).split()
 
 
-def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) -> dict[str, Any]:
+def scene_of(
+    results: Recording, budget: float, most_values: int = BLOCK_FRAMES_MAX
+) -> dict[str, Any]:
     """Return the page's content; contacts and joints may take ``budget`` bytes uncompressed."""
     count, blocks = len(results.times), len(results.block_name)
     most = max(2, most_values // max(blocks, 1))
@@ -65,7 +65,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
         "line_widths": [THIN, THICK],
         "supports": supports_of(results),
         **moving(results, numbers, budget),
-        **told(results),
+        **words_of(results),
     }
 
 
@@ -78,11 +78,20 @@ def _day_of(results: Recording) -> str:
     return f"{day.day} {MONTHS[day.month - 1]} {day.year}" if day else ""
 
 
-def told(results: Recording) -> dict[str, Any]:
+def words_of(results: Recording) -> dict[str, Any]:
     """Return the words and curves of the page of a run, which grow while it goes on."""
     return {
-        "curves": [_curve(one) for one in histories_of(results) if len(one.time)],
-        "events": [_event(one) for one in results.events],
+        "curves": [
+            _curve(one)
+            for names, histories in KINDS.values()
+            for name in names(results)
+            for one in histories(results, name)
+            if len(one.time)
+        ],
+        "events": [
+            {"time": one.time, "stage": getattr(one, "stage", ""), "text": str(one)}
+            for one in results.events
+        ],
         "report": _report(results),
     }
 
@@ -117,15 +126,8 @@ def _short(value: Any) -> float | None:
 
 def _labels() -> dict[str, tuple[str, str]]:
     """Return label and unit of every field that the page can colour blocks by."""
-    plain = {r"$\sigma_{xx}$": "σxx", r"$\sigma_{yy}$": "σyy", r"$\sigma_{xy}$": "σxy"}
-    plain |= {r"$\sigma_1$": "σ1", r"$\sigma_3$": "σ3"}
-    found = {}
-    for name, field in SCALARS.items():
-        label = field.label
-        for written, read in plain.items():
-            label = label.replace(written, read)
-        found[name] = (label, field.unit)
-    return found
+    formula = re.compile(r"\$\\sigma_\{?(\w+)\}?\$")
+    return {name: (formula.sub(r"σ\1", field.label), field.unit) for name, field in SCALARS.items()}
 
 
 def _joint_looks(results: Recording) -> dict[int, tuple[str, str, list[float]]]:
@@ -133,7 +135,7 @@ def _joint_looks(results: Recording) -> dict[int, tuple[str, str, list[float]]]:
     joint = results.edge_joint
     names = {number: results.joint_name[number] for number in np.unique(joint[joint >= 0]).tolist()}
     looks = strokes_of(names)
-    dashes = {number: [] if one.dashes == "-" else one.dashes[1] for number, one in looks.items()}
+    dashes = {number: () if one.dashes == "-" else one.dashes[1] for number, one in looks.items()}
     return {
         number: (looks[number].label, looks[number].colour, [2.0 * d for d in dashes[number]])
         for number in names
@@ -141,31 +143,20 @@ def _joint_looks(results: Recording) -> dict[int, tuple[str, str, list[float]]]:
 
 
 def _colours() -> dict[str, Any]:
-    """Return the colours of scales above zero, below, and on both sides, as in still pictures.
-
-    "beyond" are those of values below and above each.
-    """
+    """Return the colours of scales above zero, below, and on both sides, as in still pictures."""
     check_installed()
     from matplotlib.colors import to_hex
 
     ends = {"rising": (0.0, 1.0), "falling": (-1.0, 0.0), "both": (-1.0, 1.0)}
     # the middle of each of the steps that the page divides a scale into
-    shares = (np.arange(COLOURS) + 0.5) / COLOURS
+    shares = (np.arange(SCALE_COLOURS) + 0.5) / SCALE_COLOURS
     scales = {name: colours_between(*pair) for name, pair in ends.items()}
-    found: dict[str, Any] = {
-        name: [to_hex(colour) for colour in scale(shares)] for name, scale in scales.items()
-    }
-    found["beyond"] = {
-        name: [to_hex(tuple(scale.get_under())), to_hex(tuple(scale.get_over()))]
+    beyond = {
+        name: [to_hex(tuple(end)) for end in (scale.get_under(), scale.get_over())]
         for name, scale in scales.items()
     }
-    return found
-
-
-def _event(event: Any) -> dict[str, Any]:
-    """Return an event as time, stage and text."""
-    plain = asdict(event)
-    return {"time": plain["time"], "stage": plain.get("stage", ""), "text": str(event)}
+    steps = {name: [*map(to_hex, scale(shares))] for name, scale in scales.items()}
+    return {**steps, "beyond": beyond}
 
 
 def _report(results: Recording) -> dict[str, Any]:

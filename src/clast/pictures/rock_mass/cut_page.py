@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 from io import BytesIO
 from pathlib import Path
@@ -14,7 +13,7 @@ from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.page.document import html_path, write_html
 from clast.pictures.rock_mass.cut_statistics import statistics_figure
 from clast.pictures.rock_mass.section import BY, cut_figure
-from clast.rockmass import Cut, CutReport, Finding, Sizes
+from clast.rockmass import Cut, CutReport, Finding
 from clast.rockmass.cut_report import place_text
 
 if TYPE_CHECKING:
@@ -48,29 +47,20 @@ FINDINGS = {
 """Changes on the way: field of the report -> its name on the page."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Table:
-    """Rows of text under headings."""
-
-    headings: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    classes: Sequence[str] = ()
-    """Style of each column; () for none."""
-
-    def html(self) -> str:
-        styles = self.classes or [""] * len(self.headings)
-        head = "".join(f'<th scope="col">{escape(text)}</th>' for text in self.headings)
-        body = "".join(
-            "<tr>"
-            + "".join(
-                f'<td class="{style}">{escape(text)}</td>' if style else f"<td>{escape(text)}</td>"
-                for style, text in zip(styles, row, strict=True)
-            )
-            + "</tr>"
-            for row in self.rows
-        )
-        table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        return f'<div class="wide">{table}</div>'
+def _table(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[str] = ()
+) -> str:
+    """Return rows of text under headings; ``classes`` are the styles of the columns."""
+    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in headings)
+    cells = [
+        f'<td class="{style}">' if style else "<td>" for style in classes or [""] * len(headings)
+    ]
+    lines = []
+    for row in rows:
+        line = (f"{cell}{escape(text)}</td>" for cell, text in zip(cells, row, strict=True))
+        lines.append(f"<tr>{''.join(line)}</tr>")
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+    return f'<div class="wide">{table}</div>'
 
 
 def write_cut_report(
@@ -88,6 +78,11 @@ def write_cut_report(
 def page(cut: Cut, *, title: str, look: Look) -> str:
     """Return the text of the page."""
     report = cut.report
+    summary = (
+        f"{report.blocks:,} blocks cover {report.area:.9g} m²; the domain has "
+        f"{report.domain_area:.9g} m² of rock, a difference of {abs(report.area_error):.1g} of it. "
+        f"Before anything was cut, {report.estimate:,} blocks were expected."
+    )
     drawn = ["set", "rock"] if len(cut.rock_names) > 1 else ["set"]
     parts = [
         "<!doctype html>",
@@ -95,14 +90,14 @@ def page(cut: Cut, *, title: str, look: Look) -> str:
         '<meta name="viewport" content="width=device-width,initial-scale=1">',
         f"<title>{escape(title)}</title><style>{STYLE}</style></head><body>",
         f"<h1>{escape(title)}</h1>",
-        f"<p>{escape(_summary(report))}</p>",
+        f"<p>{escape(summary)}</p>",
         *(
             _figure(cut_figure(cut, by=by, title="", look=look), CAPTIONS[by])
             for by in BY
             if by in drawn
         ),
         "<h2>Sizes</h2>",
-        _sizes(report).html(),
+        _sizes(report),
         f"<p>{escape(_limits(report))}</p>",
         _figure(
             statistics_figure(cut, title=""),
@@ -112,7 +107,7 @@ def page(cut: Cut, *, title: str, look: Look) -> str:
         ),
         *_joint_sets(report),
         "<h2>Changes on the way</h2>",
-        _changes(report).html(),
+        _changes(report),
         *_notes(report),
         "</body></html>",
     ]
@@ -128,14 +123,6 @@ def _figure(figure: Figure, caption: str, wide: str = "") -> str:
     return f"<figure{wide}>{image}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _summary(report: CutReport) -> str:
-    return (
-        f"{report.blocks:,} blocks cover {report.area:.9g} m²; the domain has "
-        f"{report.domain_area:.9g} m² of rock, a difference of {abs(report.area_error):.1g} of it. "
-        f"Before anything was cut, {report.estimate:,} blocks were expected."
-    )
-
-
 def _limits(report: CutReport) -> str:
     return (
         f"Lines were rounded to {report.tolerance:g} m. Edges below {report.smallest_edge:.4g} m "
@@ -144,75 +131,56 @@ def _limits(report: CutReport) -> str:
     )
 
 
-def _sizes(report: CutReport) -> _Table:
-    named: dict[str, Sizes] = {
+def _sizes(report: CutReport) -> str:
+    named = {
         "Area of block, m²": report.block_area,
         "Length of edge, m": report.edge_length,
         "Aspect of block": report.aspect,
     }
-    return _Table(
-        headings=("", "smallest", "median", "largest"),
-        rows=[
-            (name, *(f"{value:.4g}" for value in (one.smallest, one.median, one.largest)))
-            for name, one in named.items()
-        ],
-    )
+    rows = [
+        (name, *(f"{value:.4g}" for value in (one.smallest, one.median, one.largest)))
+        for name, one in named.items()
+    ]
+    return _table(("", "smallest", "median", "largest"), rows)
 
 
 def _joint_sets(report: CutReport) -> list[str]:
     if not report.sets:
         return []
-    table = _Table(
-        headings=(
-            "set",
-            "lines",
-            "length, m",
-            "P21, m/m²",
-            "asked",
-            "P10, 1/m",
-            "persistence",
-            "asked",
-            "kept as edges",
-        ),
-        rows=[
-            (
-                one.name,
-                f"{one.lines:,}",
-                f"{one.length:.5g}",
-                f"{one.p21:.4g}",
-                "–" if one.p21_asked is None else f"{one.p21_asked:.4g}",
-                f"{one.p10:.4g}",
-                f"{one.persistence:.3f}",
-                f"{one.persistence_asked:.3f}",
-                f"{100.0 * one.kept:.1f} %",
-            )
-            for one in report.sets
-        ],
-    )
-    return ["<h2>Joint sets and traces</h2>", table.html()]
+    headings = ("set", "lines", "length, m", "P21, m/m²", "asked", "P10, 1/m", "persistence")
+    rows = [
+        (
+            one.name,
+            f"{one.lines:,}",
+            f"{one.length:.5g}",
+            f"{one.p21:.4g}",
+            "–" if one.p21_asked is None else f"{one.p21_asked:.4g}",
+            f"{one.p10:.4g}",
+            f"{one.persistence:.3f}",
+            f"{one.persistence_asked:.3f}",
+            f"{100.0 * one.kept:.1f} %",
+        )
+        for one in report.sets
+    ]
+    table = _table((*headings, "asked", "kept as edges"), rows)
+    return ["<h2>Joint sets and traces</h2>", table]
 
 
-def _changes(report: CutReport) -> _Table:
-    found: dict[str, Finding] = {text: getattr(report, name) for name, text in FINDINGS.items()}
-    return _Table(
-        headings=("", "times", "length, m", "first places (x, y), m"),
-        classes=("", "", "", "places"),
-        rows=[
-            (
-                text,
-                f"{one.count:,}",
-                f"{one.length:.4g}" if one.length > 0.0 else "",
-                "; ".join(place_text(at, report.tolerance) for at in one.places),
-            )
-            for text, one in found.items()
-        ],
-    )
+def _changes(report: CutReport) -> str:
+    rows = []
+    for field, text in FINDINGS.items():
+        one: Finding = getattr(report, field)
+        places = "; ".join(place_text(at, report.tolerance) for at in one.places)
+        length = f"{one.length:.4g}" if one.length > 0.0 else ""
+        rows.append((text, f"{one.count:,}", length, places))
+    headings = ("", "times", "length, m", "first places (x, y), m")
+    return _table(headings, rows, classes=("", "", "", "places"))
 
 
 def _notes(report: CutReport) -> list[str]:
-    found = []
+    parts = []
     for heading, texts in (("Warnings", report.warnings), ("Notes", report.notes)):
         if texts:
             items = "".join(f"<li>{escape(text)}</li>" for text in texts)
-            found.append(f"<h2>{heading}</h2><ul>{items}</ul>")
-    return found
+            parts.append(f"<h2>{heading}</h2><ul>{items}</ul>")
+    return parts

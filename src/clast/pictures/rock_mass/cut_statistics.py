@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.model.model import Floats
 from clast.pictures import canvas, draw_blocks
-from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT
 from clast.pictures.fields import round_below
 from clast.pictures.rock_mass.section import counted, edges_of_cut
 from clast.pictures.strokes import DASHES, EdgeGroup, following
@@ -23,14 +23,8 @@ if TYPE_CHECKING:
 
 SECTOR = 5.0
 """Width of the sectors of the rose, degrees; they are centred on its multiples."""
-BINS = 24
-"""Bins of a histogram."""
-WIDE = 30.0
-"""Sizes whose largest is this many times the smallest get a logarithmic scale."""
 PANEL = (4.1, 3.2)
 """Width and height of a panel, inches."""
-DOTS = 160
-"""Dots per inch."""
 HATCHES = (None, "////", "....")
 """Hatching of joints that are drawn as DASHES says."""
 BAR = "#9db7c9"
@@ -56,42 +50,35 @@ def statistics_figure(cut: Cut, *, title: str) -> Figure:
     report = cut.report
     handles = _handles(joints, (report.smallest_block, report.smallest_edge))
     count = counted(cut)
-    head, below = (title, f"{count}, {_about(cut)}") if title else (count, _about(cut))
-    width = 3 * PANEL[0]
-    keys = canvas.Keys(handles, width - 2 * canvas.LEFT)
-    sheet = canvas.sheet_for((width - canvas.LEFT - canvas.RIGHT, PANEL[1]), head, keys.lines, 0)
-    figure = canvas.new_figure(sheet.size, DOTS)
-    canvas.head(figure, sheet.axes[0], sheet.title, below)
-    bottom, across = sheet.axes[1], PANEL[0]
-    rose: Any = figure.add_axes(
-        sheet.share((0.35, bottom - 0.1, across - 0.7, PANEL[1] - 0.4)), projection="polar"
-    )
-    _draw_rose(rose, joints)
-    panels = (
-        (
-            draw_blocks.areas_of(cut, cut.vertices),
-            "Area of block (m²)",
-            report.smallest_block,
-            "m²",
-        ),
-        (_lengths(cut), "Length of edge (m)", report.smallest_edge, "m"),
-    )
-    for number, (values, label, limit, unit) in enumerate(panels, 1):
-        box = (number * across + canvas.LEFT, bottom, across - canvas.LEFT - 0.2, PANEL[1] - 0.3)
-        axes = figure.add_axes(sheet.share(box))
-        _draw_histogram(axes, values, limit, unit)
-        axes.set_xlabel(label, fontsize=TEXT_SIZE, color=INK)
-        axes.set_ylabel(("Blocks", "Edges of blocks")[number - 1], fontsize=TEXT_SIZE, color=INK)
-    keys.draw(figure, sheet)
-    return figure
-
-
-def _about(cut: Cut) -> str:
-    report = cut.report
-    return (
+    about = (
         f"{report.area:.6g} m²; {report.merged.count:,} blocks merged, "
         f"{report.collapsed.count:,} edges collapsed"
     )
+    head, below = (title, f"{count}, {about}") if title else (count, about)
+    width = 3 * PANEL[0]
+    keys = canvas.Keys(handles, width - 2 * canvas.LEFT)
+    sheet = canvas.sheet_for((width - canvas.LEFT - canvas.RIGHT, PANEL[1]), head, keys.lines, 0)
+    figure = canvas.new_figure(sheet.size, 160)
+    canvas.head(figure, sheet.axes[0], sheet.title, below)
+    bottom, across = sheet.axes[1], PANEL[0]
+    rose: Any = figure.add_axes(
+        sheet.parts((0.35, bottom - 0.1, across - 0.7, PANEL[1] - 0.4)), projection="polar"
+    )
+    _draw_rose(rose, joints)
+    areas = draw_blocks.areas_of(cut, cut.vertices)
+    lengths = np.hypot(*(cut.vertices[following(cut.block_start)] - cut.vertices).T)
+    panels = (
+        (areas, "Area of block", "Blocks", report.smallest_block, "m²"),
+        (lengths, "Length of edge", "Edges of blocks", report.smallest_edge, "m"),
+    )
+    for number, (values, label, counted_things, limit, unit) in enumerate(panels, 1):
+        box = (number * across + canvas.LEFT, bottom, across - canvas.LEFT - 0.2, PANEL[1] - 0.3)
+        axes = figure.add_axes(sheet.parts(box))
+        _draw_histogram(axes, values, limit, unit)
+        axes.set_xlabel(f"{label} ({unit})", **TEXT)
+        axes.set_ylabel(counted_things, **TEXT)
+    keys.draw(figure, sheet)
+    return figure
 
 
 def _handles(joints: Sequence[EdgeGroup], limits: Sequence[float]) -> list[Any]:
@@ -116,24 +103,21 @@ def _hatch(one: EdgeGroup) -> str | None:
 def sectors(joints: Sequence[EdgeGroup]) -> Floats:
     """Return the length of each joint by direction, m, shape (joints, 180/SECTOR).
 
-    Directions are taken from 0 to 180 degrees, counter-clockwise from +x; the first sector is
-    that about 0.
+    Directions go from 0 to 180 degrees, counter-clockwise from +x; the first sector is about 0.
     """
     count = round(180.0 / SECTOR)
-    found = np.zeros((len(joints), count))
-    for row, one in zip(found, joints, strict=True):
-        way = one.ends[:, 1] - one.ends[:, 0]
-        angle = np.degrees(np.arctan2(way[:, 1], way[:, 0]))
+    lengths = np.zeros((len(joints), count))
+    for row, one in zip(lengths, joints, strict=True):
+        along = one.ends[:, 1] - one.ends[:, 0]
+        angle = np.degrees(np.arctan2(along[:, 1], along[:, 0]))
         sector = np.round(angle / SECTOR).astype(np.int64) % count
         np.add.at(row, sector, one.lengths)
-    return found
+    return lengths
 
 
 def _draw_rose(axes: PolarAxes, joints: Sequence[EdgeGroup]) -> None:
-    """Draw the share of the length in each direction, one joint upon the other.
-
-    Areas are as the lengths, not radii, or the largest set would hide the others.
-    """
+    """Draw the share of the length in each direction, one joint upon the other."""
+    # areas are as the lengths, not radii, or the largest set would hide the others
     length = sectors(joints)
     share = 100.0 * length / max(float(length.sum()), 1e-300)
     middle = np.radians(SECTOR * np.arange(share.shape[1]))
@@ -153,53 +137,33 @@ def _draw_rose(axes: PolarAxes, joints: Sequence[EdgeGroup]) -> None:
         )
     whole = share.sum(axis=0)
     top = max(float(whole.max(initial=0.0)), 1.0)
-    rings = _rings(top)[: 2 * len(joints)]
+    upper = round_below(top)
+    rings = np.array([upper / 5.0, upper])[: 2 * len(joints)]
+    # numbers stand where there is the least around
+    near = sum(np.roll(whole, k) / (1.0 + abs(k)) for k in range(-3, 4))
+    emptiest = np.radians(SECTOR * float(np.argmin(near)))
     axes.set_ylim(0.0, 1.05 * np.sqrt(top))
     axes.set_yticks(np.sqrt(rings), ["" for _ in rings])
     for ring in rings:
-        canvas.write(axes, f"{ring:g} %", (np.radians(_emptiest(whole)), np.sqrt(ring)), 5)
+        canvas.write(axes, f"{ring:g} %", (emptiest, np.sqrt(ring)), 5)
     axes.set_thetagrids(range(0, 360, 30), [f"{angle % 180}°" for angle in range(0, 360, 30)])
     axes.tick_params(labelsize=SMALL_SIZE, labelcolor=INK, pad=1)
     axes.grid(color="#d9d9d9", lw=0.5)
     axes.spines["polar"].set_color(FAINT)
     axes.spines["polar"].set_linewidth(0.6)
     axes.set_axisbelow(True)
-    axes.set_title(
-        "Length of joints by direction, %" if joints else "No joints between blocks",
-        fontsize=TEXT_SIZE,
-        color=INK,
-        pad=10,
-    )
-
-
-def _rings(top: float) -> Floats:
-    """Return two round shares up to the largest one, %."""
-    upper = round_below(top)
-    return np.array([upper / 5.0, upper])
-
-
-def _emptiest(length: Floats) -> float:
-    """Return the direction, degrees, round which there is the least: room for numbers."""
-    near = np.zeros(len(length))
-    for k in range(-3, 4):
-        near = near + np.roll(length, k) / (1.0 + abs(k))
-    return SECTOR * float(np.argmin(near))
-
-
-def _lengths(cut: Cut) -> Floats:
-    """Return the lengths of the edges of all blocks, m, shape (nv,)."""
-    after = following(cut.block_start)
-    return np.asarray(np.hypot(*(cut.vertices[after] - cut.vertices).T))
+    title = "Length of joints by direction, %" if joints else "No joints between blocks"
+    axes.set_title(title, pad=10, **TEXT)
 
 
 def _draw_histogram(axes: Axes, values: Floats, limit: float, unit: str) -> None:
     """Draw how often sizes (n,) > 0 occur, with the limit below which there should be none."""
     low, high = float(values.min()), float(values.max())
-    if high > WIDE * low:
+    if high > 30.0 * low:
         axes.set_xscale("log")
-        bins = np.geomspace(low, high * (1 + 1e-9), BINS + 1)
+        bins = np.geomspace(low, high * (1 + 1e-9), 25)
     else:
-        bins = np.linspace(0.0, 1.03 * high, BINS + 1)
+        bins = np.linspace(0.0, 1.03 * high, 25)
     axes.hist(values, bins=bins.tolist(), color=BAR, edgecolor="white", linewidth=0.4, zorder=2)
     median = float(np.median(values))
     axes.axvline(median, color=INK, lw=1.0, zorder=3)

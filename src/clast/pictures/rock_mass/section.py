@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -52,14 +52,7 @@ class CutEdges:
     @property
     def rim(self) -> Floats:
         """Edges with rock on their left only, m, shape (n, 2, 2)."""
-        found = [one.ends for one in self.others if one.stroke is RIM]
-        return found[0] if found else np.zeros((0, 2, 2))
-
-    @property
-    def plain(self) -> tuple[EdgeGroup, ...]:
-        """The joints all alike."""
-        ends = [one.ends for one in self.joints]
-        return (EdgeGroup(ends=np.concatenate(ends), stroke=PLAIN),) if ends else ()
+        return next((one.ends for one in self.others if one.stroke is RIM), np.zeros((0, 2, 2)))
 
 
 def edges_of_cut(cut: Cut) -> CutEdges:
@@ -70,56 +63,20 @@ def edges_of_cut(cut: Cut) -> CutEdges:
     once = (partner < 0) | (np.arange(len(partner)) < partner)
     number = np.where(partner < 0, len(cut.joint_names), cut.edge_joint)
     strokes = {**strokes_of(dict(enumerate(cut.joint_names))), len(cut.joint_names): RIM}
-    found = groups(strokes, number[once], ends[once])
+    edges = groups(strokes, number[once], ends[once])
     others = (CONSTRUCTED, WELD, RIM)
     return CutEdges(
-        joints=tuple(one for one in found if one.stroke not in others),
-        others=tuple(one for one in found if one.stroke in others),
+        joints=tuple(one for one in edges if one.stroke not in others),
+        others=tuple(one for one in edges if one.stroke in others),
     )
 
 
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
 """Hatching of rock that a stage excavates, and of voids."""
-FEW_BLOCKS = 500
-"""Blocks up to which a picture needs no finer dots."""
-MOST_NAMES = 12
-"""Openings that get their names written into them, at most."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Paint:
-    """The colours, and the quantity that they show."""
-
-    fills: tuple[str, ...]
-    """Colour of each rock."""
-    rocks: bool
-    """Whether the legend names the rocks."""
-    edges: tuple[EdgeGroup, ...]
-    """Edges with their looks."""
-    about: str
-    """The caption of its colours."""
-
-
-def _by_set(cut: Cut, found: CutEdges) -> _Paint:
-    return _Paint(
-        fills=(GROUND,) * len(cut.rock_names),
-        rocks=False,
-        edges=(*found.joints, *found.others),
-        about="edges by joint",
-    )
-
-
-def _by_rock(cut: Cut, found: CutEdges) -> _Paint:
-    return _Paint(
-        fills=tuple(draw_blocks.kind_colour(k) for k in range(len(cut.rock_names))),
-        rocks=True,
-        edges=(*found.plain, *found.others),
-        about="blocks by rock",
-    )
-
-
-BY: dict[str, Callable[[Cut, CutEdges], _Paint]] = {"set": _by_set, "rock": _by_rock}
-"""The meanings of the colours."""
+OPENING_NAMES_MAX = 12
+"""Openings that get their names written into them."""
+BY = {"set": "edges by joint", "rock": "blocks by rock"}
+"""The meanings of the colours, and their captions."""
 
 
 def plot_cut(
@@ -150,26 +107,31 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
             where="limits",
             remedy="leave them out",
         )
-    found = edges_of_cut(cut)
-    paint = BY[by](cut, found)
+    edges = edges_of_cut(cut)
+    joints, fills = edges.joints, [GROUND] * len(cut.rock_names)
+    if by == "rock":
+        ends = [one.ends for one in joints]
+        joints = (EdgeGroup(ends=np.concatenate(ends), stroke=PLAIN),) if ends else ()
+        fills = [draw_blocks.kind_colour(k) for k in range(len(cut.rock_names))]
+    strokes = (*joints, *edges.others)
     part = _part(cut, look)
     shown = draw_blocks.within(cut, cut.vertices, *part)
-    voids = _voids(found.rim)
+    voids = _voids(edges.rim)
     count = counted(cut)
-    head, below = (title, f"{count}, {paint.about}") if title else (count, paint.about)
-    handles = _handles(cut, paint, shown, part, voids)
-    size, keys, narrowest = canvas.sizes(part, look, head, handles, 0)
-    part = canvas.seen(*part, size)
-    sheet = canvas.sheet_for(size, head, keys.lines, 0, narrowest)
+    head, below = (title, f"{count}, {BY[by]}") if title else (count, BY[by])
+    rocks, hatched = _handles(cut, fills, shown, part, voids)
+    handles = [*(rocks if by == "rock" else ()), *handles_of(strokes, part), *hatched]
+    sheet, keys = canvas.lay_out(part, look, head, handles, 0)
+    part = canvas.seen(*part, sheet.room)
     number = int(shown.sum())
-    figure = canvas.new_figure(sheet.size, look.dpi or (160 if number <= FEW_BLOCKS else 220))
-    axes = figure.add_axes(sheet.share(sheet.axes))
-    canvas.view(axes, *part, size)
+    figure = canvas.new_figure(sheet.size, look.dpi or canvas.dots_for(number))
+    axes = figure.add_axes(sheet.parts(sheet.axes))
+    canvas.view(axes, *part, sheet.room)
     canvas.head(figure, sheet.axes[0], sheet.title, below)
-    shown = draw_blocks.within(cut, cut.vertices, *part)
-    _draw_blocks(axes, cut, paint, shown)
-    _draw_voids(axes, voids)
-    draw_edges(axes, paint.edges, part, number)
+    _draw_blocks(axes, cut, fills, draw_blocks.within(cut, cut.vertices, *part))
+    for void in voids:
+        _hatch(axes, void, VOID_HATCH, zorder=1, label="void")
+    draw_edges(axes, strokes, part, number)
     _draw_names(axes, cut, part)
     keys.draw(figure, sheet)
     return figure
@@ -195,40 +157,39 @@ def _voids(rim: Floats) -> list[shapely.Polygon]:
     """Return the voids that the rim (n, 2, 2) encloses; rock lies on its left."""
     rock = {(*first, *last) for first, last in rim.tolist()}
     faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(rim)))
-    found = []
+    voids = []
     for face in faces:
         corners = shapely.get_coordinates(shapely.orient_polygons(face).exterior)
         if (*corners[0], *corners[1]) not in rock:
-            found.append(face)
-    return found
+            voids.append(face)
+    return voids
 
 
 def _handles(
-    cut: Cut, paint: _Paint, shown: Bools, part: canvas.Part, voids: Sequence[shapely.Polygon]
-) -> list[Any]:
-    """Return the legend: of all edges, those in the part."""
+    cut: Cut, fills: Sequence[str], shown: Bools, part: canvas.Part, voids: Sequence[Any]
+) -> tuple[list[Any], list[Any]]:
+    """Return the legend of rocks, and that of openings and voids."""
     from matplotlib.patches import Patch
 
-    handles: list[Any] = [
-        Patch(fc=paint.fills[rock], ec=INK, lw=0.5, label=label(cut.rock_names[rock]))
+    rocks = [
+        Patch(fc=fills[rock], ec=INK, lw=0.5, label=label(cut.rock_names[rock]))
         for rock in np.unique(cut.rock[shown])
-        if paint.rocks
     ]
-    handles += handles_of(paint.edges, part)
+    handles = []
     if (cut.opening[shown] >= 0).any():
         name = "opening, not excavated yet"
         handles.append(Patch(fc="none", ec=FAINT, hatch=OPENING_HATCH, lw=0.5, label=name))
     if any(shapely.box(*part[0], *part[1]).intersects(one) for one in voids):
         handles.append(Patch(fc="white", ec=FAINT, hatch=VOID_HATCH, lw=0.5, label="void"))
-    return handles
+    return rocks, handles
 
 
-def _draw_blocks(axes: Axes, cut: Cut, paint: _Paint, shown: Bools) -> None:
+def _draw_blocks(axes: Axes, cut: Cut, fills: Sequence[str], shown: Bools) -> None:
     """Fill the rocks and hatch the openings, each as one area: blocks one by one take long."""
     for rock in np.unique(cut.rock[shown]):
         area = _area(cut, shown & (cut.rock == rock))
         name = f"rock: {cut.rock_names[rock]}"
-        _fill(axes, area, facecolor=paint.fills[rock], linewidth=0.0, zorder=2, label=name)
+        _fill(axes, area, facecolor=fills[rock], linewidth=0.0, zorder=2, label=name)
     for opening in np.unique(cut.opening[shown & (cut.opening >= 0)]):
         area = _area(cut, shown & (cut.opening == opening))
         name = f"opening: {cut.opening_names[opening]}"
@@ -238,15 +199,10 @@ def _draw_blocks(axes: Axes, cut: Cut, paint: _Paint, shown: Bools) -> None:
 def _area(cut: Cut, some: Bools) -> Any:
     """Return the union of blocks: they share their nodes to the last digit."""
     owner = np.repeat(np.arange(cut.block_count), np.diff(cut.block_start))
-    own = some[owner]
+    inside = some[owner]
     number = np.cumsum(some) - 1
-    rings = shapely.linearrings(cut.vertices[own], indices=number[owner[own]])
+    rings = shapely.linearrings(cut.vertices[inside], indices=number[owner[inside]])
     return shapely.coverage_union_all(shapely.polygons(rings))
-
-
-def _draw_voids(axes: Axes, voids: Sequence[shapely.Polygon]) -> None:
-    for void in voids:
-        _hatch(axes, void, VOID_HATCH, zorder=1, label="void")
 
 
 def _hatch(axes: Axes, area: Any, hatch: str, **words: Any) -> None:
@@ -267,8 +223,8 @@ def _draw_names(axes: Axes, cut: Cut, part: canvas.Part) -> None:
     """Write the names of openings into their rock, where they are few."""
     owner = np.repeat(cut.opening, np.diff(cut.block_start))
     some = np.unique(cut.opening[cut.opening >= 0])
-    for opening in some[: MOST_NAMES * (len(some) <= MOST_NAMES)]:
-        own = cut.vertices[owner == opening]
-        middle = 0.5 * (own.min(axis=0) + own.max(axis=0))
+    for opening in some if len(some) <= OPENING_NAMES_MAX else ():
+        corners = cut.vertices[owner == opening]
+        middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
         if ((middle >= part[0]) & (middle <= part[1])).all():
             canvas.write(axes, label(cut.opening_names[opening]), middle, 9)

@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL_SIZE, TEXT, TEXT_SIZE
+from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL, SMALL_SIZE, TEXT, TEXT_SIZE
 from clast.thumbnails import CURVE_COLOURS
 
 if TYPE_CHECKING:
@@ -157,10 +157,7 @@ def draw_factors(
     name: str,
     path: Path,
 ) -> Path:
-    """Draw the largest displacement, m, against the factor of k trials; return the picture's path.
-
-    Verdicts are "stands", "fails" or "undecided"; the bracket is shaded.
-    """
+    """Draw the largest displacement, m, against the factor of k trials; return the path."""
     axes = new_axes(name, "largest displacement (m)")
     low, high = bracket
     if low > 0.0 and np.isfinite(high):
@@ -208,10 +205,7 @@ def draw_course(
 
 
 def draw_frequency(blocks: Sequence[Floats], share: Floats, label: str, path: Path) -> Path:
-    """Draw n blocks, outlines (k, 2), m, darker the more often they fail; return the path.
-
-    ``share`` (n,) is that of the runs in which each fails.
-    """
+    """Draw n blocks, outlines (k, 2), m, darker the more often they fail; return the path."""
     axes, drawn = _section_of(blocks, 1.5)
     drawn.set_array(share)
     return _coloured(axes, drawn, label, path)
@@ -289,7 +283,7 @@ def draw_scale(
     height = figure.get_size_inches()[1]
     bar = figure.add_axes((left, up / height, width, 0.12 / height))
     scale = figure.colorbar(drawn, cax=bar, orientation="horizontal")
-    scale.set_label(label, fontsize=SMALL_SIZE, color=INK)
+    scale.set_label(label, **SMALL)
     bar.tick_params(which="both", labelsize=SMALL_SIZE, labelcolor=INK, color=FAINT)
     cast("Any", scale).outline.set_edgecolor(FAINT)
 
@@ -364,9 +358,9 @@ def draw_match(match: Match, path: Path) -> Path:
     both = 1e3 * np.concatenate([match.observed, match.predicted])
     ends = [float(both.min()), float(both.max())]
     axes.plot(ends, ends, color=FAINT, lw=0.8, zorder=1)
-    for name, colour, own in match.series:
-        bars = None if match.deviation is None else 2e3 * match.deviation[own]
-        x, y = 1e3 * match.observed[own], 1e3 * match.predicted[own]
+    for name, colour, alike in match.series:
+        bars = None if match.deviation is None else 2e3 * match.deviation[alike]
+        x, y = 1e3 * match.observed[alike], 1e3 * match.predicted[alike]
         label = canvas.literal(end_of(name))
         axes.errorbar(x, y, xerr=bars, fmt="o", ms=4, lw=0.8, color=colour, label=label)
     _legend(axes, match)
@@ -384,9 +378,9 @@ def draw_differences(match: Match, path: Path) -> Path:
     axes.axhline(0.0, color=INK, lw=0.8)
     if match.deviation is not None:
         axes.axhspan(-2.0, 2.0, color=FAINT, alpha=0.15, lw=0)
-    for name, colour, own in match.series:
+    for name, colour, alike in match.series:
         label = canvas.literal(end_of(name))
-        axes.plot(x[own], scaled[own], "o-", color=colour, ms=4, lw=0.8, label=label)
+        axes.plot(x[alike], scaled[alike], "o-", color=colour, ms=4, lw=0.8, label=label)
     _legend(axes, match)
     return save_axes(axes, path)
 
@@ -402,7 +396,7 @@ def draw_correlation(names: Sequence[str], correlation: Floats, path: Path) -> P
     if len(names) <= SERIES_NAMED_MAX:
         for (row, column), value in np.ndenumerate(correlation):
             colour = "white" if abs(value) > 0.6 else INK
-            place = {"ha": "center", "va": "center", "fontsize": SMALL_SIZE}
+            place: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": SMALL_SIZE}
             axes.text(column, row, f"{value:.2f}", color=colour, **place)
     axes.tick_params(labelsize=TEXT_SIZE - 1)
     return save_axes(axes, path)

@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.model.model import Floats
 from clast.pictures import canvas
-from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL_SIZE, TEXT, TEXT_SIZE, literal
+from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL, SMALL_SIZE, TEXT, TEXT_SIZE, literal
 from clast.pictures.study.figures import (
     BLUE,
     DOTS,
@@ -40,7 +40,7 @@ LARGE_MARKS_MAX = 60
 """Runs up to which a curve has large marks."""
 VALUE_LETTERS_MAX = 18
 """Letters of a value beside an axis."""
-WHOLE, SMALL = (4.6, 3.0), (2.3, 1.8)
+ALONE, AMONG_OTHERS = (4.6, 3.0), (2.3, 1.8)
 """Width and height of a matrix that stands alone, and of one among others, inches."""
 PANELS_IN_ROW, MOST_PANELS = 3, 12
 """Matrices in a row, and in a figure, at most."""
@@ -96,7 +96,6 @@ class SweepGrid:
     values: Floats
     """The measure; NaN where a run has none, or is not done."""
     fails: Flags
-    """Where a run fails."""
     lost: Flags
     """Where a run was made that has no result."""
 
@@ -123,10 +122,7 @@ def draw_sweep(grid: SweepGrid, path: Path) -> Path:
 
 
 def draw_curve(grid: SweepGrid, path: Path) -> Path:
-    """Draw a measure against a parameter (k,); return the picture's path.
-
-    Runs without a result interrupt the curve and are marked at the lower edge.
-    """
+    """Draw a measure against a parameter (k,); return the picture's path."""
     axis = grid.axes[0]
     order = axis.order
     axes = new_axes(axis.title, grid.label, height=0.75)
@@ -164,10 +160,7 @@ def panels_in(grid: SweepGrid) -> int:
 
 
 def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[tuple[int, ...]]]:
-    """Return the grid by panels, shape (..., rows, columns), their titles and their positions.
-
-    The two parameters with most values are rows and columns, the one with more along x.
-    """
+    """Return the grid by panels, shape (..., rows, columns), their titles and their positions."""
     lengths = [len(one.values) for one in grid.axes]
     inner = sorted(range(len(lengths)), key=lambda k: -lengths[k])[:2]
     order = [k for k in range(len(lengths)) if k not in inner] + inner[::-1]
@@ -197,10 +190,7 @@ def panels_of(grid: SweepGrid) -> tuple[SweepGrid, list[tuple[str, ...]], list[t
 
 
 def draw_matrices(grid: SweepGrid, path: Path) -> Path:
-    """Draw a matrix of two parameters for each combination of the others; return the path.
-
-    At most MOST_PANELS of them, all with the same colours.
-    """
+    """Draw a matrix of two parameters for each combination of the others; return the path."""
     from matplotlib.cm import ScalarMappable
 
     by_panel, titles, places = panels_of(grid)
@@ -209,7 +199,7 @@ def draw_matrices(grid: SweepGrid, path: Path) -> Path:
     longest = max(len(rows.written(k)) for k in range(len(rows.values)))
     # a legend above and a scale below; values at the left of each matrix, its title above it
     across = min(PANELS_IN_ROW, len(places))
-    box, gap = WHOLE if len(places) == 1 else SMALL, 0.45 + 0.075 * longest
+    box, gap = ALONE if len(places) == 1 else AMONG_OTHERS, 0.45 + 0.075 * longest
     head = 0.06 + 0.17 * len(titles[0])
     tall = box[1] + 0.55 + head
     width, height = across * (box[0] + gap) + 0.3, -(-len(places) // across) * tall + 0.3 + 0.65
@@ -230,7 +220,7 @@ def draw_matrices(grid: SweepGrid, path: Path) -> Path:
         _draw_panel(axes, panel, box, norm)
         letters = canvas.letters_in(box[0] + 0.5 * gap, SMALL_SIZE)
         text = literal("\n".join(end_of(one, letters) for one in title))
-        axes.set_title(text, fontsize=SMALL_SIZE, color=INK, pad=3)
+        axes.set_title(text, pad=3, **SMALL)
     long = min(4.6, width - 1.0)
     colours = ScalarMappable(norm, _colours())
     draw_scale(figure, colours, (width - long) / 2 / width, long / width, 0.45, literal(grid.label))

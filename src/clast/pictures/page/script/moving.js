@@ -5,7 +5,7 @@ import { rawArray, unpacked } from "./packing.js";
 const OF_CONTACTS = ["x", "y", "angle", "normal", "shear", "strength", "slip", "opening"];
 const NAMES = ["vertex", "by", "mode", "joint"];
 const OF_SUPPORTS = {
-  links: ["x0", "y0", "x1", "y1", "wayX", "wayY"],
+  links: ["x0", "y0", "x1", "y1", "alongX", "alongY"],
   reactions: ["x", "y", "fx", "fy"],
   linings: ["normal_force", "shear_force", "moment"],
 };

@@ -39,7 +39,7 @@ export function drawLinks(pen, { run, view, frame, theme }) {
     const [x, y] = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
     pen.lines([[x0, y0, x1, y1]], colour, 1.8);
     const [along, across, turning] = holds[link];
-    const way = [links.wayX[at], -links.wayY[at]];
+    const way = [links.alongX[at], -links.alongY[at]];
     if (way[0] || way[1]) {
       pen.lines([bar(x, y, way, REACH * view.width, Math.max(along, across) === SOFT)], colour, 1.8);
     }
