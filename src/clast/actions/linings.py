@@ -86,11 +86,6 @@ def interaction_curve(thickness: float, tension: float, compression: float) -> I
     )
 
 
-def edge_stress(normal: Floats, moment: Floats, thickness: float) -> Floats:
-    """Return the largest elastic stress at the two faces, N/t + 6 |M|/t^2, Pa, shape (k,)."""
-    return np.asarray(normal / thickness + 6.0 * np.abs(moment) / thickness**2)
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LiningShape:
     """How a lining of s segments lies along a line of p points, which rock may carry.
@@ -236,15 +231,11 @@ class Linings(Action):
         """Return the springs of the joints, and that segments keep their shape."""
         forces = self.forces(state)
         bending = np.full(len(forces), np.inf)
-        for one in self.each:
-            if one.curve is not None:
-                normal, _, moment = forces[one.joints].T
-                allowed = one.curve.moment_at(normal)
-                # what yields goes on to yield; from others the solution is awaited
-                yields = (np.abs(moment) >= allowed - STRENGTH_TOLERANCE * one.curve.largest) & (
-                    moment != 0.0
-                )
-                bending[one.joints] = np.where(yields, allowed, np.inf)
+        for one, curve, normal, moment in self._sections(forces):
+            allowed = curve.moment_at(normal)
+            # what yields goes on to yield; from others the solution is awaited
+            yields = np.abs(moment) >= allowed - STRENGTH_TOLERANCE * curve.largest
+            bending[one.joints] = np.where(yields & (moment != 0.0), allowed, np.inf)
         return self._share(start, state, bending)
 
     def again(
@@ -262,11 +253,8 @@ class Linings(Action):
         forces = self._within(contribution.bending).forces_at(start, mine.joints, displacement)
         forces = self._by_joint(forces)
         bending = contribution.bending.copy()
-        for one in self.each:
-            if one.curve is None:
-                continue
-            normal, _, moment = forces[one.joints].T
-            allowed, close = one.curve.moment_at(normal), STRENGTH_TOLERANCE * one.curve.largest
+        for one, curve, normal, moment in self._sections(forces):
+            allowed, close = curve.moment_at(normal), STRENGTH_TOLERANCE * curve.largest
             had, size = bending[one.joints], np.abs(moment)
             off = (size > allowed + close) | (
                 (size >= had - close) & (np.abs(had - allowed) > close)
@@ -277,39 +265,27 @@ class Linings(Action):
         return self._share(start, mine, bending)
 
     def finish(
-        self, start: StepStart, state: LiningStates, contribution: Contribution, solution: Solution
+        self, start: StepStart, state: LiningStates, contribution: Any, solution: Solution
     ) -> ActionResult:
         """Return the work of the joints, and their forces."""
-        bending = (
-            contribution.bending if isinstance(contribution, LiningContribution) else np.zeros(0)
+        result = self._within(contribution.bending).finish(
+            start, state.joints, contribution, solution
         )
-        result = self._within(bending).finish(start, state.joints, contribution, solution)
         ended = self._judged(state, result.state)
         self._reject_beyond(start.model, ended)
         return replace(result, state=ended)
 
     def settled(
-        self,
-        start: StepStart,
-        state: LiningStates,
-        contribution: Contribution,
-        displacement: Floats,
+        self, start: StepStart, state: LiningStates, contribution: Any, displacement: Floats
     ) -> LiningStates:
         """Return the linings with the forces after d (n, 6) of a solution that moves nothing."""
-        bending = (
-            contribution.bending if isinstance(contribution, LiningContribution) else np.zeros(0)
-        )
-        joints = self._within(bending).settled(start, state.joints, contribution, displacement)
-        return self._judged(state, joints)
+        links = self._within(contribution.bending)
+        return self._judged(state, links.settled(start, state.joints, contribution, displacement))
 
     def _reject_beyond(self, model: Model, state: LiningStates) -> None:
         """Raise StepRejected where a moment is beyond that of its normal force."""
-        forces = self.forces(state)
-        for one in self.each:
-            if one.curve is None:
-                continue
-            normal, _, moment = forces[one.joints].T
-            beyond = (np.abs(moment) - one.curve.moment_at(normal)) / one.curve.largest
+        for one, curve, normal, moment in self._sections(self.forces(state)):
+            beyond = (np.abs(moment) - curve.moment_at(normal)) / curve.largest
             worst = int(beyond.argmax())
             if beyond[worst] > MOMENT_EXCESS_MAX:
                 x, y = one.at[worst] + model.origin
@@ -325,24 +301,16 @@ class Linings(Action):
         ended = LiningStates(joints=joints, cracked=state.cracked, yielded=state.yielded)
         forces = self.forces(ended)
         cracked, yielded = state.cracked.copy(), state.yielded.copy()
-        for one in self.each:
-            if one.curve is not None:
-                normal, _, moment = forces[one.joints].T
-                # the strength is reached where it is, or was taken as, the bound
-                close, size = STRENGTH_TOLERANCE * one.curve.largest, np.abs(moment)
-                yielded[one.joints] |= (size > close) & (
-                    size >= one.curve.moment_at(normal) - close
-                )
-                yielded[one.joints] |= (
-                    one.curve.utilisation(normal, moment) >= 1.0 - STRENGTH_TOLERANCE
-                )
-                stress = edge_stress(normal, moment, one.thickness)
-                pulled = (
-                    stress
-                    > one.tension * (1.0 + STRENGTH_TOLERANCE)
-                    + STRENGTH_TOLERANCE * -one.curve.normal[0]
-                )
-                cracked[one.joints] |= pulled
+        for one, curve, normal, moment in self._sections(forces):
+            # the strength is reached where it is, or was taken as, the bound
+            close, size = STRENGTH_TOLERANCE * curve.largest, np.abs(moment)
+            yielded[one.joints] |= (size > close) & (size >= curve.moment_at(normal) - close)
+            used = curve.utilisation(normal, moment)
+            yielded[one.joints] |= used >= 1.0 - STRENGTH_TOLERANCE
+            # the largest elastic stress at the two faces
+            stress = normal / one.thickness + 6.0 * size / one.thickness**2
+            limit = one.tension * (1.0 + STRENGTH_TOLERANCE)
+            cracked[one.joints] |= stress > limit + STRENGTH_TOLERANCE * -curve.normal[0]
         return replace(ended, cracked=cracked, yielded=yielded)
 
     def events(
@@ -395,10 +363,8 @@ class Linings(Action):
     def utilisation(self, state: LiningStates) -> Floats:
         """Return the share of the strength that each joint uses, NaN without strengths, (k,)."""
         forces, used = self.forces(state), np.full(len(state.cracked), np.nan)
-        for one in self.each:
-            if one.curve is not None:
-                normal, _, moment = forces[one.joints].T
-                used[one.joints] = one.curve.utilisation(normal, moment)
+        for one, curve, normal, moment in self._sections(forces):
+            used[one.joints] = curve.utilisation(normal, moment)
         return used
 
     def condition(self, state: LiningStates) -> Ints:
@@ -426,6 +392,15 @@ class Linings(Action):
             if one.curve is not None:
                 normal[one.joints] = one.curve.normal[[0, -1]]
         return replace(self.springs, limits=SectionLimits(normal=normal, moment=bending))
+
+    def _sections(
+        self, forces: Floats
+    ) -> Iterator[tuple[OneLining, InteractionCurve, Floats, Floats]]:
+        """Yield each lining with strengths, its curve, and N and M (k,) of its joints."""
+        for one in self.each:
+            if one.curve is not None:
+                normal, _, moment = forces[one.joints].T
+                yield one, one.curve, normal, moment
 
     def _by_joint(self, force: Floats) -> Floats:
         """Return N, Q and M of each joint, (k, 3), from the forces of the rows, (m,)."""

@@ -39,7 +39,7 @@ from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Course:
     """Displacement x(t) of one component, 0 before t = 0; k pieces of constant acceleration."""
 
@@ -107,9 +107,7 @@ class Course:
 def at_constant_speed(velocity: float, ease: float) -> Course:
     """Return a course with a constant velocity."""
     none = np.zeros(1)
-    return Course(
-        time=none, displacement=none, velocity=np.array([velocity]), acceleration=none, ease=ease
-    )
+    return Course(none, none, np.array([velocity]), none, ease)
 
 
 def along_displacements(table: Factor, scale: float, ease: float) -> Course:
@@ -118,14 +116,7 @@ def along_displacements(table: Factor, scale: float, ease: float) -> Course:
     displacement = scale * value
     velocity = np.append(np.diff(displacement) / np.diff(time), 0.0)
     none = np.zeros(len(time))
-    return Course(
-        time=time,
-        displacement=displacement,
-        velocity=velocity,
-        acceleration=none,
-        ease=ease,
-        table=table.name,
-    )
+    return Course(time, displacement, velocity, none, ease, table.name)
 
 
 def along_velocities(table: Factor, scale: float, ease: float) -> Course:
@@ -135,14 +126,7 @@ def along_velocities(table: Factor, scale: float, ease: float) -> Course:
     acceleration = np.append(np.diff(velocity) / since, 0.0)
     pieces = since * (velocity[:-1] + velocity[1:]) / 2.0
     displacement = np.concatenate([[0.0], np.cumsum(pieces)])
-    return Course(
-        time=time,
-        displacement=displacement,
-        velocity=velocity,
-        acceleration=acceleration,
-        ease=ease,
-        table=table.name,
-    )
+    return Course(time, displacement, velocity, acceleration, ease, table.name)
 
 
 def _from_zero(table: Factor) -> tuple[Floats, Floats]:

@@ -115,18 +115,10 @@ def _sine_gradients(unknowns):
 
 
 @dataclass(frozen=True)
-class Linear:
+class Linear(Exact):
     """Rotation to first order (Shi 1988): the area grows by 1 + r^2 a step; kept as a warning."""
 
     name: str = "linear"
-
-    def angle(self, unknown: Floats) -> Floats:
-        """Return the rotation, rad, of the third unknown, same shape."""
-        return unknown
-
-    def unknown(self, angle: float) -> float:
-        """Return the third unknown of a rotation, rad."""
-        return angle
 
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = E + r0 J of d (n, 6), shape (n, 2, 2)."""

@@ -163,24 +163,16 @@ class Penalty:
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
-        return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+        return springs(contacts, gap, slip, self.normal_stiffness, self._shear)
 
     def limits(self, contacts: Contacts) -> SpringLimits:
         """Return the same as springs with bounds, for contacts whose friction bound is given."""
-        return limits_of_springs(contacts, self.normal_stiffness, self.shear_stiffness)
-
-
-class FirstMultiplier(Protocol):
-    """Where the multipliers of a step begin."""
+        return limits_of_springs(contacts, self.normal_stiffness, self._shear)
 
     @property
-    def carries(self) -> bool:
-        """True where a step begins with the multipliers of the last."""
-        ...
-
-    def first(self, remembered: Floats) -> Floats:
-        """Return the multipliers (m,) of the first solve, N/m, from those remembered (m,)."""
-        ...
+    def _shear(self) -> float | None:
+        """Stiffness of the shear spring, N/m per m; None: the normal one."""
+        return self.shear_stiffness
 
 
 @dataclass(frozen=True)
@@ -206,7 +198,7 @@ class Carried:
 
 
 @dataclass(frozen=True)
-class AugmentedLagrangian:
+class AugmentedLagrangian(Penalty):
     """N = max(0, lambda - p d_n), solved several times a step with lambda <- N between solves.
 
     Reset at each step, n solves leave beta/((1 + beta)^n - 1) of the penalty law's penetration,
@@ -226,19 +218,8 @@ class AugmentedLagrangian:
     """Solves per step, at most."""
     penetration_tolerance: float = 0.0
     """Penetration at which the solves of a step end early, m."""
-    multipliers: FirstMultiplier = field(default_factory=Reset)
+    multipliers: Reset | Carried = field(default_factory=Reset)
     """Reset at each step (the paper) or carried over."""
-
-    def __post_init__(self) -> None:
-        check_stiffnesses(self, self.normal_stiffness, self.shear_stiffness)
-
-    def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
-        """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
-        return springs(contacts, gap, slip, self.normal_stiffness, self._shear)
-
-    def limits(self, contacts: Contacts) -> SpringLimits:
-        """Return the same as springs with bounds, for contacts whose friction bound is given."""
-        return limits_of_springs(contacts, self.normal_stiffness, self._shear)
 
     @property
     def _shear(self) -> float:
@@ -286,33 +267,6 @@ class SpringLaw(ContactLaw, Protocol):
         ...
 
 
-class MultiplierLaw(ContactLaw, Protocol):
-    """A contact law with Lagrange multipliers that are renewed between solves of one step."""
-
-    @property
-    def solves(self) -> int:
-        """Solves per step, at most."""
-        ...
-
-    @property
-    def carries(self) -> bool:
-        """True where a step begins with the multipliers of the last."""
-        ...
-
-    @property
-    def penetration_tolerance(self) -> float:
-        """Penetration, m, at which the solves end early."""
-        ...
-
-    def begin(self, contacts: Contacts) -> Contacts:
-        """Return the contacts with the multipliers of the first solve of a step."""
-        ...
-
-    def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
-        """Return the contacts with the multipliers that follow from the forces of a solve."""
-        ...
-
-
 def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
     """Return True for laws of springs with bounds; isinstance of a protocol is slow."""
     return hasattr(law, "limits")
@@ -332,7 +286,7 @@ CONTACTS_OF_A_BLOCK = 4.0
 """Contacts that are taken to share the mass of a block."""
 
 
-def has_multipliers(law: ContactLaw) -> TypeIs[MultiplierLaw]:
+def has_multipliers(law: ContactLaw) -> TypeIs[AugmentedLagrangian]:
     """Return True for laws with multipliers; isinstance of a protocol is slow in every step."""
     return hasattr(law, "renew")
 
@@ -348,7 +302,7 @@ def renew(law: ContactLaw, contacts: Contacts, response: ContactResponse) -> Con
 
 
 def with_energies(
-    law: MultiplierLaw, contacts: Contacts, response: ContactResponse
+    law: AugmentedLagrangian, contacts: Contacts, response: ContactResponse
 ) -> ContactResponse:
     """Return the ``response`` with the energies of contacts that have multipliers, J/m.
 

@@ -39,16 +39,12 @@ PART = CONTACTS.part
 
 
 class SearchLengths(NamedTuple):
-    """How far from an edge vertices are candidates for a contact, m."""
+    """Lengths of ``candidates.SearchDistance`` with what the blocks of a pair move, m."""
 
     front: float
-    """In front of it."""
     depth: float
-    """Behind it."""
     critdis: float
-    """Beyond an end, where corners coincide."""
     tip: float
-    """Beyond an end, for a vertex that touches with its tip alone."""
 
 
 class EntranceSearch(NamedTuple):
@@ -76,20 +72,14 @@ class NearPairs(NamedTuple):
 
 
 class CandidateArrays(NamedTuple):
-    """Room for candidate edges, grouped by vertex and block of the edge."""
+    """Room for fields of ``candidates.Candidates``."""
 
     group_start: Ints
-    """First candidate of each group."""
     vertex: Ints
-    """Vertex of each candidate."""
     edge: Ints
-    """Its edge."""
     pair: Ints
-    """Its pair of blocks."""
     gap: Floats
-    """Distance of the vertex from the edge's line, m."""
     along: Floats
-    """Distance of its foot from the start of the edge, m."""
 
 
 @kernel()

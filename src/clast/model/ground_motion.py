@@ -11,6 +11,7 @@ instant and after the last one it has no acceleration; the velocity it has at th
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -216,10 +217,7 @@ class InStages(GroundMotion):
 
     def body_acceleration(self, start: float, end: float) -> Floats:
         """Return the mean mass force per mass in a step from ``start`` to ``end``, s, m/s2."""
-        for begin, stop in self.parts:
-            if begin <= start and end <= stop:
-                return self.motion.body_acceleration(start - begin, end - begin)
-        return NOTHING
+        return self._within(self.motion.body_acceleration, start, end)
 
     def anchor_displacement(self, time: float) -> Floats:
         """Return how far the anchors of the fixed points have moved, m, shape (2,)."""
@@ -231,9 +229,13 @@ class InStages(GroundMotion):
 
     def incoming_velocity(self, start: float, end: float) -> Floats:
         """Return the mean velocity of a wave from below in a step, m/s, shape (2,)."""
+        return self._within(self.motion.incoming_velocity, start, end)
+
+    def _within(self, mean: Callable[[float, float], Floats], start: float, end: float) -> Floats:
+        """Return a ``mean`` over a step, by the time of the part that it lies in; else nothing."""
         for begin, stop in self.parts:
             if begin <= start and end <= stop:
-                return self.motion.incoming_velocity(start - begin, end - begin)
+                return mean(start - begin, end - begin)
         return NOTHING
 
     def is_over(self, time: float) -> bool:
