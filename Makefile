@@ -28,7 +28,7 @@ help:
 	@echo "make env        make .venv, install clast in it and compile its kernels"
 	@echo "make warm       compile the kernels, by all cores, as far as they are not on disk"
 	@echo "make demo       run, verify and draw the block on an incline"
-	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
+	@echo "make paper      repeat the paper's studies, into docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make performance  time whole scenes, walls and heaps, and write docs/performance.md (hours)"
 	@echo "make docs       build the documentation site into build/site"
@@ -41,7 +41,7 @@ help:
 	@echo "make digits     write hashes of short runs; once they are there, compare (minutes)"
 	@echo "make bench      time a wall and a heap of 1,000 blocks (BENCH_ARGS for others)"
 	@echo "make sizes      hold lines by folder against their budget; make english counts words"
-	@echo "make compile-cost   measure what each kernel costs to compile (minutes)"
+	@echo "make compile-cost   list the kernels anew, and what each costs to compile (minutes)"
 	@echo "make mutations  look whether core tests see a wrong sign (an hour)"
 	@echo "make format     format the code and sort its imports"
 	@echo "make lint       check format and style (ruff)"
@@ -196,6 +196,7 @@ english:
 	@$(PYTHON) tools/english.py --list
 
 compile-cost: $(VENV)/.stamp-env
+	@$(BIN)/python -m tools.compile_cost --write
 	@$(BIN)/python -m tools.compile_cost
 
 mutations: env-test

@@ -4,5 +4,4 @@ python -m benchmarks.bench        what scenes of any size cost, by stage: ``make
 python -m benchmarks.peers        clast beside Chipmunk and Box2D: ``make performance``
 python -m benchmarks.paper        the paper's studies: ``make paper``
 python -m benchmarks.robustness   walls and heaps over stiffness and step
-python -m benchmarks.networks     random rock masses
 """

@@ -25,15 +25,7 @@ import numpy as np
 import shapely
 
 from benchmarks.cuts import CUTS, measure_cut
-from benchmarks.memory import (
-    bytes_of_arrays,
-    forget_peak,
-    measure_product,
-    peak_memory,
-    system_of_step,
-    this_machine,
-    triad_rate,
-)
+from benchmarks.machine import forget_peak, peak_memory, this_machine
 from benchmarks.scenes import (
     SCENES,
     WHOLE_SCENES,
@@ -47,7 +39,6 @@ from benchmarks.scenes import (
 from benchmarks.tables import printed
 from clast.compute.compilation import COMPILATION, processor_time, working_time
 from clast.errors import RunStopped
-from clast.inputs.method import SOLVERS
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.results import Run, RunRecorder
@@ -69,14 +60,13 @@ Say = Callable[[str], None]
 
 
 class Counted:
-    """A process whose accepted steps are counted from number ``settle`` on; it keeps the last.
+    """A process whose accepted steps are counted; it keeps the last.
 
     With ``by_processor`` stages are timed by the processor's clock, which others do not slow down.
     """
 
-    def __init__(self, process: StepProcess, settle: int = 0, *, by_processor: bool = False):
+    def __init__(self, process: StepProcess, *, by_processor: bool = False):
         self._process = process
-        self._left = settle
         self._start = working_time()
         self._by_processor = by_processor
         self.any_step = getattr(process, "any_step", False)
@@ -98,10 +88,6 @@ class Counted:
             workspace.clock = processor_time
         result = self._process.step(model, method, state, step, workspace)
         self.last = result
-        if self._left > 0:
-            self._left -= 1
-            self._start = working_time()
-            return result
         self.steps += 1
         self.simulated += step
         self.wall = working_time() - self._start
@@ -132,21 +118,13 @@ def measure(scene: Scene, size: int, settings: BenchSettings) -> dict[str, Any]:
     model = scene.build(size)
     build_seconds = perf_counter() - start
     method = method_for(model, settings)
-    counted = Counted(method.process, settings.settle)
+    counted = Counted(method.process)
     file = settings.results and settings.results / f"{scene.name}-{size}.vtkhdf"
     recorder = RunRecorder(model, output=file)
     run = run_scene(model, replace(method, process=counted), settings.schedule, recorder=recorder)
     peak = peak_memory()
-    system = system_of_step(model, method, run.state, settings.step)
     moved = run.state.vertices[:, 0] - model.vertices[:, 0]
     contacts = counted.last.contacts if counted.last else ()
-    block_bytes = bytes_of_arrays(model, run.state)
-    contact_bytes = bytes_of_arrays(run.state.memory)
-    if counted.last is not None:
-        contact_bytes += bytes_of_arrays(counted.last.contacts, counted.last.response)
-    if system is not None:
-        block_bytes += system.diagonal.nbytes + system.force.nbytes
-        contact_bytes += system.pairs.nbytes + system.upper.nbytes
     return {
         **_row(scene, size, run),
         "blocks": model.block_count,
@@ -155,10 +133,7 @@ def measure(scene: Scene, size: int, settings: BenchSettings) -> dict[str, Any]:
         **_costs(counted),
         "build_seconds": build_seconds,
         "drift": float(np.abs(moved).max()) if scene.rests else None,
-        "bytes_per_block": block_bytes / model.block_count,
-        "bytes_per_contact": contact_bytes / len(contacts) if contacts else 0.0,
         "peak_memory": peak,
-        "product": None if system is None else measure_product(system),
     }
 
 
@@ -268,7 +243,7 @@ def deepest_overlap(outlines: list[Floats] | Floats) -> float:
 
 def warm_up(scenes: Sequence[Scene], settings: BenchSettings) -> None:
     """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
-    short = replace(settings, steps=3, end=None, settle=0, results=None)
+    short = replace(settings, steps=3, results=None)
     for size in WARM_SIZES:
         for scene in dict.fromkeys((SCENES["wall"], *scenes)):
             measure(scene, size, short)
@@ -288,12 +263,8 @@ def benchmark(
         "settings": {
             "step": settings.step,
             "end": settings.schedule.end,
-            "settle": settings.settle,
             "stiffness": settings.share,
-            "solver": settings.solver,
         },
-        "triad": 0.0,
-        "triad_by_threads": 0.0,
     }
 
     def measured(scenes: Sequence[Any], default: Sequence[int], work: Callable[..., Any]) -> Any:
@@ -315,7 +286,6 @@ def benchmark(
     if models:
         say("compiling")
         warm_up(models, settings)
-        content |= {"triad": triad_rate(), "triad_by_threads": triad_rate(threads=True)}
     content["rows"] = measured(models, SIZES, lambda scene, size: measure(scene, size, settings))
     return content
 
@@ -351,20 +321,16 @@ def arguments_of(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=", ".join(known))
     parser.add_argument("--size", type=sizes_in, metavar="N,...", help="numbers of blocks")
     parser.add_argument("--step", type=positive, default=1e-3, help="length of a step, s")
-    length = parser.add_mutually_exclusive_group()
-    length.add_argument("--steps", type=int, default=50, help="steps")
-    length.add_argument("--end", type=positive, help="simulated time, s")
-    parser.add_argument("--settle", type=int, default=0, help="steps before, not counted")
+    parser.add_argument("--steps", type=int, default=50, help="steps")
     parser.add_argument("--stiffness", type=positive, default=1.0, help="p/E")
-    parser.add_argument("--solver", choices=list(SOLVERS), default="auto")
     parser.add_argument("--results", type=Path, help="folder for first and last states")
     parser.add_argument("-o", "--output", type=Path, help="also write JSON to this file")
     given = parser.parse_args(words)
     for name in given.scenes:
         if name not in known:
             parser.error(f"there is no scene '{name}': {', '.join(known)}")
-    if given.steps < 1 or given.settle < 0:
-        parser.error("--steps must be at least 1, --settle at least 0")
+    if given.steps < 1:
+        parser.error("--steps must be at least 1")
     for folder in (given.results, given.output and given.output.absolute().parent):
         if folder is not None and not folder.is_dir():
             parser.error(f"{folder} is not a folder: create it first")
@@ -375,13 +341,7 @@ def main(words: Sequence[str]) -> None:
     """Measure the scenes that are asked for; print their tables."""
     given = arguments_of(words)
     settings = BenchSettings(
-        step=given.step,
-        steps=given.steps,
-        end=given.end,
-        settle=given.settle,
-        share=given.stiffness,
-        solver=given.solver,
-        results=given.results,
+        step=given.step, steps=given.steps, share=given.stiffness, results=given.results
     )
 
     def say(text: str) -> None:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from time import process_time
 from typing import Any
 
-from benchmarks.memory import forget_peak, peak_memory
+from benchmarks.machine import forget_peak, peak_memory
 from clast.compute.compilation import Stages
 from clast.rockmass import (
     Baecher,

@@ -4,7 +4,7 @@
     python -m benchmarks.peers --walls 105 --heaps --wholes    seconds: one small wall
     python -m benchmarks.peers --walls --heaps --wholes rest   a heap to rest, 100 and 1000 squares
     python -m benchmarks.peers                                 all of it: hours
-    python -m benchmarks.peers --page               write docs/performance.md from what is kept
+    python -m benchmarks.peers --page               put what is kept into docs/performance.md
 
 Measured are the time of the processor for a simulated second, the largest horizontal movement of a
 brick that should stand still, and how deep blocks overlap at the end.  Whole scenes are those of
@@ -18,18 +18,29 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.bench import deepest_overlap
-from benchmarks.memory import PACKAGES, this_machine
-from benchmarks.performance import page
+from benchmarks.machine import PACKAGES, this_machine
 from benchmarks.programs import Box2D, Chipmunk, Clast, Outcome, Program, Setting
 from benchmarks.scenes import WHOLE_SCENES, box, outlines_of_heap, outlines_of_wall
+from benchmarks.tables import (
+    BENCH_HEADINGS,
+    PEER_HEADINGS,
+    WHOLE_HEADINGS,
+    bench_cells,
+    machine_text,
+    markdown_table,
+    peer_cells,
+    put_tables,
+    whole_cells,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "peers.json"
@@ -42,6 +53,17 @@ HEAPS = {1000: 32, 10000: 100}
 """Falling squares -> columns."""
 WHOLE_SIZES = (100, 1000)
 """Blocks of whole scenes."""
+LIMIT = 600.0
+"""Wall time of a run at most, s."""
+TITLES = {
+    "wall": "Wall at rest",
+    "heap": "Heap, the first two seconds",
+    "rest": "Heap to rest",
+    "collapse": "Collapsing wall",
+    "dominoes": "Dominoes",
+    "slide": "Slide over terrain",
+}
+"""Titles of the scenes on the page, in its order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,18 +118,12 @@ def whole(name: str, size: int) -> Setting:
     return Setting(name=name, free=free, fixed=fixed)
 
 
-def programs(arguments: argparse.Namespace, scene: str) -> list[Program]:
+def programs(scene: str) -> list[Program]:
     """Return the programs for a scene: what moves has a step and stiffness of its own."""
-    if scene != "wall":
-        step, share = arguments.heap_step, arguments.heap_stiffness
-        own: list[Program] = [Clast(step, share, travel=arguments.heap_travel)]
-    else:
-        own = [Clast(step, arguments.stiffness) for step in arguments.steps]
-    peers: list[Program] = [Chipmunk(10), Chipmunk(50), Box2D(), Box2D(500.0)]
-    if arguments.programs:
-        wanted = tuple(arguments.programs)
-        return [one for one in (*own, *peers) if one.name.lower().startswith(wanted)]
-    return [*own, *peers]
+    own: list[Program] = [Clast(0.0025, 0.1, travel=2.0)]
+    if scene == "wall":
+        own = [Clast(0.05), Clast(0.005)]
+    return [*own, Chipmunk(10), Chipmunk(50), Box2D(), Box2D(500.0)]
 
 
 def figures(setting: Setting, program: Program, outcome: Outcome) -> Figures:
@@ -158,18 +174,17 @@ def say(text: str) -> None:
 def run_all(arguments: argparse.Namespace) -> None:
     """Make the runs that are asked for, keep and print their figures."""
     rows = kept()
-    settings = [(wall(bricks), arguments.end) for bricks in arguments.walls]
-    settings += [(heap(squares), arguments.heap_end) for squares in arguments.heaps]
+    settings = [(wall(bricks), 1.0) for bricks in arguments.walls]
+    settings += [(heap(squares), 2.0) for squares in arguments.heaps]
     for name in arguments.wholes:
-        sizes = arguments.whole_sizes
-        settings += [(whole(name, size), WHOLE_SCENES[name].end(size)) for size in sizes]
+        settings += [(whole(name, size), WHOLE_SCENES[name].end(size)) for size in WHOLE_SIZES]
     for setting, end in settings:
         say(f"{setting.name} of {len(setting.free)} blocks, {end:g} s")
-        for program in programs(arguments, setting.name):
+        for program in programs(setting.name):
             if program.missing:
                 say(f"  {program.name}: left out, {program.missing} is not installed")
                 continue
-            found = figures(setting, program, program.simulate(setting, end, arguments.limit))
+            found = figures(setting, program, program.simulate(setting, end, LIMIT))
             rows[found.key] = found
             keep(list(rows.values()))
             say("  " + line(found))
@@ -182,6 +197,34 @@ def line(row: Figures) -> str:
         f"{row.program:<55}{row.per_simulated_second:>9.3g} s per s, {drift}"
         f"overlap {1e3 * row.overlap:.3g} mm {row.remark}"
     )
+
+
+def page_tables(peers: Mapping[str, Any], bench: Mapping[str, Any] | None) -> dict[str, list[str]]:
+    """Return the parts of docs/performance.md from the content of build/peers.json and bench.json.
+
+    Each begins with the machine that its figures belong to.
+    """
+
+    def title(row: Mapping[str, Any]) -> str:
+        return f"{TITLES[row['scene']]}, {row['blocks']:,} blocks"
+
+    order = list(TITLES)
+    rows = sorted(peers["rows"], key=lambda row: (order.index(row["scene"]), row["blocks"]))
+    lines = [f"{machine_text(peers['machine'])}."]
+    for name, group in groupby(rows, key=title):
+        lines += ["", f"### {name}", ""]
+        lines += markdown_table(PEER_HEADINGS, [peer_cells(row) for row in group])
+    tables = {"peers": lines}
+    if bench is not None:
+        text = f"{machine_text(bench['machine'])}."
+        for part, headings, cells in (
+            ("wholes", WHOLE_HEADINGS, whole_cells),
+            ("rows", BENCH_HEADINGS, bench_cells),
+        ):
+            if bench.get(part):
+                texts = [cells(row) for row in bench[part]]
+                tables[part] = [text, "", *markdown_table(headings, texts)]
+    return tables
 
 
 def main() -> None:
@@ -199,21 +242,8 @@ def main() -> None:
         help="scenes from beginning to end",
     )
     parser.add_argument(
-        "--whole-sizes", type=int, nargs="+", default=list(WHOLE_SIZES), help="blocks of these"
+        "--page", action="store_true", help="put the tables into docs/performance.md"
     )
-    parser.add_argument("--end", type=float, default=1.0, help="simulated time of walls, s")
-    parser.add_argument("--heap-end", type=float, default=2.0, help="simulated time of heaps, s")
-    parser.add_argument("--steps", type=float, nargs="+", default=[0.05, 0.005], help="h, s")
-    parser.add_argument("--stiffness", type=float, default=1.0, help="p/E")
-    parser.add_argument("--heap-step", type=float, default=0.0025, help="h of heaps, s")
-    parser.add_argument(
-        "--heap-travel", type=float, default=2.0, help="max_displacement of heaps over the default"
-    )
-    parser.add_argument("--heap-stiffness", type=float, default=0.1, help="p/E of heaps")
-    parser.add_argument("--programs", nargs="+", help="clast, chipmunk, box2d: only these")
-    parser.add_argument("--limit", type=float, default=600.0, help="wall time of a run, s")
-    parser.add_argument("--page", action="store_true", help="write docs/performance.md instead")
-    parser.add_argument("--note", default="", help="what else the machine had to do, for the page")
     arguments = parser.parse_args()
     if not arguments.page:
         run_all(arguments)
@@ -221,9 +251,7 @@ def main() -> None:
     if not KEPT.exists():
         parser.error(f"there are no figures in {KEPT.relative_to(ROOT)}: run without --page first")
     bench = json.loads(BENCH.read_text(encoding="utf-8")) if BENCH.exists() else None
-    PAGE.write_text(
-        page(json.loads(KEPT.read_text(encoding="utf-8")), bench, arguments.note), encoding="utf-8"
-    )
+    put_tables(PAGE, page_tables(json.loads(KEPT.read_text(encoding="utf-8")), bench))
     say(f"Wrote {PAGE.relative_to(ROOT)}")
 
 

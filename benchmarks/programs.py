@@ -24,8 +24,8 @@ from clast.run.simulate import simulate
 
 FRICTION = 0.5
 """tan(phi) of every contact."""
-PEER_STEP = 1e-3
-"""Step of the peers, s."""
+PEER_STEP, SUBSTEPS = 1e-3, 4
+"""Step of the peers, s, and sub-steps of Box2D in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +80,6 @@ class Clast:
     """h, s."""
     share: float = 1.0
     """p/E."""
-    solver: str = "auto"
-    """Solver, as in case files."""
     travel: float = 1.0
     """max_displacement in units of the default."""
     missing: str = ""
@@ -93,7 +91,7 @@ class Clast:
 
     def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
         """Simulate with compiled kernels."""
-        settings = BenchSettings(step=self.step, share=self.share, solver=self.solver)
+        settings = BenchSettings(step=self.step, share=self.share)
         warm_up([SCENES["wall"]], settings)
         model = model_of(setting.name, setting.free, setting.fixed)
         usual = method_for(model, settings)
@@ -122,15 +120,11 @@ class Chipmunk:
 
     iterations: int
     """Iterations of the solver per step."""
-    step: float = PEER_STEP
-    """h, s."""
-    slop: float = 1e-4
-    """Penetration that is left alone, m; the default, 0.1 m, is meant for pixels."""
 
     @property
     def name(self) -> str:
         """Name with iterations."""
-        return f"Chipmunk, {self.iterations} iterations, h = {1e3 * self.step:g} ms"
+        return f"Chipmunk, {self.iterations} iterations, h = {1e3 * PEER_STEP:g} ms"
 
     @property
     def missing(self) -> str:
@@ -144,7 +138,7 @@ class Chipmunk:
         space = pymunk.Space()
         space.gravity = (0.0, -GRAVITY)
         space.iterations = self.iterations
-        space.collision_slop = self.slop
+        space.collision_slop = 1e-4  # m; the default, 0.1 m, is meant for pixels
         bodies = []
         for outline in setting.free:
             centre = outline.mean(axis=0)
@@ -157,7 +151,7 @@ class Chipmunk:
         for outline in setting.fixed:
             corners = [tuple(corner) for corner in outline.tolist()]
             space.add(_with_friction(pymunk.Poly(space.static_body, corners)))
-        time, used, remark = stepped(lambda: space.step(self.step), self.step, end, limit)
+        time, used, remark = stepped(lambda: space.step(PEER_STEP), end, limit)
         place = np.array([tuple(body.position) for body in bodies])
         angle = np.array([body.angle for body in bodies])
         return Outcome(
@@ -171,16 +165,12 @@ class Box2D:
 
     hertz: float | None = None
     """Stiffness of contacts, Hz; None leaves the default."""
-    substeps: int = 4
-    """Sub-steps of each step."""
-    step: float = PEER_STEP
-    """h, s."""
 
     @property
     def name(self) -> str:
         """Name with the stiffness of contacts."""
         contact = "default" if self.hertz is None else f"contact {self.hertz:g} Hz"
-        return f"Box2D v3, {contact}, {self.substeps} sub-steps, h = {1e3 * self.step:g} ms"
+        return f"Box2D v3, {contact}, {SUBSTEPS} sub-steps, h = {1e3 * PEER_STEP:g} ms"
 
     @property
     def missing(self) -> str:
@@ -207,9 +197,7 @@ class Box2D:
             centre = outline.mean(axis=0)
             body = world.create_static_body(position=tuple(centre.tolist()))
             body.create_shape(shape, pyb2d3.polygon(outline - centre))
-        time, used, remark = stepped(
-            lambda: world.step(self.step, self.substeps), self.step, end, limit
-        )
+        time, used, remark = stepped(lambda: world.step(PEER_STEP, SUBSTEPS), end, limit)
         place = np.array([(body.position.x, body.position.y) for body in bodies])
         angle = np.array([body.angle for body in bodies])
         world.destroy()
@@ -218,16 +206,14 @@ class Box2D:
         )
 
 
-def stepped(
-    step: Callable[[], object], length: float, end: float, limit: float
-) -> tuple[float, float, str]:
+def stepped(step: Callable[[], object], end: float, limit: float) -> tuple[float, float, str]:
     """Call ``step`` until ``end``; return simulated time, time of the processor, s, and the end."""
-    wanted = round(end / length)
+    wanted = round(end / PEER_STEP)
     begun, used = perf_counter(), process_time()
     for number in range(wanted):
         step()
         if perf_counter() - begun > limit and number + 1 < wanted:
-            return (number + 1) * length, process_time() - used, f"stopped after {limit:g} s"
+            return (number + 1) * PEER_STEP, process_time() - used, f"stopped after {limit:g} s"
     return end, process_time() - used, ""
 
 

@@ -45,30 +45,23 @@ class BenchSettings:
     step: float = 1e-3
     """Length of a step, s."""
     steps: int = 50
-    """Steps, unless there is an end."""
-    end: float | None = None
-    """Simulated time, s."""
-    settle: int = 0
-    """Steps at the start that are not counted: blocks at rest settle under their weight."""
+    """Steps."""
     share: float = 1.0
     """Normal stiffness as a share of Young's modulus."""
-    solver: str = "auto"
-    """Solver by its name in case files."""
     results: Path | None = None
     """Folder that gets a result file of every run, with its first and its last frame."""
 
     @property
     def schedule(self) -> Schedule:
         """Schedule of a run; only the first and the last state are frames."""
-        end = self.step * self.steps if self.end is None else self.end
-        end += self.settle * self.step
+        end = self.step * self.steps
         return Schedule(step=self.step, end=end, every=end)
 
 
 def method_for(model: Model, settings: BenchSettings) -> Method:
-    """Return the convex process with the stiffness and the solver of the settings."""
+    """Return the convex process with the stiffness of the settings."""
     law = {"name": "penalty", "normal_stiffness": settings.share * model.stiffest}
-    table = MethodTable(process="convex", contact_law=law, solver=settings.solver)
+    table = MethodTable(process="convex", contact_law=law)
     smallest = float(np.sqrt(model.area.min()))
     return table.method(model, step=settings.step, max_displacement=TRAVEL_SHARE * smallest)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 Row = Mapping[str, Any]
@@ -35,13 +37,9 @@ BENCH_HEADINGS = (
     "pcg",
     "drift, mm",
     "penetration, mm",
-    "B/block",
-    "B/contact",
     "peak, MiB",
     "solves",
     "small islands",
-    "product",
-    "product, main memory",
 )
 
 
@@ -95,17 +93,10 @@ def printed(content: Row) -> str:
     if wholes:
         add("from beginning to end, processor time", WHOLE_HEADINGS, map(whole_cells, wholes))
         add("shares of the processor time, %", *stage_table(wholes, shares_of_stages))
-    triad = content["triad"]
     if rows:
-        add("first steps", BENCH_HEADINGS, (bench_cells(row, triad) for row in rows))
+        add("first steps", BENCH_HEADINGS, map(bench_cells, rows))
         add("ms per step", *stage_table(rows, lambda row: row["ms_per_step_by_stage"]))
     lines += ["", machine_text(content["machine"])]
-    if rows:
-        by_all = content["triad_by_threads"]
-        lines.append(
-            f"triad in main memory: {triad / 1e9:.3g} GB/s by one thread, {by_all / 1e9:.3g} GB/s "
-            "by all; product: its share of a triad over as many bytes"
-        )
     lines += [
         f"{row['scene']}, {row['blocks']} blocks: {row['outcome']}"
         for row in (*wholes, *rows)
@@ -166,9 +157,9 @@ def peer_cells(row: Mapping[str, Any]) -> Sequence[str]:
     )
 
 
-def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
-    """Return the texts of a row of the last table, given the triad's rate in main memory."""
-    counts, product = row["counts_per_step"], row["product"]
+def bench_cells(row: Mapping[str, Any]) -> Sequence[str]:
+    """Return the texts of a row of the last table."""
+    counts = row["counts_per_step"]
     return (
         row["scene"],
         str(row["blocks"]),
@@ -179,13 +170,9 @@ def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
         f"{counts['pcg']:.3g}" if "pcg" in counts else "-",
         "-" if row["drift"] is None else f"{1e3 * row['drift']:.3g}",
         f"{1e3 * row['largest_penetration']:.3g}",
-        f"{row['bytes_per_block']:.0f}",
-        f"{row['bytes_per_contact']:.0f}",
         f"{row['peak_memory'] / 2**20:.0f}",
         _share(row, "solve"),
         _share(row, "small islands"),
-        "-" if product is None else f"{100.0 * product['share']:.0f} %",
-        "-" if product is None else f"{100.0 * product['rate'] / triad:.0f} %",
     )
 
 
@@ -220,3 +207,13 @@ def _share(row: Mapping[str, Any], stage: str) -> str:
 
 def _millimetres(value: float | None) -> str:
     return "-" if value is None else f"{1e3 * value:.3g} mm"
+
+
+def put_tables(page: Path, tables: Mapping[str, Sequence[str]]) -> None:
+    """Replace the named parts of a page, from ``<!-- name -->`` to ``<!-- end -->``."""
+    text = page.read_text(encoding="utf-8")
+    for name, lines in tables.items():
+        part = "\n".join([f"<!-- {name} -->", "", *lines, "", "<!-- end -->"])
+        pattern = rf"<!-- {re.escape(name)} -->.*?<!-- end -->"
+        text = re.sub(pattern, lambda _, part=part: part, text, flags=re.DOTALL)
+    page.write_text(text, encoding="utf-8")

@@ -38,7 +38,7 @@ OF_THE_PROCESS = {
 """Files with an object that counts what the whole process does, and why no run depends on it."""
 ONLY_HOME = {"numba": "compute", "llvmlite": "compute", "matplotlib": "pictures", "h5py": "results"}
 """Libraries that one folder imports."""
-COMPILED = {"kernel", "shared", "summed", "operation", "overload", "register_model"}
+COMPILED = {"kernel", "shared", "summed", "operation", "intrinsic", "overload", "register_model"}
 COMPILED |= {"lower_builtin"}
 """Decorators of what numba compiles: it infers the types of the arguments."""
 CHANGING = {"add", "append", "clear", "extend", "insert", "pop", "popitem", "setdefault", "update"}

@@ -1,11 +1,10 @@
-"""What compilation costs, kernel by kernel, and the list of kernels that `clast warmup` compiles.
+"""What compilation costs, kernel by kernel: the list of kernels that `clast warmup` compiles.
 
-    python -m tools.compile_cost            seconds of processor time, in an empty cache: minutes
-    python -m tools.compile_cost --count    statements that are compiled, which costs nothing
+    python -m tools.compile_cost            the kernels of the list, the slowest first
     python -m tools.compile_cost --write    list anew what a few runs call (compute/roots.json)
 
 A kernel that several others call is compiled with the first of them and costs the others less, so
-single lines depend on the order; the sum does not.  It takes some 20 ms for a statement.
+single lines depend on the order; the sum does not.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -23,7 +21,6 @@ from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.compute import roots
-from clast.compute.roots import Root
 from clast.linear.solvers import PCG
 from clast.run.simulate import simulate
 
@@ -119,36 +116,24 @@ TRIALS: tuple[Trial, ...] = (*CONVEX, *OTHERS)
 """The cases of the others."""
 
 
-def counted() -> list[tuple[int, Root]]:
-    """Return how many statements are compiled for each kernel of the list, the most first."""
-    every = [root for part in roots.listed().values() for root in part]
-    listed = [root for root in every if root.is_there]
-    numbers = roots.statements(*(root.kernel() for root in listed))
-    found = list(zip(numbers, listed, strict=True))
-    return sorted(found, key=lambda row: (-row[0], str(row[1])))
-
-
 def tell(text: str) -> None:
     """Print a line at once."""
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()
 
 
-def measure() -> None:
-    """Compile each kernel of the list, and tell what it took."""
-    rows, start = [], time.process_time()
-    for number, root in counted():
-        begun = time.process_time()
-        root.compile()
-        rows.append((time.process_time() - begun, number, root))
-    whole = time.process_time() - start
-    for seconds, number, root in sorted(rows, key=lambda row: -row[0]):
-        tell(f"{seconds:8.2f} s {number:6} statements  {root.module}.{root.name}")
-    tell(f"{whole:8.2f} s of processor time for {len(rows)} kernels")
+def show() -> None:
+    """Print the list."""
+    every = sorted(
+        (one for part in roots.listed().values() for one in part), key=lambda r: r.seconds
+    )
+    for root in reversed(every):
+        tell(f"{root.seconds:6.1f} s  {root.module}.{root.name}")
+    tell(f"{sum(root.seconds for root in every):6.1f} s for {len(every)} kernels")
 
 
 def write() -> None:
-    """List what the trials call."""
+    """List what the trials call, with nothing on disk."""
     for trial in FIRST:
         trial.run()
     first = set(roots.called())
@@ -162,21 +147,18 @@ def write() -> None:
 def main(arguments: Sequence[str]) -> int:
     """Run the tool; return its exit status."""
     parser = argparse.ArgumentParser(description="What compilation costs.")
-    for option in ("--count", "--write", "--here"):
+    for option in ("--write", "--here"):
         parser.add_argument(option, action="store_true")
     given = parser.parse_args(arguments)
-    if given.write:
+    if given.here:
         write()
-    elif given.count:
-        for number, root in counted():
-            tell(f"{number:6} {root.module}.{root.name}")
-    elif given.here:
-        measure()
-    else:
+    elif given.write:
         with tempfile.TemporaryDirectory() as folder:
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
             command = [sys.executable, "-m", "tools.compile_cost", "--here"]
             return subprocess.run(command, env=environment, check=False).returncode
+    else:
+        show()
     return 0
 
 

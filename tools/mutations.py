@@ -90,7 +90,7 @@ MUTATIONS = (
         "s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))",
         "s = plus_scaled(row(load, i), 1.0, times(base, i, d, i))",
     ),
-    Mutation("linear/ldlt.py", "-blocks[q, 3, a], r3)", "blocks[q, 3, a], r3)"),
+    Mutation("linear/ldlt.py", "minus_column(blocks, q, a)", "minus_column(blocks, f, a)"),
     Mutation("linear/coarse_space.py", "u = -dy * turn + dx", "u = dy * turn + dx"),
     # minimise: energy, slope along a line, interior point
     Mutation("minimise/potential.py", "np.vdot(0.5 * bent - self", "np.vdot(bent - self"),
@@ -124,8 +124,8 @@ MUTATIONS = (
     Mutation("step/energy_balance.py", "s[5] -= area[b] * acting", "s[5] += area[b] * acting"),
     Mutation(
         "step/modified.py",
-        "response.normal_force - response.normal_stiffness",
-        "response.normal_force + response.normal_stiffness",
+        "entered.normal_force - entered.normal_stiffness",
+        "entered.normal_force + entered.normal_stiffness",
     ),
 )
 

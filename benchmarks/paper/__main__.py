@@ -1,4 +1,4 @@
-"""``python -m benchmarks.paper FOLDER PAGE``: the cases in a folder become a page."""
+"""``python -m benchmarks.paper FOLDER PAGE``: the runs of the cases in a folder go into a page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.paper import rest, stiffness_study, table_1, walls
-from benchmarks.paper.page import write_page
+from benchmarks.paper.page import put_into_page
 from benchmarks.paper.runs import run_all
 
 STUDIES = (table_1, stiffness_study, rest, walls)
@@ -14,11 +14,10 @@ STUDIES = (table_1, stiffness_study, rest, walls)
 
 
 def reproduce(folder: Path, page: Path) -> None:
-    """Run all studies on the cases in a folder and write the page, its figures beside it."""
+    """Run all studies on the cases in a folder; put results into the page, figures beside it."""
     results = run_all([job for study in STUDIES for job in study.jobs(folder)])
     images = page.parent / "images"
-    images.mkdir(parents=True, exist_ok=True)
-    write_page([study.section(results, images) for study in STUDIES], page)
+    put_into_page([study.section(results, images) for study in STUDIES], page)
 
 
 if __name__ == "__main__":

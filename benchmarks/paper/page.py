@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.paper.runs import PaperResult
-from benchmarks.tables import markdown_table
+from benchmarks.tables import markdown_table, put_tables
 from clast.model.model import Floats
 from clast.pictures.charts import Curve
 
@@ -15,20 +15,6 @@ PASSES = 6
 """Passes of the modified process where it repeats its solves."""
 GROUPS = ("modified", "open-close", "convex", f"modified with {PASSES} passes")
 """Processes in the order of their colours."""
-INTRODUCTION = """\
-*The paper* is Yu & Yin, Some modifications to the process of discontinuous deformation analysis,
-J. Rock Mech. Geotech. Eng. 7 (2015). This page repeats its studies with all three processes
-(`modified`, the paper's; `open-close`, Shi's; `convex`, clast's own) and both contact laws, and
-compares each claim with our result, also if it does not hold. The claims are given in
-substance, not in the paper's words. The page is written by `make paper`; all its numbers come
-from the runs of that command. The cases are in `cases/paper`, and each can be run by itself,
-for example `clast compare cases/paper/incline.toml --set joint.default.friction_angle=35`.
-
-p is the normal contact stiffness, h the step (1 ms), m the mass per contact, E Young's modulus. A
-run stops if the process does not meet its tolerance at the smallest step, or if the energy of the
-blocks exceeds the energy supplied. ALM is the augmented Lagrangian law, unless stated otherwise
-with 4 solves and multipliers that start from zero in every step, as in the paper. Crosses in
-figures are runs that stopped."""
 
 
 @dataclass(frozen=True)
@@ -54,34 +40,29 @@ class Claim:
         return f"holds for {'; '.join(yes)}. Does not for {'; '.join(no)}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class StudySection:
-    """A study on the page."""
+    """A study on the page: what its runs put into it, beside its figure."""
 
-    title: str
-    """Heading."""
-    text: str
-    """The runs, and the content of tables and figures."""
+    name: str
+    """Name of its part of the page."""
     claims: Sequence[Claim]
     """Claims that it is about."""
     tables: Sequence[Sequence[str]]
     """Tables in Markdown, as lines."""
-    figure: str
-    """File name of its figure, among the images."""
 
 
-def write_page(sections: Sequence[StudySection], page: Path) -> None:
-    """Write the page; its figures are in ``images`` beside it."""
-    lines = ["# The paper's studies", "", INTRODUCTION, "", "## Claims", ""]
+def put_into_page(sections: Sequence[StudySection], page: Path) -> None:
+    """Put verdicts and tables into the page; its figures are in ``images`` beside it."""
     claims = [claim for section in sections for claim in section.claims]
-    lines += markdown_table(("claim", "verdict"), [(one.text, one.verdict) for one in claims])
+    rows = [(one.text, one.verdict) for one in claims]
+    parts = {"claims": markdown_table(("claim", "verdict"), rows)}
     for section in sections:
-        lines += ["", f"## {section.title}", "", section.text, ""]
-        lines += [f"- {one.text}: **{one.verdict}**. Found: {one.found}." for one in section.claims]
+        lines = [f"- {one.text}: **{one.verdict}**. Found: {one.found}." for one in section.claims]
         for table in section.tables:
             lines += ["", *table]
-        lines += ["", f"![{section.title}](images/{section.figure})"]
-    page.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        parts[section.name] = lines
+    put_tables(page, parts)
 
 
 def series_of(x: Floats, values: Mapping[str, Floats]) -> list[Curve]:

@@ -76,15 +76,9 @@ def section(results: PaperResults, images: Path) -> StudySection:
     over_n = {p: _penetrations(counted[f"{p}, ALM"]) / plain[p][0] for p in PROCESSES}
     draw_charts(_diagrams(over_n, over_p), images / FIGURE)
     return StudySection(
-        title="Penalty against augmented Lagrangian",
-        text="A block of 1 m x 1 m at rest on two corners, static. With the penalty law each "
-        "corner sinks in by W/(2p). Multipliers that begin at zero in every step leave, after n "
-        "solves, the share β/((1 + β)ⁿ - 1) of it with β = p h²/(2m): 1/n for a soft contact, less "
-        "for a stiff one. The first table varies p with 4 solves, the second their number at "
-        f"p = {STIFFNESSES[0]:.0e}.",
+        name="rest",
         claims=_claims(series, over_p),
         tables=[_table_over_p(plain, over_p), _table_over_n(over_n)],
-        figure=FIGURE,
     )
 
 

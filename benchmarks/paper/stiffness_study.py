@@ -51,10 +51,7 @@ def section(results: PaperResults, images: Path) -> StudySection:
     depths = {label: np.array([one.depth for one in runs]) for label, runs in series.items()}
     draw_charts(_diagrams(errors, depths), images / FIGURE)
     return StudySection(
-        title="Contact stiffness",
-        text="The same incline at φ = 20 degrees with p from far below E (5e10 Pa) to far above. "
-        "First the error, or when the run stopped; then the largest penetration of the run, at "
-        "the first impact of the block on its springs.",
+        name="stiffness",
         claims=_claims(series, errors),
         tables=[
             stiffness_table(
@@ -64,7 +61,6 @@ def section(results: PaperResults, images: Path) -> StudySection:
                 series, YOUNG, lambda one: one.text_if_finished(f"{1e3 * one.depth:.2g} mm")
             ),
         ],
-        figure=FIGURE,
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.paper import rest, stiffness_study, table_1
 from benchmarks.paper.__main__ import STUDIES
-from benchmarks.paper.page import Claim, write_page
+from benchmarks.paper.page import Claim, put_into_page
 from benchmarks.paper.runs import PaperResult, PaperResults, PaperRun, run_job
 from clast.case.case_file import Case
 from clast.errors import CaseError
@@ -18,7 +18,8 @@ from clast.model.state import Ledger
 from clast.results import Report
 from clast.studies.comparing import ComparedRun
 
-CASES = Path(__file__).parents[2] / "cases" / "paper"
+ROOT = Path(__file__).parents[2]
+CASES, PAGE = ROOT / "cases" / "paper", ROOT / "docs" / "paper.md"
 
 
 def all_jobs() -> list[PaperRun]:
@@ -104,8 +105,10 @@ def test_page(tmp_path):
         by_study.setdefault(job.study, []).append(invented(job))
     (tmp_path / "images").mkdir()
     sections = [study.section(PaperResults(by_study), tmp_path / "images") for study in STUDIES]
-    write_page(sections, tmp_path / "paper.md")
-    page = (tmp_path / "paper.md").read_text(encoding="utf-8")
+    file = tmp_path / "paper.md"
+    file.write_text(PAGE.read_text(encoding="utf-8"), encoding="utf-8")
+    put_into_page(sections, file)
+    page = file.read_text(encoding="utf-8")
     pictures = re.findall(r"\]\((images/[^)]*)\)", page)
     assert len(pictures) == len(STUDIES)
     assert all((tmp_path / name).stat().st_size > 1000 for name in pictures)

@@ -1,4 +1,4 @@
-"""The list of kernels that are compiled ahead, and how much there is to compile."""
+"""The list of kernels that are compiled ahead."""
 
 from __future__ import annotations
 
@@ -9,17 +9,11 @@ import sys
 import pytest
 from numba.core import types
 
-from clast.compute.jit import kernel
-from clast.compute.roots import Root, listed, statements, text_of, types_of
+from clast.compute.roots import Root, listed, text_of, types_of
 from clast.studies.warmup import share_out
 
 ROOTS = [root for roots in listed().values() for root in roots]
 THERE = [root for root in ROOTS if root.is_there]
-LARGEST = [1700, 820, 730, 730, 620]
-"""Statements that are compiled for the five largest kernels, at most: each takes some 20 ms.
-
-minimise_each, the collisions of a step, candidates, the coarse space, the pattern of a factor.
-"""
 
 
 def fits(root: Root) -> bool:
@@ -55,14 +49,6 @@ def test_what_small_cases_call_is_listed():
     assert done.stdout.split() == [], "python -m tools.compile_cost --write"
 
 
-def test_no_kernel_is_larger_than_it_was():
-    """More than this makes the first run wait longer: python -m tools.compile_cost --count."""
-    numbers = statements(*(root.kernel() for root in THERE))
-    largest = sorted(zip(numbers, [root.name for root in THERE], strict=True), reverse=True)
-    over = [one for one, most in zip(largest, LARGEST, strict=False) if one[0] > most]
-    assert not over
-
-
 @pytest.mark.parametrize(
     "given",
     [
@@ -74,16 +60,11 @@ def test_no_kernel_is_larger_than_it_was():
     ],
 )
 def test_types_are_read_as_they_are_written(given):
-    assert types_of(text_of(given)) == given
-
-
-@kernel()
-def own(x):
-    return x[0]
+    assert types_of(f"({text_of(given)})") == given
 
 
 def test_work_is_shared_out_the_largest_first_and_nothing_is_lost():
-    gone = Root("clast.block.polygon", "no_such_kernel", "(int64, )")
+    gone = Root("clast.block.polygon", "no_such_kernel", "(int64,)")
     jobs = share_out([*ROOTS, gone], workers=4)
     assert sorted(root.name for job in jobs for root in job.roots) == sorted(
         root.name for root in THERE

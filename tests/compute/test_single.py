@@ -17,18 +17,18 @@ from clast.linear.pcg import multiply, vector
 def all_of_them(x, blocks):
     """Return what each operation gives, a line each."""
     result = np.ones((24, 8), np.float32)
-    u, v = single.row(x, 0), single.row(x, 1)
-    k0, k1, k2, k3, k4, k5 = single.lines(blocks, 1)
-    single.put_row(result, 0, single.plus(u, v))
-    single.put_row(result, 1, single.minus(u, v))
-    single.put_row(result, 2, single.plus_product(u, v, k2))
+    u, v, k = single.row(x, 0), single.row(x, 1), single.lines(blocks, 1)
+    single.put_row(result, 0, six.plus(u, v))
+    single.put_row(result, 1, six.minus(u, v))
+    even, odd = single.add_lines((u, single.zeros()), single.spread(v), k)
+    single.put_row(result, 2, six.plus(even, odd))
     single.put_row(result, 3, single.zeros())
-    single.put_row(result, 4, single.minus(v, u))
-    single.put_row(result, 5, single.totals(u, v, u, v, u, single.plus(u, v)))
-    for k, value in enumerate(single.spread(v)):
-        single.put_row(result, 6 + k, value)
-    for k, value in enumerate((k0, k1, k2, k3, k4, k5)):
-        single.put_row(result, 12 + k, value)
+    single.put_row(result, 4, six.minus(v, u))
+    single.put_row(result, 5, single.totals(single.add_products(single.zero_lines(), k, u)))
+    for a, value in enumerate(single.spread(v)):
+        single.put_row(result, 6 + a, value)
+    for a, value in enumerate(k):
+        single.put_row(result, 12 + a, value)
     return result, six.total(six.plus_product(six.zeros(), single.double(u), single.double(v)))
 
 
@@ -41,10 +41,10 @@ def test_operations():
     wanted = [
         u + v,
         u - v,
-        u + v * blocks[1, 2],
+        u + blocks[1].T @ v,
         np.zeros(6),
         v - u,
-        [u.sum(), v.sum(), u.sum(), v.sum(), u.sum(), (u + v).sum()],
+        blocks[1] @ u,
         *[np.full(6, v[k]) for k in range(6)],
         *blocks[1],
     ]

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from clast.compute import vec6 as six
+from clast.compute.mat6 import lines, lines_times
 from clast.linear import block_matrix as block_rows
 
 
@@ -17,8 +18,8 @@ def all_of_them(x, blocks, factor):
     six.put_row(result, 1, six.plus_scaled(u, factor, v))
     six.put_row(result, 2, six.plus_product(u, v, w))
     six.put_row(result, 3, six.zeros())
-    six.put_row(result, 4, six.totals(u, v, w, six.plus(u, v), six.plus(v, w), six.plus(w, u)))
-    result[5] = six.total(u)
+    six.put_row(result, 4, lines_times(lines(blocks, 1), u))
+    result[5] = six.total(u) * six.inner(u, v)
     six.put_row(result, 6, six.six(1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
     for k in range(6):
         six.put_row(result, 7, six.with_number(six.row(result, 7), k, x[2, k]))
@@ -37,8 +38,8 @@ def test_operations():
         u + 3.5 * v,
         u + v * w,
         np.zeros(6),
-        [one.sum() for one in (u, v, w, u + v, v + w, w + u)],
-        np.full(6, u.sum()),
+        blocks[1] @ u,
+        np.full(6, u.sum() * (u @ v)),
         np.arange(1.0, 7.0),
         x[2],
         w,

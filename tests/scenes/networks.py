@@ -1,29 +1,18 @@
-"""Random rock masses as cases, from a decimetre to a kilometre, and what comes of running them."""
+"""Random rock masses as cases, from a decimetre to a kilometre."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from time import perf_counter
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import shapely
 
 from clast.case.case_file import Case
-from clast.errors import CaseError, RunStopped
-from clast.inputs.method import CRITDIS_SHARE
-from clast.model.model import Floats, Model
-from clast.model.state import State
-from clast.results import Run
-from clast.run.overlap import KNOWN
+from clast.model.model import Floats
 
 STEPS = 20
 """Steps of a run."""
-DEEP = 10.0
-"""Penetrations beyond so many times that of the weight above, and beyond critdis, are wrong."""
-GAINED = 1e-3
-"""Energy gained beyond this share of what is turned over is wrong."""
 MODELS = ("parallel", "cross-jointed", "baecher", "veneziano", "poisson-lines", "voronoi")
 JOINTS = ("default", "smooth", "rough")
 ROCKS = ("granite", "shale")
@@ -280,174 +269,3 @@ def _regions(rng: Random, middle: Floats, size: float) -> list[Table]:
         return []
     corners = middle + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     return [{"name": "bed", "polygon": corners.tolist(), "rock": "shale", **joint}]
-
-
-# --- running it ------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """What came of a random rock mass."""
-
-    seed: int
-    """Its number."""
-    ended: str
-    """"ran", or where it ended before: "not cut", "no model", "refused" or "stopped"."""
-    said: str = ""
-    """Message of the error."""
-    blocks: int = 0
-    """Blocks."""
-    size: float = 0.0
-    """Diagonal of the domain, m."""
-    sets: tuple[str, ...] = ()
-    """Models of its sets."""
-    steps: int = 0
-    """Accepted steps."""
-    cut_steps: int = 0
-    """Steps that were tried again with a smaller one."""
-    finite: bool = True
-    """All coordinates, velocities and energies are numbers."""
-    unwarned: tuple[tuple[str, str, float], ...] = ()
-    """Overlaps that contacts do not know and no warning names: two blocks and depth, m."""
-    warned: int = 0
-    """Overlaps that the run warns of."""
-    penetration: float = 0.0
-    """Largest penetration over what the weight above would give, -."""
-    share: float = 0.0
-    """Largest penetration over the size of the smallest block, -."""
-    gain: float = 0.0
-    """Energy beyond that of the start over the energy turned over."""
-    seconds: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Wall time of cut, model and check, and run, s."""
-
-
-def wrong(found: Mapping[str, Any]) -> list[str]:
-    """Return what is wrong with an outcome, a dictionary of its fields, in words."""
-    if found["ended"] != "ran":
-        return [f"{found['ended']}: {found['said']}"]
-    said = []
-    if not found["finite"]:
-        said.append("not finite")
-    if found["unwarned"]:
-        said.append(f"overlaps without a warning: {found['unwarned'][:3]}")
-    if found["penetration"] > DEEP and found["share"] > CRITDIS_SHARE:
-        said.append(f"penetration {found['penetration']:.3g} times that of the weight above")
-    if found["gain"] > GAINED:
-        said.append(f"energy gained: {found['gain']:.2g} of what is turned over")
-    return said
-
-
-def outcome(seed: int, largest: float = 5000.0) -> Outcome:
-    """Return what comes of cutting a random rock mass, of the check before a run, and of a run."""
-    case = drawn(seed, largest)
-    about: Table = {
-        "seed": seed,
-        "sets": tuple(str(_name(one.model)) for one in case.joint_set),
-        "size": float(np.hypot(*np.ptp(np.array(case.domain.boundary), axis=0))),
-    }
-    clock = [perf_counter()]
-    try:
-        about["blocks"] = case.cut().cut.block_count
-    except CaseError as error:
-        return Outcome(ended="not cut", said=str(error), **about)
-    clock.append(perf_counter())
-    try:
-        model = case.model()
-    except CaseError as error:
-        return Outcome(ended="no model", said=str(error), **about)
-    clock.append(perf_counter())
-    try:
-        run = case.run()
-    except RunStopped as stopped:
-        return Outcome(ended="stopped", said=str(stopped), **about)
-    except CaseError as error:
-        return Outcome(ended="refused", said=str(error), **about)
-    clock.append(perf_counter())
-    about["seconds"] = tuple(np.diff(clock).round(3).tolist())
-    return Outcome(ended="ran", **about, **_found(model, run, case))
-
-
-def _name(model: Any) -> str:
-    return str(getattr(model, "name", model))
-
-
-def _found(model: Model, run: Run, case: Case) -> Table:
-    """Return what the end of a run shows."""
-    report, state = run.report, run.state
-    p = case.method(model).contact_law.normal_stiffness
-    numbers = [state.vertices, state.velocity, state.stress]
-    numbers += [*run.energy.values()]
-    warned = {tuple(sorted(one.blocks)) for one in report.overlaps}
-    unwarned = [one for one in deep_overlaps(model, state) if tuple(sorted(one[:2])) not in warned]
-    smallest = float(np.sqrt(model.area.min()))
-    return {
-        "steps": report.steps,
-        "cut_steps": report.cut_steps,
-        "finite": all(bool(np.isfinite(one).all()) for one in numbers),
-        "unwarned": tuple(unwarned),
-        "warned": len(warned),
-        "penetration": report.largest_penetration / _settlement(model, p),
-        "share": report.largest_penetration / smallest,
-        "gain": _gain(run),
-    }
-
-
-def _settlement(model: Model, stiffness: float) -> float:
-    """Return rho g H b/p: the penetration of one contact that bears the largest block's column."""
-    high = float(np.ptp(model.vertices[:, 1]))
-    density = max(rock.density for rock in model.rocks)
-    return density * 9.81 * high * float(np.sqrt(model.area.max())) / stiffness
-
-
-def _gain(run: Run) -> float:
-    """Return the energy beyond that of the start over the energy turned over."""
-    energy = run.energy
-    stored = sum(
-        energy[name] for name in ("kinetic", "elastic", "gravity", "contact", "fixed_points")
-    )
-    held = stored - energy["loads"]
-    turned = max(float(energy["kinetic"].max()), float(np.ptp(energy["gravity"])), 1e-300)
-    return float((held - held[0]).max()) / turned
-
-
-def deep_overlaps(model: Model, state: State) -> list[tuple[str, str, float]]:
-    """Return pairs of blocks that overlap deeper than their contacts know, by clipping polygons.
-
-    Those across from each other at a corner of four may overlap as far as each gives way to the
-    two beside it.
-    """
-    vertices, memory = state.vertices, state.memory
-    shapes = np.array([shapely.Polygon(one) for one in np.split(vertices, model.block_start[1:-1])])
-    first, second = shapely.STRtree(shapes).query(shapes)
-    once = (first < second) & ~(model.fixed[first] & model.fixed[second])
-    first, second = first[once], second[once]
-    area = shapely.area(shapely.intersection(shapes[first], shapes[second]))
-    known, give = _known(model, memory)
-    slack = 1e-3 * float(np.sqrt(model.area.min()))
-    found = []
-    for k in np.flatnonzero(area > 0.25 * np.pi * slack**2):
-        i, j = int(first[k]), int(second[k])
-        least = max(KNOWN * known.get((i, j), 0.0), give[i] + give[j], slack)
-        if area[k] < 0.25 * np.pi * least**2:  # no circle of that diameter has room
-            continue
-        # without a grid GEOS takes some outlines that touch to the last bit for one inside another
-        grid = 1e-9 * float(np.sqrt(shapes[i].area))
-        common = shapely.intersection(shapes[i], shapes[j], grid_size=grid)
-        parts = [part for part in shapely.get_parts(common) if part.area > 0.0]
-        circles = [float(shapely.maximum_inscribed_circle(one).length) for one in parts]
-        depth = 2.0 * max(circles, default=0.0)
-        if depth > least:
-            found.append((model.block_name[i], model.block_name[j], depth))
-    return found
-
-
-def _known(model: Model, memory: Any) -> tuple[dict[tuple[int, int], float], Floats]:
-    """Return the deepest contact of each pair, m, and of each block (nb,)."""
-    own, other = model.vertex_block[memory.vertex], memory.block
-    pairs: dict[tuple[int, int], float] = {}
-    give = np.zeros(model.block_count)
-    for a, b, gap in zip(own.tolist(), other.tolist(), memory.gap.tolist(), strict=True):
-        pair = (a, b) if a < b else (b, a)
-        pairs[pair] = max(pairs.get(pair, 0.0), -gap)
-        give[[a, b]] = np.maximum(give[[a, b]], -gap)
-    return pairs, give

@@ -14,11 +14,10 @@ from scipy.spatial import Voronoi
 from clast.case.case_file import Case
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import RunStopped
-from clast.model.model import Floats, Model
+from clast.model.model import Model
 from clast.model.state import State
 from clast.results import Run, RunRecorder
 from clast.run.simulate import simulate
-from clast.step.method import StepResult
 
 # --- drawing a system ------------------------------------------------------------------------
 
@@ -167,9 +166,6 @@ class Overlap:
     """Two blocks whose outlines overlap."""
 
     blocks: tuple[str, str]
-    time: float
-    area: float
-    """m2."""
     depth: float
     """Diameter of the largest circle in what they share, m."""
     known: float
@@ -189,14 +185,9 @@ class Outcome:
     """p/E."""
 
 
-def outlines(model: Model, vertices: Floats) -> list[shapely.Polygon]:
-    """Return the blocks as polygons."""
-    return [shapely.Polygon(one) for one in np.split(vertices, model.block_start[1:-1])]
-
-
 def overlaps(model: Model, state: State) -> list[Overlap]:
     """Return every pair of blocks whose outlines overlap, by clipping polygons."""
-    shapes = outlines(model, state.vertices)
+    shapes = [shapely.Polygon(one) for one in np.split(state.vertices, model.block_start[1:-1])]
     memory, found = state.memory, []
     own = model.vertex_block[memory.vertex]
     for i, j in shapely.STRtree(shapes).query(shapes).T:
@@ -212,7 +203,7 @@ def overlaps(model: Model, state: State) -> list[Overlap]:
         of_pair = ((own == i) & (memory.block == j)) | ((own == j) & (memory.block == i))
         known = float(max(0.0, -memory.gap[of_pair].min(initial=0.0)))
         names = model.block_name[i], model.block_name[j]
-        found.append(Overlap(names, state.time, shared.area, depth, known))
+        found.append(Overlap(names, depth, known))
     return found
 
 
@@ -240,13 +231,13 @@ class Watching(RunRecorder):
                 self.worst[one.blocks] = one
 
 
-def outcome(case: Case, every_step: bool = False) -> Outcome:
-    """Return what comes out of a random system; frames in every step if wanted."""
+def outcome(case: Case) -> Outcome:
+    """Return what comes out of a random system, looked at in twenty frames."""
     model = case.model()
     method = case.method(model)
     size = float(np.sqrt(model.area.min()))
     recorder = Watching(model, 1e-4 * size)
-    schedule = replace(case.schedule(), every=case.time.step if every_step else case.time.end / 20)
+    schedule = replace(case.schedule(), every=case.time.end / 20)
     try:
         run = simulate(model, method, schedule, recorder=recorder)
     except RunStopped as stopped:
@@ -262,6 +253,3 @@ def outcome(case: Case, every_step: bool = False) -> Outcome:
     turned_over = max(float(energy["kinetic"].max()), float(np.ptp(energy["gravity"])), rounding)
     share = method.contact_law.normal_stiffness / model.stiffest
     return Outcome(run, tuple(recorder.worst.values()), gain / turned_over, share)
-
-
-__all__ = ["Outcome", "Overlap", "StepResult", "drawn", "outcome", "overlaps"]

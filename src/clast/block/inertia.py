@@ -58,5 +58,4 @@ def _mass_matrices(first, last, mass, moments, result):
     for b in range(first, last):
         sxx, syy, sxy = moments[b, 0], moments[b, 1], moments[b, 2]
         each_way = six(mass[b], 0.0, 0.0, sxx, sxy, syy)
-        k0, k1, k2, k3, k4, k5 = weighted_squares(each_way, zeros(), each_way)
-        put_lines(result, b, k0, k1, k2, k3, k4, k5)
+        put_lines(result, b, weighted_squares(each_way, zeros(), each_way))

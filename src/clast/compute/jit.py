@@ -29,7 +29,7 @@ from typing import Any
 import numba
 
 from clast.compute.compilation import COMPILATION
-from clast.compute.linking import SETTINGS, Uncalled
+from clast.compute.linking import SETTINGS, Kernel
 
 BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
 """Whether this process has more than one thread: loops that threads share are compiled for it."""
@@ -81,24 +81,24 @@ def has_kernels(file: Path) -> bool:
 @cache
 def used_by(file: Path, package: Path = PACKAGE) -> frozenset[Path]:
     """Return the files with kernels of the ``package`` that ``file`` imports from."""
-    found: set[Path] = set()
+    files: set[Path] = set()
     for module, imported in USES.findall(text_of(file)):
         place = package.joinpath(*module.split(".")[1:])
         names = re.findall(r"\w+", re.sub(r"\bas \w+", "", imported))
-        found.update([place.with_suffix(".py"), *(place / f"{name}.py" for name in names)])
-    return frozenset(one for one in found if text_of(one) and has_kernels(one))
+        files.update([place.with_suffix(".py"), *(place / f"{name}.py" for name in names)])
+    return frozenset(one for one in files if text_of(one) and has_kernels(one))
 
 
 def all_used_by(file: Path, package: Path = PACKAGE) -> frozenset[Path]:
     """Return ``file`` and every file with kernels that it uses, directly or through others."""
-    found: set[Path] = set()
+    files: set[Path] = set()
     left = [file]
     while left:
         one = left.pop()
-        if one not in found:
-            found.add(one)
+        if one not in files:
+            files.add(one)
             left.extend(used_by(one, package))
-    return frozenset(found)
+    return frozenset(files)
 
 
 @cache
@@ -128,7 +128,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def compiled(function: Callable[..., Any]) -> Any:
         COMPILATION.known += 1
-        made = Uncalled(function, targetoptions={"nopython": True, **options})
+        made = Kernel(function, targetoptions={"nopython": True, **options})
         made.kept_in = folder(Path(function.__code__.co_filename))
         return made
 

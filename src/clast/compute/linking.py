@@ -1,6 +1,6 @@
 """Kernels that other kernels call become part of them, and machine code only there.
 
-numba makes machine code of every function that it compiles, with a way in for Python, keeps it on
+numba makes machine code of every function that it compiles, with an entry for Python, keeps it on
 disk, and then optimises it once more within each function that calls it.  Two thirds of our kernels
 are never called from Python: the time to compile all of them falls by half where that is left out.
 
@@ -12,7 +12,7 @@ that; one that does (np.dot) asks again when it is compiled.
 from __future__ import annotations
 
 import importlib
-from functools import cached_property, update_wrapper
+from functools import cached_property
 from typing import Any
 
 from llvmlite import ir
@@ -29,7 +29,7 @@ SETTINGS: Any = numba_config
 
 
 class Linked(JITCodeLibrary):
-    """The code of a function, made ready to run only if it has a way in for Python."""
+    """The code of a function, made ready to run only if it has an entry for Python."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
         """Leave it to when all that is called has been linked in."""
@@ -44,17 +44,17 @@ class Linked(JITCodeLibrary):
 
         LLVM leaves out code that nothing of the present code calls.
         """
-        found: dict[Any, None] = {}
+        libraries: dict[Any, None] = {}
 
         def visit(library: Any) -> None:
             if not library._finalized:
                 for called in library._linking_libraries:
-                    if called not in found:
+                    if called not in libraries:
                         visit(called)
-            found[library] = None
+            libraries[library] = None
 
         visit(self)
-        return list(found)[-2::-1]
+        return list(libraries)[-2::-1]
 
     def _get_module_for_linking(self) -> Any:
         """Return the code for others to take in; until it is finalised, without its callees."""
@@ -106,7 +106,7 @@ cpu_target.target_context.codegen().__class__ = Linking
 def returned(kind: Any, value: Any, code: Any) -> Any:
     """Return an array as Python gets it.
 
-    numba's own way has Python unpickle numpy's class for each array that a kernel returns, which
+    numba has Python unpickle numpy's class for each array that a kernel returns, which
     costs as much as to make the array: here it is kept beside the code, as its type of numbers is.
     """
 
@@ -212,35 +212,6 @@ class Kernel(CPUDispatcher):
     def get_overload(self, sig: Any) -> Any:
         """Return the entry for the code that another kernel calls."""
         return self.taken_in.get_overload(sig)
-
-
-class Uncalled(Kernel):
-    """A kernel that nobody has called from Python, and numba does not know, until somebody does.
-
-    Most of some 500 never are, and to make them known takes a tenth of a second.
-    """
-
-    def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None) -> None:
-        update_wrapper(self, py_func)
-        self.py_func, self.targetoptions = py_func, targetoptions
-        self._given = py_func, locals, {**(targetoptions or {}), "no_cpython_wrapper": True}
-
-    def known(self) -> Kernel:
-        """Return this kernel, which numba knows from now on."""
-        self.__class__ = Kernel  # type: ignore[assignment]
-        Kernel.__init__(self, self.py_func, None, self.targetoptions)
-        return self
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Return what it returns."""
-        return self.known()(*arguments)
-
-    def compile(self, sig: Any) -> Any:
-        """Return the code for the types of a call, from disk or compiled now."""
-        return self.known().compile(sig)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.known(), name)
 
 
 def _writable(kind: Any) -> Any:

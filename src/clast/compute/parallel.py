@@ -23,20 +23,25 @@ when that is done parts of the others'.  Its own comes first, for the code in it
 
 from __future__ import annotations
 
+import ctypes
+import importlib
 import inspect
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import extending
 from numba import prange as prange
 from numba.core import cgutils, types
 from numba.core.imputils import RefType, impl_ret_borrowed, iternext_impl
+from numba.np.ufunc.parallel import threading_layer
 
 from clast.compute.jit import BY_THREADS, kernel, start_threads
-from clast.compute.vec6 import operation
 
 start_threads()
 LINE = 8
@@ -64,7 +69,7 @@ class _ToDoModel(extending.models.StructModel):
         super().__init__(manager, kind, members)
 
 
-@operation
+@extending.intrinsic
 def _taken(context, progress, at):
     """Return how many pieces have been taken at ``at``, and add one before anybody else asks."""
 
@@ -90,7 +95,7 @@ def _next_piece(thread: int, progress: Any, pieces: int) -> int:
     return -1
 
 
-@operation
+@extending.intrinsic
 def _threads(context):
     """Return the number of threads; numba's own get_num_threads cannot be kept on disk."""
 
@@ -115,7 +120,7 @@ def threads_of(progress):
     return len(progress) // LINE
 
 
-@operation
+@extending.intrinsic
 def to_do(context, thread, progress, pieces):
     """Return one after the other the pieces, 0 to ``pieces`` - 1, that no thread has taken yet."""
 
@@ -163,7 +168,7 @@ def _disowned(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     return value
 
 
-@operation
+@extending.intrinsic
 def borrowed(context, value):
     """Return an array, a tuple of such, or a number, whose references are not counted.
 
@@ -295,3 +300,41 @@ def _loop(
         return kernel(parallel=BY_THREADS, **options)(loop)
 
     return made
+
+
+# How many threads take part ----------------------------------------------------------------------
+
+
+@contextmanager
+def threads_worth(blocks: int) -> Iterator[None]:
+    """Let one thread work alone, as long as this lasts, where there are too few ``blocks``.
+
+    Nothing that takes long is shared then, but calling the others for the rest costs time.
+    """
+    asked = numba.get_num_threads()
+    if blocks < BLOCKS.many:
+        numba.set_num_threads(1)
+    try:
+        yield
+    finally:
+        numba.set_num_threads(asked)
+
+
+def work_alone() -> None:
+    """Let one thread do all the work of this process, which was forked from one with more.
+
+    GNU's OpenMP would wait for ever for its threads, which did not come along, and numba ends a
+    process that calls it there.  By one thread it is sound; the results are the same.
+    """
+    numba.set_num_threads(1)
+    if threading_layer() != "omp":
+        return
+    # numba refuses OpenMP to any other process than the one that last asked for its threads.  It
+    # does not start them a second time.
+    address = getattr(importlib.import_module("numba.np.ufunc.omppool"), "launch_threads", None)
+    if address is not None:
+        ctypes.CFUNCTYPE(None, ctypes.c_int)(address)(1)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=work_alone)

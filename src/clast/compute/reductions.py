@@ -11,11 +11,12 @@ many numbers in parts:  ``sum`` calls ``np.add.reduce`` after two more calls.
 from __future__ import annotations
 
 from clast.compute.jit import kernel
+from clast.compute.parallel import BLOCKS, CONTACTS
 
-PART = 1024
-"""Contacts that a thread takes at a time, and that are summed up by themselves."""
-MANY = 3000
-"""Contacts from which threads share them; below, starting them costs more than they give."""
+PART, MANY = CONTACTS.part, CONTACTS.many
+"""Contacts that are summed up by themselves, and from which threads share them."""
+CHUNK, SHARED = BLOCKS.part, BLOCKS.many
+"""Blocks that are summed up by themselves, and from which threads share them."""
 
 
 @kernel()
@@ -50,20 +51,6 @@ def alike(one, other):
     return True
 
 
-CHUNK = 128
-"""Rows that a thread takes at a time, and that are summed up by themselves."""
-
-
-SHARED = 800
-"""Rows from which threads share the work; below, starting them costs more than they give."""
-
-
-@kernel()
-def chunks(count):
-    """Return the number of chunks of rows."""
-    return (count + CHUNK - 1) // CHUNK
-
-
 @kernel()
 def is_any(values):
     """Return whether any of truth values (k,) is true."""
@@ -76,22 +63,22 @@ def is_any(values):
 @kernel()
 def least(values, start):
     """Return the least of numbers (k,), and of ``start``; nan where one is nan."""
-    found = start
+    smallest = start
     for k in range(len(values)):
-        if not values[k] >= found:
-            found = values[k]
-            if found != found:
+        if not values[k] >= smallest:
+            smallest = values[k]
+            if smallest != smallest:
                 break
-    return found
+    return smallest
 
 
 @kernel()
 def largest_size(values):
     """Return the largest size of numbers (k,), 0 where there are none; nan where one is nan."""
-    found = 0.0
+    largest = 0.0
     for k in range(len(values)):
-        if not abs(values[k]) <= found:
-            found = abs(values[k])
-            if found != found:
+        if not abs(values[k]) <= largest:
+            largest = abs(values[k])
+            if largest != largest:
                 break
-    return found
+    return largest

@@ -1,11 +1,9 @@
-"""Six numbers in single precision at once, in one register for eight.
+"""The unknowns of a block in single precision, in one register for eight.
 
 The single precision form of compute/vec6.py: half of the bytes, and half of the instructions.  A
-value of type Eight is six numbers and two that do not count.  Vectors have rows of eight, (n, 8),
-whose last two numbers are zero; blocks are (n, 6, 6) as everywhere.
-
-Products are added without rounding in between where the processor can do so; sums keep the order
-in which they are written.
+value of type Eight is six numbers and two that do not count; ``plus`` and ``minus`` are those of
+vec6.  Vectors have rows of eight, (n, 8), whose last two numbers are zero; blocks are (n, 6, 6) as
+everywhere.
 """
 
 from __future__ import annotations
@@ -17,217 +15,146 @@ from numba import extending
 from numba.core import cgutils, types
 
 from clast.compute.vec6 import (
-    BOTH,
-    FOUR,
     INDEX,
     SIX,
-    TWO,
     UNALIGNED,
+    UNKNOWNS,
+    Vector,
+    VectorModel,
+    constant,
     operation,
-    shuffle,
 )
 
 WIDTH = 8
 """Numbers in a row of a vector."""
-NUMBER = ir.FloatType()
-REGISTER = ir.VectorType(NUMBER, WIDTH)
-LINE = 64
-"""Bytes in a line of the cache."""
-NOTHING = ir.Constant(REGISTER, [0.0] * WIDTH)
+CACHE_LINE = 16
+"""Numbers in a line of the cache."""
 
 
-class Eight(types.Type):
-    """The type of six numbers in single precision at once."""
+class Eight(Vector):
+    """In single precision, with numbers that do not count."""
 
-    def __init__(self) -> None:
-        super().__init__(name="Eight")
+    registers = (ir.VectorType(ir.FloatType(), WIDTH),)
 
 
+extending.register_model(Eight)(VectorModel)
 EIGHT = Eight()
+SINGLE = types.float32
+LINES = types.UniTuple(EIGHT, UNKNOWNS)
+ZEROS = constant(EIGHT, *[0.0] * WIDTH)
+NOTHING = ir.Constant(EIGHT.registers[0], [0.0] * WIDTH)
 
 
-@extending.register_model(Eight)
-class _EightModel(extending.models.PrimitiveModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, REGISTER)
+def _load(to: Any, place: Any) -> Any:
+    pointer = to.builder.bitcast(place, NOTHING.type.as_pointer())
+    return to.builder.load(pointer, align=UNALIGNED)
 
 
-def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Return a pointer to the first number of row or block i of an array."""
-    kind = signature.args[0]
-    array = context.make_array(kind)(context, builder, arguments[0])
-    at = [context.cast(builder, arguments[1], signature.args[1], types.intp)]
-    at += [context.get_constant(types.intp, 0)] * (kind.ndim - 1)
-    return cgutils.get_item_pointer(context, builder, kind, array, at, wraparound=False)
-
-
-def _is_single(array: Any) -> bool:
-    """Return whether it holds numbers in single precision: others would be misread."""
-    return array.dtype == types.float32
-
-
-def _load(builder: Any, place: Any) -> Any:
-    return builder.load(builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
-
-
-def _add_product(builder: Any, y: Any, u: Any, v: Any) -> Any:
-    """Return y + u v."""
-    form = ir.FunctionType(REGISTER, [REGISTER] * 3)
-    call = cgutils.get_or_insert_function(builder.module, form, "llvm.fmuladd.v8f32")
-    return builder.call(call, [u, v, y])
-
-
-@operation
-def row(context, x, i):
+@operation(EIGHT, of=SINGLE)
+def row(to, x, i):
     """Return row i of x (n, 8)."""
-    if not _is_single(x):
-        return None
-
-    def made(context, builder, signature, arguments):
-        return _load(builder, _place(context, builder, signature, arguments))
-
-    return EIGHT(x, i), made
+    return to.join(_load(to, to.place(x, i)))
 
 
-@operation
-def put_row(context, x, i, value):
+@operation(types.void, of=SINGLE)
+def put_row(to, x, i, value):
     """Write six numbers and two zeros into row i of x (n, 8)."""
-    if not _is_single(x):
-        return None
-
-    def made(context, builder, signature, arguments):
-        place = _place(context, builder, signature, arguments)
-        six = shuffle(builder, arguments[2], NOTHING, [0, 1, 2, 3, 4, 5, 8, 9])
-        builder.store(six, builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
-        return context.get_dummy_value()
-
-    return types.void(x, i, value), made
+    (own,) = to.split(value)
+    padded = to.shuffle(own, NOTHING, [*range(UNKNOWNS), *range(WIDTH, 2 * WIDTH - UNKNOWNS)])
+    place = to.builder.bitcast(to.place(x, i), padded.type.as_pointer())
+    to.builder.store(padded, place, align=UNALIGNED)
 
 
-@operation
-def lines(context, blocks, q):
-    """Return the six lines of block q of (n, 6, 6).
+@operation(LINES, of=SINGLE)
+def lines(to, blocks, q):
+    """Return the lines of block q of (n, 6, 6).
 
     Eight numbers are read for each, the last two being the next line's; the last line is read from
     two numbers before it, and nothing behind the block.
     """
-    if not _is_single(blocks):
-        return None
-
-    def made(context, builder, signature, arguments):
-        first = _place(context, builder, signature, arguments)
-        found = [_load(builder, builder.gep(first, [INDEX(at)])) for at in (0, 6, 12, 18, 24, 28)]
-        found[5] = shuffle(builder, found[5], found[5], [2, 3, 4, 5, 6, 7, 0, 1])
-        return context.make_tuple(builder, signature.return_type, found)
-
-    return types.UniTuple(EIGHT, 6)(blocks, q), made
+    first, spare, last = to.place(blocks, q), WIDTH - UNKNOWNS, UNKNOWNS * (UNKNOWNS - 1)
+    starts = [*range(0, last, UNKNOWNS), last - spare]
+    registers = [_load(to, to.builder.gep(first, [INDEX(at)])) for at in starts]
+    registers[-1] = to.shuffle(registers[-1], registers[-1], [*range(spare, WIDTH), *range(spare)])
+    return [to.join(register) for register in registers]
 
 
-@operation
-def fetch(context, blocks, q, ahead):
+@operation(types.void, of=SINGLE)
+def fetch(to, blocks, q, ahead):
     """Prefetch the memory of the block ``ahead`` blocks behind block q.
 
     It may lie behind the last block or before the first: asking for it does nothing then.
     """
-    if not _is_single(blocks):
-        return None
-
-    def made(context, builder, signature, arguments):
-        first = _place(context, builder, signature, arguments)
-        byte = ir.IntType(8).as_pointer()
-        form = ir.FunctionType(ir.VoidType(), [byte, INDEX, INDEX, INDEX])
-        call = cgutils.get_or_insert_function(builder.module, form, "llvm.prefetch.p0i8")
-        numbers = context.cast(builder, arguments[2], signature.args[2], types.int64)
-        numbers = builder.mul(numbers, ir.IntType(64)(36))
-        for line in range(0, 36, LINE // (signature.args[0].dtype.bitwidth // 8)):
-            place = builder.gep(first, [builder.add(numbers, ir.IntType(64)(line))])
-            to_read, kept, data = INDEX(0), INDEX(3), INDEX(1)
-            builder.call(call, [builder.bitcast(place, byte), to_read, kept, data])
-        return context.get_dummy_value()
-
-    return types.void(blocks, q, ahead), made
+    builder, first, byte = to.builder, to.place(blocks, q), ir.IntType(8).as_pointer()
+    form = ir.FunctionType(ir.VoidType(), [byte, INDEX, INDEX, INDEX])
+    call = cgutils.get_or_insert_function(builder.module, form, "llvm.prefetch.p0i8")
+    integer = ir.IntType(64)
+    ahead = builder.mul(ahead, integer(UNKNOWNS**2))
+    for at in range(0, UNKNOWNS**2, CACHE_LINE):
+        place = builder.gep(first, [builder.add(ahead, integer(at))])
+        to_read, kept, data = INDEX(0), INDEX(3), INDEX(1)
+        builder.call(call, [builder.bitcast(place, byte), to_read, kept, data])
 
 
-@operation
-def zeros(context):
+@operation(EIGHT)
+def zeros(to):
     """Return six zeros."""
-
-    def made(context, builder, signature, arguments):
-        return NOTHING
-
-    return EIGHT(), made
+    return ZEROS
 
 
-@operation
-def spread(context, u):
+@operation(LINES)
+def zero_lines(to):
+    """Return lines of zeros."""
+    return [ZEROS] * UNKNOWNS
+
+
+@operation(LINES)
+def spread(to, u):
     """Return for each of six numbers a register filled with it."""
-
-    def made(context, builder, signature, arguments):
-        (u,) = arguments
-        found = [shuffle(builder, u, u, [k] * WIDTH) for k in range(6)]
-        return context.make_tuple(builder, signature.return_type, found)
-
-    return types.UniTuple(EIGHT, 6)(u), made
+    (u,) = to.split(u)
+    return [to.join(to.shuffle(u, u, [k] * WIDTH)) for k in range(UNKNOWNS)]
 
 
-@operation
-def plus(context, u, v):
-    """Return u + v."""
+@operation()
+def add_lines(to, sums, x, k):
+    """Return two sums with x_a k_a, of ``spread`` numbers and lines, added.
 
-    def made(context, builder, signature, arguments):
-        return builder.fadd(*arguments)
-
-    return EIGHT(u, v), made
-
-
-@operation
-def minus(context, u, v):
-    """Return u - v."""
-
-    def made(context, builder, signature, arguments):
-        return builder.fsub(*arguments)
-
-    return EIGHT(u, v), made
+    Even lines are added to the first and odd ones to the second: neither waits for the other.
+    """
+    for a in range(UNKNOWNS):
+        sums[a % 2] = to.plus_product(sums[a % 2], x[a], k[a])
+    return sums
 
 
-@operation
-def plus_product(context, y, u, v):
-    """Return y + u v, number by number."""
-
-    def made(context, builder, signature, arguments):
-        return _add_product(builder, *arguments)
-
-    return EIGHT(y, u, v), made
+@operation()
+def add_products(to, sums, k, x):
+    """Return sums t_a with k_a x, number by number, added."""
+    return [to.plus_product(t, own, x) for t, own in zip(sums, k, strict=True)]
 
 
-@operation
-def totals(context, u0, u1, u2, u3, u4, u5):
+@operation(EIGHT)
+def totals(to, values):
     """Return the sums of six times eight numbers."""
 
-    def made(context, builder, signature, arguments):
-        def halved(one, other):
-            even = shuffle(builder, one, other, [0, 2, 8, 10, 4, 6, 12, 14])
-            odd = shuffle(builder, one, other, [1, 3, 9, 11, 5, 7, 13, 15])
-            return builder.fadd(even, odd)
+    def halved(one: Any, other: Any) -> Any:
+        even = to.shuffle(one, other, [0, 2, 8, 10, 4, 6, 12, 14])
+        odd = to.shuffle(one, other, [1, 3, 9, 11, 5, 7, 13, 15])
+        return to.builder.fadd(even, odd)
 
-        pairs = [halved(*arguments[k : k + 2]) for k in (0, 2, 4)]
-        one, other = halved(pairs[0], pairs[1]), halved(pairs[2], NOTHING)
-        low = shuffle(builder, one, other, [0, 1, 2, 3, 8, 9, 10, 11])
-        high = shuffle(builder, one, other, [4, 5, 6, 7, 12, 13, 14, 15])
-        return builder.fadd(low, high)
-
-    return EIGHT(u0, u1, u2, u3, u4, u5), made
+    u = [to.split(one)[0] for one in values]
+    pairs = [halved(*u[k : k + 2]) for k in range(0, UNKNOWNS, 2)]
+    one, other = halved(pairs[0], pairs[1]), halved(pairs[2], NOTHING)
+    low = to.shuffle(one, other, [0, 1, 2, 3, 8, 9, 10, 11])
+    high = to.shuffle(one, other, [4, 5, 6, 7, 12, 13, 14, 15])
+    return to.join(to.builder.fadd(low, high))
 
 
-@operation
-def double(context, u):
+@operation(SIX)
+def double(to, u):
     """Return the six numbers in double precision, as compute/vec6.py has them."""
-
-    def made(context, builder, signature, arguments):
-        (u,) = arguments
-        four = builder.fpext(shuffle(builder, u, u, [0, 1, 2, 3]), FOUR)
-        two = builder.fpext(shuffle(builder, u, u, [4, 5]), TWO)
-        value = builder.insert_value(ir.Constant(BOTH, ir.Undefined), four, 0)
-        return builder.insert_value(value, two, 1)
-
-    return SIX(u), made
+    (u,), registers, at = to.split(u), [], 0
+    for kind in SIX.registers:
+        part = to.shuffle(u, u, range(at, at + kind.count))
+        registers.append(to.builder.fpext(part, kind))
+        at += kind.count
+    return to.join(*registers)

@@ -88,8 +88,7 @@ def couple(arms, i, q, first, last, vertex_block, kn, ks, upper):
         u, v = force_at(x, y, -kxx, -kxy), force_at(x, y, -kxy, -kyy)  # the lines of -C T_j
         x, y = arms[c, own], arms[c, own + 1]
         k = plus_transposed(k, x, y, u, v)
-    k0, k1, k2, k3, k4, k5 = k
-    put_lines(upper, q, k0, k1, k2, k3, k4, k5)
+    put_lines(upper, q, k)
 
 
 @shared(CONTACTS)

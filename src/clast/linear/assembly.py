@@ -6,9 +6,10 @@ import numpy as np
 
 from clast.block.displacement import weighted_squares
 from clast.compute.jit import kernel
-from clast.compute.mat6 import lines, put_lines, times
+from clast.compute.mat6 import lines, plus_each, put_lines, times
 from clast.compute.parallel import BLOCKS, CONTACTS, shared, summed
 from clast.compute.vec6 import (
+    inner,
     plus,
     plus_product,
     plus_scaled,
@@ -72,10 +73,7 @@ def assemble_own(i, base, graph, springs, own):
     # the pairs that begin with a block follow each other, and so do their contacts
     first, last = start[right[i]], start[right[i + 1]]
     xx, xy, yy = plus_moments(moments, arms, i, first, last, vertex_block, kn, ks)
-    k0, k1, k2, k3, k4, k5 = lines(base, i)
-    s0, s1, s2, s3, s4, s5 = weighted_squares(xx, xy, yy)
-    k0, k1, k2 = plus(k0, s0), plus(k1, s1), plus(k2, s2)
-    put_lines(own, i, k0, k1, k2, plus(k3, s3), plus(k4, s4), plus(k5, s5))
+    put_lines(own, i, plus_each(lines(base, i), weighted_squares(xx, xy, yy)))
 
 
 @kernel(forceinline=True)
@@ -187,11 +185,11 @@ def _plus_forces(s, i, graph, vertex_block, arms, normal, shear):
 
 
 @kernel(forceinline=True)
-def _balance(i, system, graph, contacts, d, normal, shear, found):
+def _balance(i, system, graph, contacts, d, normal, shear, balance):
     """Write load - B d + sum of N n + T t of block i, and its r.B^-1 r; 0 where it is fixed."""
     base, inverse, load, fixed = system
     vertex_block, arms = contacts
-    residual, distance = found
+    residual, distance = balance
     if fixed[i]:
         put_row(residual, i, zeros())
         distance[i] = 0.0
@@ -199,15 +197,15 @@ def _balance(i, system, graph, contacts, d, normal, shear, found):
         s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
         put_row(residual, i, _plus_forces(s, i, graph, vertex_block, arms, normal, shear))
         own = times(inverse, i, residual, i)
-        distance[i] = total(plus_product(zeros(), own, row(residual, i)))
+        distance[i] = inner(own, row(residual, i))
 
 
 @shared(BLOCKS)
-def _balance_rows(first, last, system, graph, contacts, d, forces, found):
+def _balance_rows(first, last, system, graph, contacts, d, forces, balance):
     """Balance blocks."""
     normal, shear = forces
     for i in range(first, last):
-        _balance(i, system, graph, contacts, d, normal, shear, found)
+        _balance(i, system, graph, contacts, d, normal, shear, balance)
 
 
 @kernel()
@@ -218,23 +216,23 @@ def unbalanced(system, graph, contacts, d, normal, shear):
     both are 0; ``graph`` says which contacts they have, ``contacts`` are the vertex_block and
     arms of those, ``d`` (n, 6) the unknowns and ``normal`` and ``shear`` (m,) N and T.
     """
-    found = np.empty_like(d), np.empty(len(d))
-    _balance_rows(len(d), system, graph, contacts, d, (normal, shear), found)
-    return found
+    balance = np.empty_like(d), np.empty(len(d))
+    _balance_rows(len(d), system, graph, contacts, d, (normal, shear), balance)
+    return balance
 
 
 @shared(BLOCKS)
-def _balance_some(first, last, blocks, system, graph, contacts, at, found):
+def _balance_some(first, last, blocks, system, graph, contacts, at, balance):
     """Balance some blocks."""
     d, normal, shear = at
     for k in range(first, last):
-        _balance(blocks[k], system, graph, contacts, d, normal, shear, found)
+        _balance(blocks[k], system, graph, contacts, d, normal, shear, balance)
 
 
 @kernel()
-def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
+def balance_again(blocks, system, graph, contacts, d, normal, shear, balance):
     """Write the result of ``unbalanced`` where some ``blocks`` (k,) have changed, in place."""
-    _balance_some(len(blocks), blocks, system, graph, contacts, (d, normal, shear), found)
+    _balance_some(len(blocks), blocks, system, graph, contacts, (d, normal, shear), balance)
 
 
 @shared(BLOCKS)
@@ -253,7 +251,7 @@ def _left_rows(first, last, system, graph, contacts, starts, forces, left):
             s = _plus_forces(s, i, graph, vertex_block, arms, normal[k], shear[k])
             put_row(residual, 0, s)
             own = times(inverse, i, residual, 0)
-            left[k, i] = total(plus_product(zeros(), own, row(residual, 0)))
+            left[k, i] = inner(own, row(residual, 0))
 
 
 @kernel()

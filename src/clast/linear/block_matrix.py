@@ -11,18 +11,16 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.compute.mat6 import invert, lines, times
+from clast.compute.mat6 import entries, invert, lines, lines_times, plus_lines, times
 from clast.compute.parallel import BLOCKS, CONTACTS, shared, summed
 from clast.compute.vec6 import (
     line,
     plus,
     plus_product,
-    plus_scaled,
     put_line,
     put_row,
     row,
     total,
-    totals,
     zeros,
 )
 
@@ -52,29 +50,9 @@ def row_pointers(count, pairs):
 
 
 @kernel(forceinline=True)
-def block_times(blocks, q, x):
-    """Return block q, which need not be symmetric, times six numbers x."""
-    k0, k1, k2, k3, k4, k5 = lines(blocks, q)
-    return totals(
-        plus_product(zeros(), k0, x),
-        plus_product(zeros(), k1, x),
-        plus_product(zeros(), k2, x),
-        plus_product(zeros(), k3, x),
-        plus_product(zeros(), k4, x),
-        plus_product(zeros(), k5, x),
-    )
-
-
-@kernel(forceinline=True)
 def transpose_times(blocks, q, x, j):
     """Return the transpose of block q times row j of x (n, 6)."""
-    s0 = plus_scaled(zeros(), x[j, 0], line(blocks, q, 0))
-    s1 = plus_scaled(zeros(), x[j, 1], line(blocks, q, 1))
-    s0 = plus_scaled(s0, x[j, 2], line(blocks, q, 2))
-    s1 = plus_scaled(s1, x[j, 3], line(blocks, q, 3))
-    s0 = plus_scaled(s0, x[j, 4], line(blocks, q, 4))
-    s1 = plus_scaled(s1, x[j, 5], line(blocks, q, 5))
-    return plus(s0, s1)
+    return plus_lines(zeros(), entries(x, j), lines(blocks, q))
 
 
 @shared(BLOCKS)
@@ -87,7 +65,7 @@ def _multiply(first, last, matrix, pairs, rows, x, y):
         for at in range(left[i], left[i + 1]):
             s = plus(s, transpose_times(upper, listed[at], x, pairs[listed[at], 0]))
         for q in range(right[i], right[i + 1]):
-            s = plus(s, block_times(upper, q, row(x, pairs[q, 1])))
+            s = plus(s, lines_times(lines(upper, q), row(x, pairs[q, 1])))
         put_row(y, i, s)
 
 
@@ -115,19 +93,19 @@ def products(blocks, x):
 
 
 @shared(BLOCKS)
-def _take(first, last, blocks, which, found):
+def _take(first, last, blocks, which, chosen):
     """Write the blocks ``which``."""
     for k in range(first, last):
         for a in range(6):
-            put_line(found, k, a, line(blocks, which[k], a))
+            put_line(chosen, k, a, line(blocks, which[k], a))
 
 
 @kernel()
 def taken(blocks, which):
     """Return the blocks ``which`` (k,) of blocks (n, 6, 6)."""
-    found = np.empty((len(which), 6, 6))
-    _take(len(which), blocks, which, found)
-    return found
+    chosen = np.empty((len(which), 6, 6))
+    _take(len(which), blocks, which, chosen)
+    return chosen
 
 
 @summed(BLOCKS)
@@ -186,7 +164,7 @@ def coupled_pairs(upper):
 
 
 @shared(BLOCKS)
-def _left_over(first, last, diagonal, upper, rows, coupled, found):
+def _left_over(first, last, diagonal, upper, rows, coupled, sums):
     """Write the translational stiffness of blocks, its remainder, and its share (n, 3).
 
     The remainder is K_ii + sum of K_ij, its translations alone; its share is that in the weakest
@@ -207,9 +185,9 @@ def _left_over(first, last, diagonal, upper, rows, coupled, found):
                 alone = False
         # the smaller eigenvalue of (xx, xy; xy, yy), twice
         smaller = xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy**2)
-        found[i, 0] = 0.0 if alone else whole
-        found[i, 1] = 0.0 if alone else xx + yy
-        found[i, 2] = 1.0 if alone else smaller / whole if whole > 0.0 else 0.0
+        sums[i, 0] = 0.0 if alone else whole
+        sums[i, 1] = 0.0 if alone else xx + yy
+        sums[i, 2] = 1.0 if alone else smaller / whole if whole > 0.0 else 0.0
 
 
 @kernel()
@@ -220,7 +198,7 @@ def inertia_shares(diagonal, upper, rows, coupled):
     coupled.  ``rows`` are right, left and listed of the pairs (``row_pointers``), ``coupled``
     (q,) says which are coupled at all.
     """
-    found = np.empty((len(diagonal), 3))
-    _left_over(len(diagonal), diagonal, upper, rows, coupled, found)
-    whole, rest = found[:, 0].sum(), found[:, 1].sum()
-    return (rest / whole if whole > 0.0 else 1.0), found[:, 2].min()
+    sums = np.empty((len(diagonal), 3))
+    _left_over(len(diagonal), diagonal, upper, rows, coupled, sums)
+    whole, rest = sums[:, 0].sum(), sums[:, 1].sum()
+    return (rest / whole if whole > 0.0 else 1.0), sums[:, 2].min()

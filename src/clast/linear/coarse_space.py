@@ -93,13 +93,13 @@ def bisected(centroid, number):
     count = len(centroid)
     along = centroid[:, 0].copy(), centroid[:, 1].copy()
     order = np.arange(count)
-    found = 1
-    while found < number:
-        for k in range(found):
-            low, high = k * count // found, (k + 1) * count // found
-            middle = (2 * k + 1) * count // (2 * found)
+    parts = 1
+    while parts < number:
+        for k in range(parts):
+            low, high = k * count // parts, (k + 1) * count // parts
+            middle = (2 * k + 1) * count // (2 * parts)
             _select(order, along[_longer_side(order, centroid, low, high)], low, middle, high)
-        found *= 2
+        parts *= 2
     aggregate = np.empty(count, np.int64)
     for k in range(number):
         for at in range(k * count // number, (k + 1) * count // number):
@@ -149,9 +149,9 @@ def coarse_pairs(pairs, rows, parent, start, members):
     count = len(start) - 1
     seen = np.full(count, -1, np.int64)
     result = np.empty((len(pairs), 2), np.int64)
-    found = 0
+    filled = 0
     for k in range(count):
-        first = found
+        first = filled
         for at in range(start[k], start[k + 1]):
             i = members[at]
             for side in range(2):
@@ -161,14 +161,14 @@ def coarse_pairs(pairs, rows, parent, start, members):
                     other = parent[pairs[q, side]]
                     if other > k and seen[other] != k:
                         seen[other] = k
-                        place = found
+                        place = filled
                         while place > first and result[place - 1, 1] > other:
                             result[place, 1] = result[place - 1, 1]
                             place -= 1
                         result[place, 1] = other
-                        found += 1
-        result[first:found, 0] = k
-    return result[:found].copy()
+                        filled += 1
+        result[first:filled, 0] = k
+    return result[:filled].copy()
 
 
 @kernel(forceinline=True)
@@ -323,10 +323,18 @@ def _arranged(centroid, aggregate, number, pairs, rows):
     start, members = members_of(aggregate, number)
     _, offset = centres(start, members, centroid)
     coupled = coarse_pairs(pairs, rows, aggregate, start, members)
-    order, begin, found, right, left, listed, _ = pattern.with_fill(
+    order, begin, coupled_pairs, right, left, listed, _ = pattern.with_fill(
         number, coupled, np.ones(len(coupled), np.bool_)
     )
-    as_they_are = np.arange(number), begin, found, right, left, listed, np.arange(len(found))
+    as_they_are = (
+        np.arange(number),
+        begin,
+        coupled_pairs,
+        right,
+        left,
+        listed,
+        np.arange(len(coupled_pairs)),
+    )
     return pattern.inverse_of(order)[aggregate], offset, as_they_are
 
 
@@ -382,10 +390,10 @@ def aggregates_of(system: BlockSystem) -> tuple[Any, ...]:
     """
     number = number_of_aggregates(len(system.centroid))
     of_blocks = bisected(system.centroid, number)
-    found: tuple[Any, ...] = _arranged(
+    aggregates: tuple[Any, ...] = _arranged(
         system.centroid, of_blocks, number, system.pairs, system.rows
     )
-    return found
+    return aggregates
 
 
 def no_aggregates() -> tuple[Any, ...]:

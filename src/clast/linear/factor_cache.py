@@ -69,7 +69,7 @@ class FactorOfStep:
 
     @property
     def chooses_solver(self) -> bool:
-        """True where no solver is asked for: small systems may be solved in a way of their own."""
+        """True where no solver is asked for: small systems may be solved by other means."""
         return isinstance(self._solver, Automatic)
 
     @property

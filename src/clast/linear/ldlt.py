@@ -22,10 +22,19 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.compute.mat6 import lines, put_lines
+from clast.compute.mat6 import (
+    backward,
+    forward,
+    lines,
+    lines_times,
+    minus_column,
+    plus_lines,
+    put_lines,
+    unit_lines,
+)
 from clast.compute.parallel import BLOCKS, EACH, shared
-from clast.compute.vec6 import line, plus, plus_scaled, put_line, put_row, row, six, zeros
-from clast.linear.block_matrix import block_times, transpose_times
+from clast.compute.vec6 import UNKNOWNS, line, plus_scaled, put_line, put_row, row, zeros
+from clast.linear.block_matrix import transpose_times
 from clast.linear.pattern import FILL
 
 
@@ -35,7 +44,7 @@ def _root(blocks, i):
 
     The part above the diagonal has no meaning afterwards.
     """
-    for a in range(6):
+    for a in range(UNKNOWNS):
         pivot = blocks[i, a, a]
         for b in range(a):
             pivot -= blocks[i, a, b] * blocks[i, a, b]
@@ -43,7 +52,7 @@ def _root(blocks, i):
             return False
         inverse = 1.0 / np.sqrt(pivot)
         blocks[i, a, a] = inverse
-        for c in range(a + 1, 6):
+        for c in range(a + 1, UNKNOWNS):
             below = blocks[i, c, a]
             for b in range(a):
                 below -= blocks[i, c, b] * blocks[i, a, b]
@@ -52,56 +61,12 @@ def _root(blocks, i):
 
 
 @kernel(forceinline=True)
-def _scaled(factor, u):
-    """Return six numbers times ``factor``."""
-    return plus_scaled(zeros(), factor, u)
-
-
-@kernel(forceinline=True)
-def _forward(c, i, k0, k1, k2, k3, k4, k5):
-    """Return the lines of C^-1 K."""
-    w0 = _scaled(c[i, 0, 0], k0)
-    w1 = _scaled(c[i, 1, 1], plus_scaled(k1, -c[i, 1, 0], w0))
-    s = plus_scaled(plus_scaled(k2, -c[i, 2, 0], w0), -c[i, 2, 1], w1)
-    w2 = _scaled(c[i, 2, 2], s)
-    s = plus_scaled(plus_scaled(k3, -c[i, 3, 0], w0), -c[i, 3, 1], w1)
-    w3 = _scaled(c[i, 3, 3], plus_scaled(s, -c[i, 3, 2], w2))
-    s = plus_scaled(plus_scaled(k4, -c[i, 4, 0], w0), -c[i, 4, 1], w1)
-    s = plus_scaled(plus_scaled(s, -c[i, 4, 2], w2), -c[i, 4, 3], w3)
-    w4 = _scaled(c[i, 4, 4], s)
-    s = plus_scaled(plus_scaled(k5, -c[i, 5, 0], w0), -c[i, 5, 1], w1)
-    s = plus_scaled(plus_scaled(s, -c[i, 5, 2], w2), -c[i, 5, 3], w3)
-    return w0, w1, w2, w3, w4, _scaled(c[i, 5, 5], plus_scaled(s, -c[i, 5, 4], w4))
-
-
-@kernel(forceinline=True)
-def _backward(c, i, w0, w1, w2, w3, w4, w5):
-    """Return the lines of C^-T W."""
-    s5 = _scaled(c[i, 5, 5], w5)
-    s4 = _scaled(c[i, 4, 4], plus_scaled(w4, -c[i, 5, 4], s5))
-    s = plus_scaled(plus_scaled(w3, -c[i, 5, 3], s5), -c[i, 4, 3], s4)
-    s3 = _scaled(c[i, 3, 3], s)
-    s = plus_scaled(plus_scaled(w2, -c[i, 5, 2], s5), -c[i, 4, 2], s4)
-    s2 = _scaled(c[i, 2, 2], plus_scaled(s, -c[i, 3, 2], s3))
-    s = plus_scaled(plus_scaled(w1, -c[i, 5, 1], s5), -c[i, 4, 1], s4)
-    s1 = _scaled(c[i, 1, 1], plus_scaled(plus_scaled(s, -c[i, 3, 1], s3), -c[i, 2, 1], s2))
-    s = plus_scaled(plus_scaled(w0, -c[i, 5, 0], s5), -c[i, 4, 0], s4)
-    s = plus_scaled(plus_scaled(s, -c[i, 3, 0], s3), -c[i, 2, 0], s2)
-    return _scaled(c[i, 0, 0], plus_scaled(s, -c[i, 1, 0], s1)), s1, s2, s3, s4, s5
-
-
-@kernel(forceinline=True)
 def _subtract_product(blocks, q, f, target, t):
     """Subtract the product of the transpose of block q and block f from block t of ``target``."""
-    r0, r1, r2, r3, r4, r5 = lines(blocks, f)
-    for a in range(6):
-        s0 = plus_scaled(line(target, t, a), -blocks[q, 0, a], r0)
-        s1 = plus_scaled(zeros(), -blocks[q, 1, a], r1)
-        s0 = plus_scaled(s0, -blocks[q, 2, a], r2)
-        s1 = plus_scaled(s1, -blocks[q, 3, a], r3)
-        s0 = plus_scaled(s0, -blocks[q, 4, a], r4)
-        s1 = plus_scaled(s1, -blocks[q, 5, a], r5)
-        put_line(target, t, a, plus(s0, s1))
+    other = lines(blocks, f)
+    for a in range(UNKNOWNS):
+        rest = plus_lines(line(target, t, a), minus_column(blocks, q, a), other)
+        put_line(target, t, a, rest)
 
 
 @kernel()
@@ -142,13 +107,12 @@ def _eliminate(low, high, pattern, own, work):
         if not _root(diagonal, i):
             if len(own) == 0:
                 return order[i]
-            for a in range(6):
+            for a in range(UNKNOWNS):
                 put_line(diagonal, i, a, line(own, order[i], a))
             if not _root(diagonal, i):
                 return order[i]
         for q in range(right[i], right[i + 1]):
-            k0, k1, k2, k3, k4, k5 = lines(upper, q)
-            put_lines(upper, q, *_forward(diagonal, i, k0, k1, k2, k3, k4, k5))
+            put_lines(upper, q, forward(diagonal, i, lines(upper, q)))
         _pass_on(i, low, high, pattern, work)
     return -1
 
@@ -159,20 +123,9 @@ def _finish(first, last, pattern, work, inverse, scaled):
     right = pattern[3]
     diagonal, upper = work
     for i in range(first, last):
-        w0, w1, w2, w3, w4, w5 = _forward(
-            diagonal,
-            i,
-            six(1.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-            six(0.0, 1.0, 0.0, 0.0, 0.0, 0.0),
-            six(0.0, 0.0, 1.0, 0.0, 0.0, 0.0),
-            six(0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
-            six(0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-            six(0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
-        )
-        put_lines(inverse, i, *_backward(diagonal, i, w0, w1, w2, w3, w4, w5))
+        put_lines(inverse, i, backward(diagonal, i, forward(diagonal, i, unit_lines())))
         for q in range(right[i], right[i + 1]):
-            w0, w1, w2, w3, w4, w5 = lines(upper, q)
-            put_lines(scaled, q, *_backward(diagonal, i, w0, w1, w2, w3, w4, w5))
+            put_lines(scaled, q, backward(diagonal, i, lines(upper, q)))
 
 
 @kernel()
@@ -193,19 +146,19 @@ def _take(low, high, pattern, own, given, larger, work):
     order, _, _, right, _, _, source = pattern
     diagonal, upper = work
     for i in range(low, high):
-        for a in range(6):
+        for a in range(UNKNOWNS):
             put_line(diagonal, i, a, plus_scaled(zeros(), larger, line(own, order[i], a)))
         for q in range(right[i], right[i + 1]):
             s = source[q]
             if s >= 0:
-                for a in range(6):
+                for a in range(UNKNOWNS):
                     put_line(upper, q, a, line(given, s, a))
             elif s == FILL:
-                for a in range(6):
+                for a in range(UNKNOWNS):
                     put_line(upper, q, a, zeros())
             else:
-                for a in range(6):
-                    for c in range(6):
+                for a in range(UNKNOWNS):
+                    for c in range(UNKNOWNS):
                         upper[q, c, a] = given[-1 - s, a, c]
 
 
@@ -229,11 +182,11 @@ def exact(pattern, own, given):
 def solve(factor, force):
     """Return d (n, 6) of K d = F by an exact factor: C z = F - W^T z, then C^T d = z - W d."""
     (order, _, pairs, right, _, _, _), c, upper = factor
-    z, found = np.empty_like(force), np.empty_like(force)
+    z, displacement = np.empty_like(force), np.empty_like(force)
     for i in range(len(order)):
         put_row(z, i, row(force, order[i]))
     for i in range(len(order)):
-        for a in range(6):
+        for a in range(UNKNOWNS):
             for b in range(a):
                 z[i, a] -= c[i, a, b] * z[i, b]
             z[i, a] *= c[i, a, a]
@@ -243,14 +196,14 @@ def solve(factor, force):
     for i in range(len(order) - 1, -1, -1):
         s = row(z, i)
         for q in range(right[i], right[i + 1]):
-            s = plus_scaled(s, -1.0, block_times(upper, q, row(z, pairs[q, 1])))
+            s = plus_scaled(s, -1.0, lines_times(lines(upper, q), row(z, pairs[q, 1])))
         put_row(z, i, s)
-        for a in range(5, -1, -1):
-            for b in range(a + 1, 6):
+        for a in range(UNKNOWNS - 1, -1, -1):
+            for b in range(a + 1, UNKNOWNS):
                 z[i, a] -= c[i, b, a] * z[i, b]
             z[i, a] *= c[i, a, a]
-        put_row(found, order[i], row(z, i))
-    return found
+        put_row(displacement, order[i], row(z, i))
+    return displacement
 
 
 # Without fill ------------------------------------------------------------------------------------
@@ -275,10 +228,10 @@ def _begin(low, high, pattern, matrix, work, kept):
     order, _, _, right, _, _, _ = pattern
     _take(low, high, pattern, own, given, larger, work)
     for i in range(low, high):
-        for a in range(6):
+        for a in range(UNKNOWNS):
             put_line(kept[0], i, a, line(own, order[i], a))
     for q in range(right[low], right[high]):
-        for a in range(6):
+        for a in range(UNKNOWNS):
             put_line(kept[1], q, a, line(work[1], q, a))
 
 

@@ -86,45 +86,45 @@ def _distances(root, label, graph, room, stamp):
 
 
 @kernel()
-def _coordinates(found, label, graph, room, stamp, distance):
-    """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
+def _coordinates(number, label, graph, room, stamp, distance):
+    """Fill ``distance`` (k, number) with the distances of the queue's blocks from the landmarks.
 
-    The queue holds a connected part as it was found from its first block; its order stays.
+    The queue holds a connected part as it was reached from its first block; its order stays.
     """
     queue, level, _ = room
-    members = np.empty(found, np.int64)
-    nearest = np.empty(found, np.int64)
-    for m in range(found):
+    members = np.empty(number, np.int64)
+    nearest = np.empty(number, np.int64)
+    for m in range(number):
         members[m] = queue[m]
-        nearest[m] = found + 1
-    root = members[found - 1]
+        nearest[m] = number + 1
+    root = members[number - 1]
     for k in range(LANDMARKS):
         _distances(root, label, graph, room, stamp + k)
         far, best = 0, -1
-        for m in range(found):
+        for m in range(number):
             distance[k, m] = level[members[m]]
             nearest[m] = min(nearest[m], level[members[m]])
             if nearest[m] > best:
                 far, best = m, nearest[m]
         root = members[far]
-    for m in range(found):
+    for m in range(number):
         queue[m] = members[m]
     return stamp + LANDMARKS
 
 
 @kernel()
-def _along(distance, found):
-    """Return the first principal component of the distances from the landmarks, shape (found,)."""
+def _along(distance, number):
+    """Return the first principal component of the distances from the landmarks, shape (number,)."""
     mean = np.zeros(LANDMARKS)
     for k in range(LANDMARKS):
-        for m in range(found):
+        for m in range(number):
             mean[k] += distance[k, m]
-        mean[k] /= found
+        mean[k] /= number
     spread = np.zeros((LANDMARKS, LANDMARKS))
     for k in range(LANDMARKS):
         for other in range(k + 1):
             total = 0.0
-            for m in range(found):
+            for m in range(number):
                 total += (distance[k, m] - mean[k]) * (distance[other, m] - mean[other])
             spread[k, other] = spread[other, k] = total
     axis, following = np.empty(LANDMARKS), np.empty(LANDMARKS)
@@ -141,28 +141,28 @@ def _along(distance, found):
             break
         for k in range(LANDMARKS):
             axis[k] = following[k] / np.sqrt(size)
-    value = np.zeros(found)
-    for m in range(found):
+    value = np.zeros(number)
+    for m in range(number):
         for k in range(LANDMARKS):
             value[m] += axis[k] * (distance[k, m] - mean[k])
     return value
 
 
 @kernel()
-def _ranks(value, found):
-    """Return the place (found,) of each value in their order, to within a fine grid of values."""
+def _ranks(value, number):
+    """Return the place (number,) of each value in their order, to within a fine grid of values."""
     low, high = value[0], value[0]
-    for m in range(found):
+    for m in range(number):
         low, high = min(low, value[m]), max(high, value[m])
-    buckets = 4 * found
+    buckets = 4 * number
     scale = (buckets - 1) / (high - low) if high > low else 0.0
     first = np.zeros(buckets + 1, np.int64)
-    for m in range(found):
+    for m in range(number):
         first[int((value[m] - low) * scale) + 1] += 1
     for k in range(buckets):
         first[k + 1] += first[k]
-    rank = np.empty(found, np.int64)
-    for m in range(found):
+    rank = np.empty(number, np.int64)
+    for m in range(number):
         bucket = int((value[m] - low) * scale)
         rank[m] = first[bucket]
         first[bucket] += 1
@@ -170,11 +170,11 @@ def _ranks(value, found):
 
 
 @kernel()
-def _rim(queue, rank, cut, found, label, graph, position):
-    """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
+def _rim(queue, rank, cut, number, label, graph, position):
+    """Return how many blocks have a neighbour across the cut, before it and behind it."""
     part, start, neighbour = graph
     before, behind = 0, 0
-    for m in range(found):
+    for m in range(number):
         node = queue[m]
         first = rank[m] < cut
         for at in range(start[node], start[node + 1]):
@@ -189,21 +189,21 @@ def _rim(queue, rank, cut, found, label, graph, position):
 
 
 @kernel()
-def _split(found, label, graph, queue, position, distance, kind):
+def _split(number, label, graph, queue, position, distance, kind):
     """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
     part, start, neighbour = graph
-    rank = _ranks(_along(distance, found), found)
-    for m in range(found):
+    rank = _ranks(_along(distance, number), number)
+    for m in range(number):
         position[queue[m]] = m
-    best, cut, rim = np.inf, found // 2, 0
+    best, cut, rim = np.inf, number // 2, 0
     for one in range(CUTS):
         share = 0.42 + 0.16 * one / (CUTS - 1)
-        place = int(share * found)
-        before, behind = _rim(queue, rank, place, found, label, graph, position)
+        place = int(share * number)
+        before, behind = _rim(queue, rank, place, number, label, graph, position)
         cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
         if cost < best:
             best, cut, rim = cost, place, 0 if before <= behind else 1
-    for m in range(found):
+    for m in range(number):
         side = 0 if rank[m] < cut else 1
         kind[m] = side
         if side != rim:
@@ -220,23 +220,23 @@ def _split(found, label, graph, queue, position, distance, kind):
 def _leaves_first(count, start, neighbour, order, part):
     """Put blocks with one neighbour or none first, again and again; return how many those are."""
     degree = np.empty(count, np.int64)
-    found = 0
+    leaves = 0
     for b in range(count):
         degree[b] = start[b + 1] - start[b]
         if degree[b] <= 1:
-            order[found], part[b] = b, -1
-            found += 1
+            order[leaves], part[b] = b, -1
+            leaves += 1
     done = 0
-    while done < found:
+    while done < leaves:
         leaf = order[done]
         done += 1
         for at in range(start[leaf], start[leaf + 1]):
             other = neighbour[at]
             degree[other] -= 1
             if part[other] == 0 and degree[other] <= 1:
-                order[found], part[other] = other, -1
-                found += 1
-    return found
+                order[leaves], part[other] = other, -1
+                leaves += 1
+    return leaves
 
 
 @kernel()
@@ -293,14 +293,14 @@ def _dissect(leaves, last, start, neighbour, nodes, part, order):
             for k in range(low, high):
                 order[k] = nodes[k]
             continue
-        found = _distances(nodes[low], label, graph, room, stamp)
+        number = _distances(nodes[low], label, graph, room, stamp)
         stamp += 1
-        if found == high - low:
-            stamp = _coordinates(found, label, graph, room, stamp, distance)
-            _split(found, label, graph, queue, position, distance, kind)
-            for k in range(found):
+        if number == high - low:
+            stamp = _coordinates(number, label, graph, room, stamp, distance)
+            _split(number, label, graph, queue, position, distance, kind)
+            for k in range(number):
                 nodes[low + k] = queue[k]
-        else:  # several pieces: the one just found, and the rest
+        else:  # several pieces: the one just reached, and the rest
             for k in range(low, high):
                 kind[k - low] = 0 if seen[nodes[k]] == stamp - 1 else 1
         middle, end = _sorted_by_kind(nodes, low, high, kind)

@@ -70,10 +70,10 @@ def _insert(first, at, high, number, new, source):
 
 
 @shared(BLOCKS)
-def _fill_rows(low, high, order, place, pairs, rows, coupled, found):
+def _fill_rows(low, high, order, place, pairs, rows, coupled, filled):
     """Write the coupled pairs that begin with each place, sorted."""
     right, left, listed = rows
-    start, new, source = found
+    start, new, source = filled
     for k in range(low, high):
         i, at = order[k], start[k]
         for q in range(right[i], right[i + 1]):
@@ -167,7 +167,7 @@ def _structures(start, neighbour, place, order, parent):
     child = np.full(count, -1, np.int64)
     sibling = np.full(count, -1, np.int64)
     for column in range(count):
-        found = row_start[column]
+        end = row_start[column]
         mark[column] = column
         node = order[column]
         room = start[node + 1] - start[node]
@@ -175,28 +175,28 @@ def _structures(start, neighbour, place, order, parent):
         while one >= 0:
             room += row_start[one + 1] - row_start[one]
             one = sibling[one]
-        if found + room > len(rows):
+        if end + room > len(rows):
             larger = np.empty(2 * len(rows) + room, np.int32)
-            for at in range(found):
+            for at in range(end):
                 larger[at] = rows[at]
             rows = larger
         for at in range(start[node], start[node + 1]):
             row = place[neighbour[at]]
             if row > column and mark[row] != column:
                 mark[row] = column
-                rows[found] = row
-                found += 1
+                rows[end] = row
+                end += 1
         one = child[column]
         while one >= 0:
             for at in range(row_start[one], row_start[one + 1]):
                 row = rows[at]
                 if row > column and mark[row] != column:
                     mark[row] = column
-                    rows[found] = row
-                    found += 1
+                    rows[end] = row
+                    end += 1
             one = sibling[one]
-        _sort(rows, row_start[column], found)
-        row_start[column + 1] = found
+        _sort(rows, row_start[column], end)
+        row_start[column + 1] = end
         above = parent[column]
         if above >= 0:
             sibling[column] = child[above]
@@ -255,8 +255,8 @@ def may_be_coupled(system: BlockSystem) -> Bools:
 
 def exact_pattern(system: BlockSystem) -> tuple[Any, ...]:
     """Return the pattern with all fill of every pair that may be coupled."""
-    found: tuple[Any, ...] = with_fill(len(system.diagonal), system.pairs, may_be_coupled(system))
-    return found
+    pattern: tuple[Any, ...] = with_fill(len(system.diagonal), system.pairs, may_be_coupled(system))
+    return pattern
 
 
 def strips_of(system: BlockSystem) -> tuple[Ints, Ints]:
@@ -277,18 +277,18 @@ class Patterns:
 
     def of(self, system: BlockSystem, analysis: Callable[[BlockSystem], Found]) -> Found:
         """Return the result of an analysis, or the earlier one for the same pairs and places."""
-        found = self._found((system.pairs, system.centroid, system.fixed))
-        if analysis not in found:
-            found[analysis] = analysis(system)
-        known: Found = found[analysis]
+        results = self._results_for((system.pairs, system.centroid, system.fixed))
+        if analysis not in results:
+            results[analysis] = analysis(system)
+        known: Found = results[analysis]
         return known
 
-    def _found(self, key: tuple[Any, ...]) -> dict[Callable[..., Any], Any]:
+    def _results_for(self, key: tuple[Any, ...]) -> dict[Callable[..., Any], Any]:
         """Return the results for these arrays, which nobody changes, to be added to."""
-        for other, found in self._known:
+        for other, results in self._known:
             if all(
                 one is its or np.array_equal(one, its) for one, its in zip(key, other, strict=True)
             ):
-                return found
+                return results
         self._known = [(key, {}), *self._known[: self._kept - 1]]
         return self._known[0][1]

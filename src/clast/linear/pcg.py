@@ -22,11 +22,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.compute import vec6 as six
 from clast.compute import vec6_single as single
 from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, EACH, shared, summed
-from clast.compute.vec6 import plus_scaled, put_row, row
+from clast.compute.vec6 import minus, plus, plus_product, plus_scaled, put_row, row, total, zeros
 from clast.compute.vec6_single import WIDTH
 from clast.linear.coarse_space import restrict, turn_with
 
@@ -37,17 +36,16 @@ AHEAD = 24
 
 
 @kernel(forceinline=True)
+def _plus_lines(y, x, k):
+    """Return y + sum of x_a k_a."""
+    even, odd = single.add_lines((y, single.zeros()), x, k)
+    return plus(even, odd)
+
+
+@kernel(forceinline=True)
 def times(blocks, i, x):
     """Return symmetric block i of (n, 6, 6) times six numbers."""
-    k0, k1, k2, k3, k4, k5 = single.lines(blocks, i)
-    x0, x1, x2, x3, x4, x5 = single.spread(x)
-    s0 = single.plus_product(single.zeros(), x0, k0)
-    s1 = single.plus_product(single.zeros(), x1, k1)
-    s0 = single.plus_product(s0, x2, k2)
-    s1 = single.plus_product(s1, x3, k3)
-    s0 = single.plus_product(s0, x4, k4)
-    s1 = single.plus_product(s1, x5, k5)
-    return single.plus(s0, s1)
+    return _plus_lines(single.zeros(), single.spread(x), single.lines(blocks, i))
 
 
 @kernel(forceinline=True)
@@ -56,19 +54,11 @@ def _right_of(low, high, upper, pairs, x):
 
     Rows are taken from the last to the first.
     """
-    t0, t1, t2 = single.zeros(), single.zeros(), single.zeros()
-    t3, t4, t5 = single.zeros(), single.zeros(), single.zeros()
+    sums = single.zero_lines()
     for q in range(low, high):
         single.fetch(upper, q, -AHEAD)
-        other = single.row(x, pairs[q, 1])
-        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
-        t0 = single.plus_product(t0, k0, other)
-        t1 = single.plus_product(t1, k1, other)
-        t2 = single.plus_product(t2, k2, other)
-        t3 = single.plus_product(t3, k3, other)
-        t4 = single.plus_product(t4, k4, other)
-        t5 = single.plus_product(t5, k5, other)
-    return single.totals(t0, t1, t2, t3, t4, t5)
+        sums = single.add_products(sums, single.lines(upper, q), single.row(x, pairs[q, 1]))
+    return single.totals(sums)
 
 
 @kernel(forceinline=True)
@@ -77,20 +67,15 @@ def _left_of(low, high, before, listed, upper, pairs, x):
 
     Of those before pair ``before`` alone; they are listed in ascending order.
     """
-    s0, s1 = single.zeros(), single.zeros()
+    sums = single.zeros(), single.zeros()
     for at in range(low, high):
         q = listed[at]
         if q >= before:
             break
-        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
-        x0, x1, x2, x3, x4, x5 = single.spread(single.row(x, pairs[q, 0]))
-        s0 = single.plus_product(s0, x0, k0)
-        s1 = single.plus_product(s1, x1, k1)
-        s0 = single.plus_product(s0, x2, k2)
-        s1 = single.plus_product(s1, x3, k3)
-        s0 = single.plus_product(s0, x4, k4)
-        s1 = single.plus_product(s1, x5, k5)
-    return single.plus(s0, s1)
+        other = single.spread(single.row(x, pairs[q, 0]))
+        sums = single.add_lines(sums, other, single.lines(upper, q))
+    even, odd = sums
+    return plus(even, odd)
 
 
 @kernel(forceinline=True)
@@ -99,29 +84,15 @@ def _both_sides(low, high, end, x_i, upper, pairs, x, y):
 
     To rows j < end alone.
     """
-    t0, t1, t2 = single.zeros(), single.zeros(), single.zeros()
-    t3, t4, t5 = single.zeros(), single.zeros(), single.zeros()
-    x0, x1, x2, x3, x4, x5 = single.spread(x_i)
+    sums, own = single.zero_lines(), single.spread(x_i)
     for q in range(low, high):
         j = pairs[q, 1]
         single.fetch(upper, q, AHEAD)
-        other = single.row(x, j)
-        k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
-        t0 = single.plus_product(t0, k0, other)
-        t1 = single.plus_product(t1, k1, other)
-        t2 = single.plus_product(t2, k2, other)
-        t3 = single.plus_product(t3, k3, other)
-        t4 = single.plus_product(t4, k4, other)
-        t5 = single.plus_product(t5, k5, other)
+        k = single.lines(upper, q)
+        sums = single.add_products(sums, k, single.row(x, j))
         if j < end:
-            s0 = single.plus_product(single.row(y, j), x0, k0)
-            s1 = single.plus_product(single.zeros(), x1, k1)
-            s0 = single.plus_product(s0, x2, k2)
-            s1 = single.plus_product(s1, x3, k3)
-            s0 = single.plus_product(s0, x4, k4)
-            s1 = single.plus_product(s1, x5, k5)
-            single.put_row(y, j, single.plus(s0, s1))
-    return single.totals(t0, t1, t2, t3, t4, t5)
+            single.put_row(y, j, _plus_lines(single.row(y, j), own, k))
+    return single.totals(sums)
 
 
 @kernel()
@@ -145,18 +116,18 @@ def _multiply_stretches(first, last, length, matrix, pattern, x, y):
     """Write stretches of K x, ``length`` rows each, into y; return their part of x.K x."""
     diagonal, upper = matrix
     _, _, pairs, right, _, _, _ = pattern
-    product = six.zeros()
+    product = zeros()
     for stretch in range(first, last):
         low, high = stretch * length, min((stretch + 1) * length, len(x))
         _begin_stretch(low, high, upper, pattern, x, y)
         for i in range(low, high):
             own = single.row(x, i)
-            begun = single.plus(single.row(y, i), times(diagonal, i, own))
-            found = _both_sides(right[i], right[i + 1], high, own, upper, pairs, x, y)
-            y_i = single.plus(begun, found)
+            begun = plus(single.row(y, i), times(diagonal, i, own))
+            behind = _both_sides(right[i], right[i + 1], high, own, upper, pairs, x, y)
+            y_i = plus(begun, behind)
             single.put_row(y, i, y_i)
-            product = six.plus_product(product, single.double(own), single.double(y_i))
-    return six.total(product)
+            product = plus_product(product, single.double(own), single.double(y_i))
+    return total(product)
 
 
 @kernel()
@@ -178,20 +149,13 @@ def multiply(matrix, pattern, x, y):
 @kernel(forceinline=True)
 def _pass_up(low, high, end, z_i, scaled, pairs, z):
     """Take K_ij^T z_i out of z_j for the pairs ``low`` to ``high`` - 1 with j < end."""
-    n0, n1, n2, n3, n4, n5 = single.spread(single.minus(single.zeros(), z_i))
+    taken = single.spread(minus(single.zeros(), z_i))
     for q in range(low, high):
         j = pairs[q, 1]
         if j >= end:
             break
         single.fetch(scaled, q, AHEAD)
-        k0, k1, k2, k3, k4, k5 = single.lines(scaled, q)
-        s0 = single.plus_product(single.row(z, j), n0, k0)
-        s1 = single.plus_product(single.zeros(), n1, k1)
-        s0 = single.plus_product(s0, n2, k2)
-        s1 = single.plus_product(s1, n3, k3)
-        s0 = single.plus_product(s0, n4, k4)
-        s1 = single.plus_product(s1, n5, k5)
-        single.put_row(z, j, single.plus(s0, s1))
+        single.put_row(z, j, _plus_lines(single.row(z, j), taken, single.lines(scaled, q)))
 
 
 @kernel()
@@ -202,7 +166,7 @@ def _go_up(low, high, before, factor, r, z):
     if before > 0:
         for i in range(low, high):
             known = _left_of(left[i], left[i + 1], before, listed, scaled, pairs, z)
-            single.put_row(z, i, single.minus(single.row(z, i), known))
+            single.put_row(z, i, minus(single.row(z, i), known))
     for i in range(low, high):
         _pass_up(right[i], right[i + 1], high, single.row(z, i), scaled, pairs, z)
 
@@ -211,13 +175,13 @@ def _go_up(low, high, before, factor, r, z):
 def _come_down(low, high, factor, r, z):
     """Turn L^-1 r into L^-T D^-1 L^-1 r, ``low`` to ``high`` - 1, in place; return r.z there."""
     (_, _, pairs, right, _, _, _), inverse, scaled = factor
-    s = six.zeros()
+    s = zeros()
     for i in range(high - 1, low - 1, -1):
         known = _right_of(right[i], right[i + 1], scaled, pairs, z)
-        z_i = single.minus(times(inverse, i, single.row(z, i)), known)
+        z_i = minus(times(inverse, i, single.row(z, i)), known)
         single.put_row(z, i, z_i)
-        s = six.plus_product(s, single.double(single.row(r, i)), single.double(z_i))
-    return six.total(s)
+        s = plus_product(s, single.double(single.row(r, i)), single.double(z_i))
+    return total(s)
 
 
 @shared(EACH)
@@ -302,10 +266,10 @@ def _to_order(first, last, order, force, ordered):
 
 
 @shared(BLOCKS)
-def _from_order(first, last, order, ordered, found):
+def _from_order(first, last, order, ordered, result):
     """Write a vector in the order of the factor where its rows belong (n, 6)."""
     for i in range(first, last):
-        put_row(found, order[i], row(ordered, i))
+        put_row(result, order[i], row(ordered, i))
 
 
 @kernel()
@@ -370,14 +334,14 @@ def solve(ready, force, goal, tolerance, limit, trial):
     count, number = len(order), len(coarse[1]) - 1
     x, r, z, p, kp = vector(count), vector(count), vector(count), vector(count), vector(count)
     of_coarse = vector(number), vector(number)
-    found = np.zeros((count, 6))
+    displacement = np.zeros((count, 6))
     _to_order(count, order, force, r)
     start = _precondition(factor, coarse, r, z, of_coarse)
     wanted = max(goal, tolerance * np.sqrt(start)) ** 2
     if not start > wanted:
-        return found, 0, np.sqrt(start), np.sqrt(start)
+        return displacement, 0, np.sqrt(start), np.sqrt(start)
     _turn_to(coarse, z, of_coarse, 0.0, p)
     limits = limit, trial, start
     iterations, rz = _iterate(ready, (x, r, z, p, kp), of_coarse, wanted, limits)
-    _from_order(count, order, x, found)
-    return found, iterations, np.sqrt(start), np.sqrt(rz)
+    _from_order(count, order, x, displacement)
+    return displacement, iterations, np.sqrt(start), np.sqrt(rz)

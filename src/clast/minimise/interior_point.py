@@ -1,7 +1,7 @@
 """The minimum of the incremental potential by a primal-dual interior point method.
 
 Newton's method with a line search may need a hundred iterations where thousands of stiff contacts
-open, close, stick and slide at once: each kink on its way holds it up.  The interior point method
+open, close, stick and slide at once: each kink on its line holds it up.  The interior point method
 (Mehrotra 1992) goes round the kinks.  A clipped spring, f = clip(f0 - k x, low, high), answers
 these conditions:
 
@@ -40,7 +40,7 @@ from clast.model.model import Floats
 Both = tuple[Floats, Floats]
 """One array for the normal springs and one for the shear springs."""
 NEARLY = 1.0 - 1e-9
-"""Share of the way from the middle to its bounds that the first force may be off it."""
+"""Share of the distance from the middle to its bounds that the first force may be off it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,7 +219,7 @@ class InteriorPoint:
     widened: int = 2
     """so many times at most."""
     step_share: float = 0.99
-    """Share of the way to the nearest bound that an iteration goes at most."""
+    """Share of the distance to the nearest bound that an iteration goes at most."""
     reduction: int = 3
     """mu is aimed at (predicted mu / mu)^reduction (Mehrotra 1992)."""
     rough: float = 0.1
@@ -237,7 +237,7 @@ class InteriorPoint:
     def minimise(
         self, potential: Potential, point: Point, tolerance: float, work: SolverContext
     ) -> Point:
-        """Return the best point that was found: from ``point`` on, to within ``tolerance``, J/m."""
+        """Return the best point reached from ``point`` on, to within ``tolerance``, J/m."""
         conditions = Conditions(potential=potential, work=work)
         bounds = conditions.bounds
         if bounds == 0:
@@ -253,9 +253,9 @@ class InteriorPoint:
             if at.products <= self.near * tolerance or left == 0:
                 work.stages("law")
                 point = potential.at(at.unknowns)
-                found = potential.distance(point)
-                if found < distance:
-                    best, distance = point, found
+                reached = potential.distance(point)
+                if reached < distance:
+                    best, distance = point, reached
             if distance <= tolerance or before / bounds < self.smallest * tolerance:
                 break
             held_up, again = at.products > self.held_up * before, held_up
@@ -455,12 +455,12 @@ def _go(state, aim, error, stiffness, stretching, direction):
 
 
 @shared(CONTACTS)
-def _go_both(first, last, states, about, target, shown, of_springs, found):
+def _go_both(first, last, states, about, target, shown, of_springs, directions):
     """Write the directions of all springs, and by parts the results of ``_go``.
 
     ``about`` are errors, stiffnesses and the changes of gap and slip, (m,) each.
     """
-    part = found[first // PART]
+    part = directions[first // PART]
     for kind in range(2):
         state, own = _of_state(states[kind], first, last), (target, _bent(shown[kind], first, last))
         error, stiffness = about[kind][first:last], about[2 + kind][first:last]

@@ -83,7 +83,7 @@ def islands_of(springs: Springs, fixed: Bools) -> Islands:
 
 @kernel()
 def _root(parent, i):
-    """Return the first block of the tree that i is in, and shorten the way there."""
+    """Return the first block of the tree that i is in, and shorten the path to it."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -340,23 +340,23 @@ def taken_out(blocks, place, still, problem, point):
 
 
 @kernel()
-def put_back(blocks, source, found, point):
-    """Write the point ``found`` of some blocks into that of all, both as plain tuples."""
-    _write_point(blocks, source, IslandPoint(*found), IslandPoint(*point))
+def put_back(blocks, source, moved, point):
+    """Write the point ``moved`` of some blocks into that of all, both as plain tuples."""
+    _write_point(blocks, source, IslandPoint(*moved), IslandPoint(*point))
 
 
 @kernel()
-def _write_point(blocks, source, found, point):
+def _write_point(blocks, source, moved, point):
     """Write the point of some blocks where it belongs."""
     for k in range(len(blocks)):
-        put_row(point.displacement, blocks[k], row(found.displacement, k))
-        put_row(point.residual, blocks[k], row(found.residual, k))
-        point.distance[blocks[k]] = found.distance[k]
+        put_row(point.displacement, blocks[k], row(moved.displacement, k))
+        put_row(point.residual, blocks[k], row(moved.residual, k))
+        point.distance[blocks[k]] = moved.distance[k]
     for k in range(len(source)):
         c = source[k]
-        point.gap[c], point.slip[c] = found.gap[k], found.slip[k]
-        point.normal[c], point.shear[c] = found.normal[k], found.shear[k]
-        point.kn[c], point.ks[c] = found.kn[k], found.ks[k]
+        point.gap[c], point.slip[c] = moved.gap[k], moved.slip[k]
+        point.normal[c], point.shear[c] = moved.normal[k], moved.shear[k]
+        point.kn[c], point.ks[c] = moved.kn[k], moved.ks[k]
 
 
 @kernel()
@@ -425,11 +425,11 @@ def _minimum(problem, point, tolerance, iterations):
 
 
 @shared(EACH)
-def _minimise(first, last, which, problem, springs, point, limits, found):
+def _minimise(first, last, which, problem, springs, point, limits, results):
     """Minimise islands; arrays that threads share are no tuples of tuples."""
     wanted, start, blocks, place = which
     links = problem[4], problem[5:9], problem[9:12], springs
-    left, counts = found
+    left, counts = results
     of_all = IslandPoint(*point)
     for k in range(first, last):
         r = wanted[k]

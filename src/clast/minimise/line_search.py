@@ -15,7 +15,7 @@ from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, CONTACTS, shared
 from clast.compute.reductions import CHUNK, PART, in_part, sum_of
-from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
+from clast.compute.vec6 import inner, plus_scaled, put_row, row
 from clast.contact.clipped_spring import clipped, forces_at, in_piece
 
 SLOPE_TOLERANCE = 1e-9
@@ -76,8 +76,8 @@ def island_sums(values, island, count):
 def _along(first, last, blocks, residual, direction, forms, products):
     for i in range(first, last):
         own = times(blocks, i, direction, i)
-        forms[i] = total(plus_product(zeros(), own, row(direction, i)))
-        products[i] = total(plus_product(zeros(), row(residual, i), row(direction, i)))
+        forms[i] = inner(own, row(direction, i))
+        products[i] = inner(row(residual, i), row(direction, i))
 
 
 @shared(CONTACTS)

@@ -123,7 +123,7 @@ class Newton:
 
         Done where twice the potential is within ``tolerance``, J/m, of its minimum: by the bound
         without a system, or by the Newton decrement r.dd.  ``before`` each iteration a point at
-        least as low may be found in another way.
+        least as low may be found by other means.
         """
         distances: list[float] = []
         for _ in range(self.iterations):

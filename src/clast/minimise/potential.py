@@ -20,7 +20,7 @@ from clast.compute.compilation import Stages
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, summed
-from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
+from clast.compute.vec6 import inner, plus_scaled, put_row, row
 from clast.contact.clipped_spring import Forces, Springs, forces_at
 from clast.linear import assembly, block_matrix
 from clast.linear.assembly import contact_motions as motions_of_links
@@ -350,7 +350,7 @@ def _half_forms(first, last, inverse, force, momentum, share, fixed):
     for i in range(first, last):
         if not fixed[i]:
             put_row(f, 0, plus_scaled(row(force, i), share, row(momentum, i)))
-            forms += 0.5 * total(plus_product(zeros(), times(inverse, i, f, 0), row(f, 0)))
+            forms += 0.5 * inner(times(inverse, i, f, 0), row(f, 0))
     return forms
 
 

@@ -4,7 +4,7 @@ Small islands go one by one (islands.py): of a falling heap, of towers, of rock 
 many places all together would take as many iterations as the slowest of them.
 
 The others go on together by Newton's method.  It goes along its direction as far as the springs
-allow that open, close, stick and slide on the way: all blocks no farther than suits those few of
+allow that open, close, stick and slide along it: all blocks no farther than suits those few of
 them that have most to settle, and the more blocks there are the more of those.  Yet nearly all that
 is left to the minimum lies with few blocks.  So before a direction for all, these few and their
 neighbours are minimised by themselves while the others stand still (a nonlinear elimination; Cai

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from clast.compute.compilation import COMPILATION, working_time
-from clast.compute.threads import threads_worth
+from clast.compute.parallel import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model

@@ -27,6 +27,7 @@ from clast.linear.system import (
     stretches,
 )
 from clast.model.model import Bools, Floats
+from clast.step.energy_balance import FINEST
 from clast.step.prescribed import DrivenBlocks
 from clast.step.start import StepContext
 
@@ -36,8 +37,6 @@ HALVINGS_MAX = 50
 """Halvings of the line search."""
 FORCE_TOLERANCE = 1e-9
 """Share of a spring's force by which it may differ from that of its straight line."""
-ROUNDING = 4.0 * float(np.finfo(float).eps)
-"""Share of lengths that rounding leaves open."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +75,7 @@ def solved(
         off = line.differs(float(np.abs(context.model.vertices).max()))
         if not off.any():
             return unknowns, at
-        at = at + line.share(base, held) * line.way
+        at = at + line.share(base, held) * line.displacement
     raise StepRejected(StepOutcome.NOT_CONVERGED, _unsettled(context, off))
 
 
@@ -97,10 +96,10 @@ def _unsettled(context: StepContext, off: Bools) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class _Line:
-    """Springs on the way from the displacements at which they are linear to a solution."""
+    """Springs on the line from the displacements at which they are linear to a solution."""
 
     springs: Springs
-    way: Floats
+    displacement: Floats
     """From there to the solution, (n, 6)."""
     start: tuple[Floats, Floats]
     """Gaps and slips (m,) where it begins, m."""
@@ -113,13 +112,13 @@ class _Line:
 
     @classmethod
     def of(cls, springs: Springs, at: Floats, unknowns: Floats) -> _Line:
-        """Return the way from displacements (n, 6) to the solution about them, (n, 6)."""
-        way = unknowns - at
-        start, moved = stretches(springs, at), contact_motions(springs, way)
+        """Return the line from displacements (n, 6) to the solution about them, (n, 6)."""
+        displacement = unknowns - at
+        start, moved = stretches(springs, at), contact_motions(springs, displacement)
         bear = springs.at(*start)
         return cls(
             springs=springs,
-            way=way,
+            displacement=displacement,
             start=start,
             moved=moved,
             straight=(
@@ -130,7 +129,7 @@ class _Line:
         )
 
     def forces(self, share: float) -> Forces:
-        """Return the forces of the springs at a share of the way."""
+        """Return the forces of the springs at a share of the line."""
         gap, slip = (a + share * b for a, b in zip(self.start, self.moved, strict=True))
         return self.springs.at(gap, slip)
 
@@ -140,7 +139,7 @@ class _Line:
         ``size`` is that of the coordinates, m.
         """
         springs, bear = self.springs, self.forces(1.0)
-        rounded = ROUNDING * (size + np.abs(springs.arms[:, 2:]).max(axis=1, initial=0.0))
+        rounded = FINEST * (size + np.abs(springs.arms[:, 2:]).max(axis=1, initial=0.0))
         forces = bear.normal_force, bear.shear_force
         stiffnesses = bear.normal_stiffness, bear.shear_stiffness
         off = np.zeros(len(springs), np.bool_)
@@ -154,11 +153,11 @@ class _Line:
         return off
 
     def share(self, base: DiagonalTerms, held: LinearContacts) -> float:
-        """Return the share of the way, up to 1, where the potential is least."""
-        way, response = self.way, held.response
-        opening, slip = contact_motions(held.contacts, way)
+        """Return the share of the line, up to 1, where the potential is least."""
+        displacement, response = self.displacement, held.response
+        opening, slip = contact_motions(held.contacts, displacement)
         kn, ks = response.normal_stiffness, response.shear_stiffness
-        of_blocks = np.einsum("ni,nij,nj->n", way, base.diagonal, way)
+        of_blocks = np.einsum("ni,nij,nj->n", displacement, base.diagonal, displacement)
         of_contacts = kn * opening**2 + ks * slip**2
         curvature = float(of_blocks.sum() + of_contacts.sum())
 

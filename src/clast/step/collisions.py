@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
-from clast.compute.vec6 import plus_product, row, total, zeros
+from clast.compute.vec6 import inner, row
 from clast.contact.jacobian import relative_motion
 from clast.step.impulses import (
     Bodies,
@@ -38,16 +38,16 @@ FELT_IMPACTS = 1e-2
 """Closing velocity that makes a bearing contact take part, in units of that of the impact."""
 FELT_THRESHOLDS = 0.5
 """The same in units of the closing velocity from which contacts strike."""
-EXACT, FEW = 1e-10, 12
+IMPULSE_TOLERANCE, EXACT_CONTACTS_MAX = 1e-10, 12
 """Change of velocity at which the impulses of few contacts are found, and how many are few.
 
 In units of the velocity of the impact.
 """
-ROUGH, CLOSE = 0.3, 1e-2
+ROUGH_TOLERANCE, FINAL_TOLERANCE = 0.3, 1e-2
 """The same while others may join, and of many contacts, in units of the velocity that is felt."""
-RENEWED, TIMES = 500, 8
+RENEWALS_EXTRA, RENEWAL_ROUNDS = 500, 8
 """Impulses that are renewed at most before others join, beside so many times all."""
-WORK, SOME = 500, 200
+RENEWALS_PER_CONTACT_MAX, CONTACTS_COUNTED_MIN = 500, 200
 """Impulses that are renewed in a step at most for each of its contacts, of which it has some.
 
 Later strikes are left to the springs.
@@ -225,15 +225,19 @@ def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
         max(FELT_IMPACTS * fastest, FELT_THRESHOLDS * limits.threshold),
         bodies.velocity,
     )
-    enough, more, is_rough = ROUGH * felt, True, True
+    enough, more, is_rough = ROUGH_TOLERANCE * felt, True, True
     while more:
         count = group.counts[0]
-        most = TIMES + RENEWED // count
+        most = RENEWAL_ROUNDS + RENEWALS_EXTRA // count
         taken = find(enough, most, count, blocks[: group.counts[1]], linear, course, velocity)
         group.counts[2] -= taken * count
         more = _pass_on(time, felt, bodies, contacts, live, around, group)
         if not more and is_rough:
-            enough = EXACT * fastest if group.counts[0] <= FEW else CLOSE * felt
+            enough = (
+                IMPULSE_TOLERANCE * fastest
+                if group.counts[0] <= EXACT_CONTACTS_MAX
+                else FINAL_TOLERANCE * felt
+            )
             more, is_rough = True, False
 
 
@@ -249,7 +253,7 @@ def _gained(time, velocity, bodies, group):
             mean[0, a] = 0.5 * (velocity[b, a] + before[b, a])
         mean[0, 0] += time * acceleration[b, 0]
         mean[0, 1] += time * acceleration[b, 1]
-        gained += total(plus_product(zeros(), times(mass_matrix, b, change, 0), row(mean, 0)))
+        gained += inner(times(mass_matrix, b, change, 0), row(mean, 0))
     return gained
 
 
@@ -265,7 +269,7 @@ def _mix(time, other, bodies, group):
     for b in group.blocks[: group.counts[1]]:
         for a in range(6):
             change[0, a] = other[b, a] - velocity[b, a]
-        bend += 0.5 * total(plus_product(zeros(), times(mass_matrix, b, change, 0), row(change, 0)))
+        bend += 0.5 * inner(times(mass_matrix, b, change, 0), row(change, 0))
     # least + (most - least - bend) s + bend s^2 = 0
     half = 0.5 * (most - least - bend)
     share = (np.sqrt(half * half - bend * least) - half) / bend if bend > 0.0 else 0.0
@@ -383,14 +387,17 @@ def flying(force, mass, fixed, acceleration):
     Contacts carry blocks with ``force`` (n, 6), N/m; of ``acceleration``, m/s2, that leaves between
     nothing and all.
     """
-    found = np.zeros((len(fixed), 2))
+    accelerations = np.zeros((len(fixed), 2))
     square = acceleration[0] ** 2 + acceleration[1] ** 2
     for b in range(len(fixed)):
         if not fixed[b] and square > 0.0:
             along = force[b, 0] * acceleration[0] + force[b, 1] * acceleration[1]
             left = min(max(1.0 + along / (mass[b] * square), 0.0), 1.0)
-            found[b, 0], found[b, 1] = left * acceleration[0], left * acceleration[1]
-    return found
+            accelerations[b, 0], accelerations[b, 1] = (
+                left * acceleration[0],
+                left * acceleration[1],
+            )
+    return accelerations
 
 
 @kernel()
@@ -451,7 +458,7 @@ def strike(velocity, acceleration, mobility, mass_matrix, closing, carries, limi
         course,
         np.empty(blocks, np.int64),
         np.zeros(blocks, np.bool_),
-        np.array([0, 0, WORK * max(count, SOME)]),
+        np.array([0, 0, RENEWALS_PER_CONTACT_MAX * max(count, CONTACTS_COUNTED_MIN)]),
     )
     _look_ahead(np.arange(count), bodies, contacts, live, limits)
     lost, first = 0.0, _earliest(live)

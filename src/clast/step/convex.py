@@ -128,8 +128,8 @@ class Convex:
         impacts = after_impacts(context, contacts, graph, self.restitution)
         asperities, slope = None, None
         if opens and has_limits(law):
-            way = contact_motions(contacts, impacts.drift)
-            contacts, asperities = over_asperities(joints, law, contacts, way)
+            motions = contact_motions(contacts, impacts.drift)
+            contacts, asperities = over_asperities(joints, law, contacts, motions)
             slope = asperities.slope
         share = context.at.forces_at
         taken = half_way(model, law, contacts, share, context.step)

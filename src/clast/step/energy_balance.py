@@ -21,8 +21,8 @@ from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import Sharing, shared
-from clast.compute.reductions import largest_size
-from clast.compute.vec6 import plus_product, row, total, zeros
+from clast.compute.reductions import CHUNK, PART, largest_size
+from clast.compute.vec6 import inner, row
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Floats, Model
@@ -34,8 +34,6 @@ from clast.step.start import StepContext
 
 FINEST = 4.0 * float(np.finfo(float).eps)
 """Rounding of coordinates, as a share of the largest."""
-CHUNK, PART = 128, 1024
-"""Blocks, and contacts, that are summed up by themselves."""
 
 
 def opening(model: Model, state: State) -> Ledger:
@@ -157,8 +155,8 @@ def balance(
         unaccounted = unaccounted + change.unaccounted - done.work
     if context.held is not None:
         carried = math.prod([one.carried for one in context.contributions])
-        undamped = (1.0 - carried**2) * _energy_of_driven(context, context.held)
-        shock = _work_of_shocks(context, end, context.held)
+        energy, shock = _of_driven(context, end, context.held)
+        undamped = (1.0 - carried**2) * energy
         changes.append(Ledger(damping=-undamped, motions=-shock))
         numerical += undamped - shock
     ledger = ledger.plus(*changes)
@@ -166,23 +164,19 @@ def balance(
     return changed(ledger, numerical=numerical, unaccounted=unaccounted), states
 
 
-def _energy_of_driven(context: StepContext, held: DrivenBlocks) -> float:
-    """Return the kinetic energy of motions that are prescribed, J/m; no damping takes it."""
-    velocity = np.where(held.components, context.state.velocity, 0.0)
-    momentum = np.einsum("nij,nj->ni", context.frames.mass_matrix, velocity)
-    return 0.5 * float(np.sum(velocity * momentum))
+def _of_driven(context: StepContext, end: StepEnd, held: DrivenBlocks) -> tuple[float, float]:
+    """Return the kinetic energy of prescribed motions, J/m, and the work of steps beyond it.
 
-
-def _work_of_shocks(context: StepContext, end: StepEnd, held: DrivenBlocks) -> float:
-    """Return the work, J/m, that steps give prescribed motions beyond their kinetic energy.
-
-    A jump of the velocity is the impulse M (v+ - v), done at the mean of both: (v + v+)/2 in place
-    of the velocity D/h of the step.
+    No damping takes that energy.  A jump of the velocity is the impulse M (v+ - v), done at the
+    mean of both: (v + v+)/2 in place of the velocity D/h of the step.
     """
-    before, after = (held.put(np.zeros_like(v), v) for v in (context.velocity, end.velocity))
-    impulse = np.einsum("nij,nj->ni", context.frames.mass_matrix, after - before)
-    way = held.displacement - 0.5 * context.step * (before + after)
-    return float(np.sum(impulse * way)) / context.step
+    mass, nothing = context.frames.mass_matrix, np.zeros_like(context.velocity)
+    moving = np.where(held.components, context.state.velocity, 0.0)
+    energy = 0.5 * float(np.sum(moving * np.einsum("nij,nj->ni", mass, moving)))
+    before, after = (held.put(nothing, v) for v in (context.velocity, end.velocity))
+    impulse = np.einsum("nij,nj->ni", mass, after - before)
+    ahead = held.displacement - 0.5 * context.step * (before + after)
+    return energy, float(np.sum(impulse * ahead)) / context.step
 
 
 def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:
@@ -225,7 +219,7 @@ def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end:
 @kernel()
 def _kinetic(b, mass_matrix, v):
     """Return 1/2 v.M v of block b, J/m."""
-    return 0.5 * total(plus_product(zeros(), times(mass_matrix, b, v, b), row(v, b)))
+    return 0.5 * inner(times(mass_matrix, b, v, b), row(v, b))
 
 
 @kernel()
@@ -238,9 +232,15 @@ def _strain_energy(b, area, compliance, stress):
     return 0.5 * area[b] * energy
 
 
-@kernel()
-def _of_chunk(first, last, motion, inertia, stresses, elastic, s):
-    """Add up the energies and works of blocks ``first`` to ``last`` - 1 in s (6,)."""
+@shared(Sharing(part=CHUNK, many=1))
+def _of_chunks(first, last, motion, inertia, stresses, elastic, sums):
+    """Add up the energies and works of the chunk of blocks ``first`` to ``last`` - 1 in its sums.
+
+    A chunk without blocks has none.
+    """
+    if last <= first:
+        return
+    s = sums[first // CHUNK]
     d, entering, leaving = motion
     mass_matrix, step = inertia
     before, acting, after = stresses
@@ -251,18 +251,11 @@ def _of_chunk(first, last, motion, inertia, stresses, elastic, s):
         s[1] += _kinetic(b, mass_matrix, leaving)
         for k in range(6):
             force[0, k] = (leaving[b, k] - entering[b, k]) / step
-        s[2] += total(plus_product(zeros(), times(mass_matrix, b, force, 0), row(d, b)))
+        s[2] += inner(times(mass_matrix, b, force, 0), row(d, b))
         s[3] += _strain_energy(b, area, compliance, before)
         s[4] += _strain_energy(b, area, compliance, after)
         for k in range(3):
             s[5] -= area[b] * acting[b, k] * d[b, 3 + k]
-
-
-@shared(Sharing(part=CHUNK, many=1))
-def _of_chunks(first, last, motion, inertia, stresses, elastic, sums):
-    """Write the sums (6,) of the chunk of blocks ``first`` to ``last`` - 1."""
-    if last > first:
-        _of_chunk(first, last, motion, inertia, stresses, elastic, sums[first // CHUNK])
 
 
 @kernel()

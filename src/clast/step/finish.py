@@ -237,18 +237,18 @@ def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -
     """Return how far a vertex moves at most against a block that it might touch, m.
 
     From vertices ``before`` to ``after`` a step, (nv, 2).  Free flight is exact at any length, and
-    so is the motion of two blocks together: only pairs whose ways meet count.
+    so is the motion of two blocks together: only pairs whose paths meet count.
     """
     moved = after - before
     thrown = float(np.hypot(*moved.T).max())
     if thrown > float(np.ptp(before, axis=0).max()):
         return thrown
     start, count = model.block_start, np.diff(model.block_start)
-    way = polygon.farthest(moved, start)
-    pairs = near_pairs(near, before, start, model.fixed, 0.0, way, model.absent)
+    distance = polygon.farthest(moved, start)
+    pairs = near_pairs(near, before, start, model.fixed, 0.0, distance, model.absent)
     mean = np.add.reduceat(moved, start[:-1], axis=0) / count[:, None]
     own = polygon.farthest(moved - np.repeat(mean, count, axis=0), start)
     lower, higher = pairs.T
     against = np.hypot(*(mean[lower] - mean[higher]).T) + own[lower] + own[higher]
     # where two turn together the sum says too much
-    return float(np.minimum(against, way[lower] + way[higher]).max(initial=0.0))
+    return float(np.minimum(against, distance[lower] + distance[higher]).max(initial=0.0))

@@ -154,10 +154,19 @@ def _struck(
     (n, 6) and accelerations (n, 2) of the blocks, ``limits`` those of ``impulses.ImpactLimits``.
     """
     model, frames, held = context.model, context.frames, context.held
-    struck, carries, some = _that_may_strike(contacts, *answers)
+    restitution, carries = answers
+    # of vertices alone: a face that lands does so on its ends
+    some = contacts.corners if is_any(contacts.point) else slice(None)
+    of_all = contacts.gap, contacts.vertex_block, contacts.edge_block, contacts.arms
+    struck: tuple[Any, ...] = tuple(one[some] for one in (*of_all, restitution, contacts.friction))
+    carries = carries[some]
     if not collisions.any_strikes(*flight, struck, carries, limits):
         return unchanged
-    order = _in_order(model, contacts.vertex[some], contacts.edge[some])
+    # An order that no numbering of blocks changes: impulses are found one after the other, and
+    # those of many contacts not to the last digit.
+    rank, edge = model.vertex_rank, contacts.edge[some]
+    ends = rank.take(edge), rank.take(model.vertex_after.take(edge))
+    order = np.lexsort((np.maximum(*ends), np.minimum(*ends), rank.take(contacts.vertex[some])))
     struck, carries = tuple(one[order] for one in struck), carries[order]
     inertia = mobilities(model, frames, context.state), frames.mass_matrix
     if held is not None:
@@ -172,36 +181,6 @@ def _struck(
         rate=rate,
         fastest=-least(rate, 0.0),
     )
-
-
-def _that_may_strike(
-    contacts: Contacts, restitution: Floats, carries: Bools
-) -> tuple[tuple[Any, ...], Bools, Any]:
-    """Return the arrays of ``impulses.Closing``, which of its contacts carry, and its rows.
-
-    Of vertices alone: a face that lands does so on its ends.
-    """
-    some = contacts.corners if is_any(contacts.point) else slice(None)
-    closing = (
-        contacts.gap[some],
-        contacts.vertex_block[some],
-        contacts.edge_block[some],
-        contacts.arms[some],
-        restitution[some],
-        contacts.friction[some],
-    )
-    return closing, carries[some], some
-
-
-def _in_order(model: Model, vertex: Ints, edge: Ints) -> Ints:
-    """Return an order of contacts (m,) that no numbering of blocks changes.
-
-    Impulses are found one after the other, and those of many contacts not to the last digit.
-    """
-    rank = model.vertex_rank
-    ends = rank.take(edge), rank.take(model.vertex_after.take(edge))
-    order: Ints = np.lexsort((np.maximum(*ends), np.minimum(*ends), rank.take(vertex)))
-    return order
 
 
 def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
@@ -289,11 +268,6 @@ def advice_without(model: Model) -> tuple[str, ...]:
     )
 
 
-def slowest_of(law: ContactLaw) -> float:
-    """Return the closing velocity of contacts that stop their blocks, in units of g h."""
-    return RESETTING_SPEED_GH if has_multipliers(law) and not law.carries else STOPPING_SPEED_GH
-
-
 def scheme_of(
     context: StepContext,
     contacts: Contacts,
@@ -308,7 +282,10 @@ def scheme_of(
     contacts open by their slip; None: it is known only when the step is over.
     """
     model, scheme = context.model, context.scheme
-    threshold = slowest_of(context.method.contact_law) * model.size_of_gravity * context.step
+    law = context.method.contact_law
+    resets = has_multipliers(law) and not law.carries
+    slowest = RESETTING_SPEED_GH if resets else STOPPING_SPEED_GH
+    threshold = slowest * model.size_of_gravity * context.step
     rate, fastest = impacts.rate, impacts.fastest
     if slope is not None:
         rate = rate - slope * contact_motions(contacts, impacts.velocity)[1]

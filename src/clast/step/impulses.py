@@ -118,7 +118,7 @@ class ImpulseCourse(NamedTuple):
     """Impulses, N s/m, shape (k, 2)."""
     made: Floats
     """How much the last renewal has changed them, shape (k, 2)."""
-    way: Floats
+    advance: Floats
     """How far they went on before that, shape (k, 2)."""
 
 
@@ -247,16 +247,16 @@ def renew(first, last, linear, course, velocity):
 
 @kernel()
 def _go_on(share, count, course, blocks, pace, velocity):
-    """Let impulses go on by a share of the way they went last, and add their effect.
+    """Let impulses go on by a share of their last advance, and add their effect.
 
-    ``pace`` (b, 2, 3) are the velocities that this way has changed the ``blocks`` (b,) by, and
+    ``pace`` (b, 2, 3) are the velocities that this advance has changed the ``blocks`` (b,) by, and
     theirs when the last renewal began; both change with it.
     """
-    impulses, made, way = course.impulses, course.made, course.way
+    impulses, made, advance = course.impulses, course.made, course.advance
     for at in range(count):
         for k in range(2):
-            more = share * way[at, k]
-            way[at, k] = more + made[at, k]
+            more = share * advance[at, k]
+            advance[at, k] = more + made[at, k]
             impulses[at, k] += more
     for at in range(len(blocks)):
         b = blocks[at]
@@ -274,7 +274,7 @@ def find(enough, most, count, blocks, linear, course, velocity):
     Until velocities change by less than ``enough``, m/s, or ``most`` renewals.  The impulses and
     the velocities (n, 6) of the ``blocks`` (b,) of these contacts are written in place.
     """
-    course.way[:count] = 0.0
+    course.advance[:count] = 0.0
     pace = np.zeros((len(blocks), 2, 3))
     for at in range(len(blocks)):
         for a in range(3):

@@ -19,14 +19,12 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import (
+    inner,
     line,
     numbers,
-    plus_product,
     plus_scaled,
     put_line,
     row,
-    total,
-    zeros,
 )
 from clast.contact.jacobian import force_on
 from clast.model.model import Bools, Floats, Ints
@@ -179,7 +177,7 @@ def add_inertia(stopped, factor, drift, terms):
     for b in range(len(count)):
         for a in range(count[b]):
             own = line(momenta, b, a)
-            share = factor * total(plus_product(zeros(), own, row(drift, b)))
+            share = factor * inner(own, row(drift, b))
             for i in range(6):
                 scale = factor * momenta[b, a, i]
                 put_line(matrix, b, i, plus_scaled(line(matrix, b, i), scale, own))
@@ -194,6 +192,6 @@ def add_velocities(stopped, factor, change, velocity):
     for b in range(len(count)):
         for a in range(count[b]):
             own = line(momenta, b, a)
-            share = factor * total(plus_product(zeros(), own, row(change, b)))
+            share = factor * inner(own, row(change, b))
             for i in range(6):
                 velocity[b, i] += share * motions[b, a, i]

@@ -21,8 +21,8 @@ at the end has its force at x + d/2.  A contact then has
 
 with x_n and x_t by how much it opens and slips, if it carries when the step starts or has a tensile
 strength.  Work and stored energy then agree to the last digit where the force goes straight, N x_n
-= 1/2 p gap^2 - 1/2 p (gap + x_n)^2; where it is clipped on the way, for the contact opens or slips,
-energy is lost and never made.  A contact that carries nothing may close, and half of that way would
+= 1/2 p gap^2 - 1/2 p (gap + x_n)^2; where it is clipped in between, for the contact opens or slips,
+energy is lost and never made.  A contact that carries nothing may close, and half of that would
 resist too little: it has the forces of the end of the step, which resist too much.  So has one
 without tensile strength whose own swing the step leaps over, w h > 2 pi: a block on it would swing
 from step to step for ever.  Multipliers are those of the end of the step.
@@ -141,7 +141,7 @@ class HalfWay:
     def springs(
         self, springs: tuple[Clipped, Clipped], contacts: Contacts
     ) -> tuple[Clipped, Clipped]:
-        """Return normal and shear springs with the forces of these on the way."""
+        """Return normal and shear springs with the forces of these within the step."""
         normal, shear = springs
         place, none = self.place(contacts), np.zeros(len(contacts))
         return normal.taken_at(place, contacts.gap), shear.taken_at(place, none)
@@ -149,7 +149,7 @@ class HalfWay:
     def respond(
         self, law: ContactLaw, contacts: Contacts, gap: Floats, slip: Floats
     ) -> ContactResponse:
-        """Return the answer of a law on the way to gaps and slips (m,), m, as functions of these.
+        """Return the answer of a law within a step to gaps and slips (m,), m, functions of these.
 
         The energy is that of the potential whose slopes the forces are.
         """

@@ -114,7 +114,7 @@ class Modified:
                 contacts = result.contacts
             settled = np.array_equal(result.in_equations.mode, entered.mode)
             if passes >= self.passes or settled:
-                return solution_of(context, result, at, counts_of(passes, factor))
+                return solution_of(context, result, at, passes, factor)
             contacts, seen, at = result.contacts, (result.gap, result.slip), unknowns
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
@@ -151,6 +151,9 @@ def pass_result(
     opening, slip = contact_motions(contacts, unknowns)
     gap = contacts.gap + opening
     response = law.respond(contacts, gap, slip)
+    # N may be tensile there: the price of one pass without checking
+    normal = entered.normal_force - entered.normal_stiffness * (gap - seen[0])
+    shear = entered.shear_force - entered.shear_stiffness * (slip - seen[1])
     return PassResult(
         unknowns=unknowns,
         contacts=multipliers.renew(law, contacts, response),
@@ -158,12 +161,16 @@ def pass_result(
         slip=slip,
         response=response,
         in_equations=response if taken is None else taken.respond(law, contacts, gap, slip),
-        applied=forces_in_equations(entered, *seen, gap, slip),
+        applied=(normal, shear),
     )
 
 
 def solution_of(
-    context: StepContext, found: PassResult, linearised_at: Floats, counts: dict[str, int]
+    context: StepContext,
+    result: PassResult,
+    linearised_at: Floats,
+    passes: int,
+    factor: FactorOfStep,
 ) -> StepSolution:
     """Return the last solve of a step as its solution.
 
@@ -173,12 +180,12 @@ def solution_of(
         velocity=context.velocity,
         drift=context.drift,
         scheme=context.scheme,
-        unknowns=found.unknowns,
-        contacts=found.contacts,
-        response=found.response,
-        applied=found.applied,
-        bearing=found.response.normal_force,
-        counts=counts,
+        unknowns=result.unknowns,
+        contacts=result.contacts,
+        response=result.response,
+        applied=result.applied,
+        bearing=result.response.normal_force,
+        counts={"passes": passes, "solves": factor.solved, "factorisations": factor.factorised},
         linearised_at=linearised_at,
     )
 
@@ -186,23 +193,6 @@ def solution_of(
 def factor_of(context: StepContext) -> FactorOfStep:
     """Return the factor for the systems of a step."""
     return FactorOfStep(context.method.solver, context.workspace.patterns)
-
-
-def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
-    """Return the counts of a step that is solved."""
-    return {"passes": passes, "solves": factor.solved, "factorisations": factor.factorised}
-
-
-def forces_in_equations(
-    response: ContactResponse, gap: Floats, slip: Floats, end_gap: Floats, end_slip: Floats
-) -> tuple[Floats, Floats]:
-    """Return N and T (m,) that the solved equations held at the end of the step, N/m.
-
-    ``gap`` and ``slip`` (m,) are where the law was linearised, ``end_gap`` and ``end_slip`` those
-    of the solution; N may be tensile: that is the price of one pass without checking.
-    """
-    normal = response.normal_force - response.normal_stiffness * (end_gap - gap)
-    return normal, response.shear_force - response.shear_stiffness * (end_slip - slip)
 
 
 def search_of_modified(method: Method) -> SearchDistance:

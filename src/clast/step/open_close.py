@@ -35,7 +35,6 @@ from clast.step.method import Method, StepSolution
 from clast.step.modified import (
     STABILITY_LIMIT,
     bearable_stiffness,
-    counts_of,
     factor_of,
     pass_result,
     softer_springs,
@@ -57,6 +56,17 @@ SHI_FACTOR = 40.0
 
 THROWN = "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step"
 """Remedy where stiff contacts return too much energy."""
+
+
+def _have_settled(before: ContactResponse, after: ContactResponse) -> bool:
+    """Return True where no contact that carries force has changed its mode.
+
+    Faces that just touch have gaps of rounding size: their modes flip for ever, at forces that
+    mean nothing.
+    """
+    force = np.maximum(np.abs(before.normal_force), np.abs(after.normal_force))
+    counts = force > NEGLIGIBLE_FORCE_SHARE * force.max(initial=0.0)
+    return bool(np.all((before.mode == after.mode) | ~counts))
 
 
 @dataclass(frozen=True)
@@ -105,11 +115,11 @@ class OpenClose:
             held = LinearContacts(contacts=contacts, response=entered, seen=seen)
             unknowns, at = solved(context, base, factor, held, at)
             result = pass_result(law, contacts, entered, seen, unknowns, taken)
-            if tried >= least and have_settled(entered, result.in_equations):
+            if tried >= least and _have_settled(entered, result.in_equations):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
                 if multipliers.enough(law, solves, contacts, result.gap):
-                    return solution_of(context, result, at, counts_of(passes, factor))
+                    return solution_of(context, result, at, passes, factor)
                 contacts = result.contacts
             seen, at = (result.gap, result.slip), unknowns
         raise StepRejected(
@@ -146,14 +156,3 @@ class OpenClose:
         if bearable < stiff:
             return bearable, reason
         return stiff, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
-
-
-def have_settled(before: ContactResponse, after: ContactResponse) -> bool:
-    """Return True where no contact that carries force has changed its mode.
-
-    Faces that just touch have gaps of rounding size: their modes flip for ever, at forces that
-    mean nothing.
-    """
-    force = np.maximum(np.abs(before.normal_force), np.abs(after.normal_force))
-    counts = force > NEGLIGIBLE_FORCE_SHARE * force.max(initial=0.0)
-    return bool(np.all((before.mode == after.mode) | ~counts))

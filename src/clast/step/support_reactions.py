@@ -40,7 +40,7 @@ class Holding:
     """The blocks, shape (s,)."""
     number: Ints
     """Number of each block among them, -1 for others, shape (n,)."""
-    borne: Floats
+    carried: Floats
     """Force (x, y), N/m, and moment about the centroid, N, that hold it against others, (s, 3)."""
     whole: Floats
     """The same of all blocks with their weight and inertia, where motions are prescribed, (n, 3);
@@ -56,26 +56,29 @@ def holding(context: StepContext, solution: StepSolution, end: StepEnd) -> Holdi
         asked[block] = True
         block, number = numbered(asked)
     elif not block.size:
-        return Holding(block=block, number=number, borne=NOBODY, whole=NOTHING)
-    borne = -_of_links(number, len(block), solution.contacts, solution.applied)
+        return Holding(block=block, number=number, carried=NOBODY, whole=NOTHING)
+    carried = -_of_links(number, len(block), solution.contacts, solution.applied)
     if context.springs is not None:
-        borne -= _of_springs(context.springs, solution, np.append(number, -1), len(block))
+        carried -= _of_springs(context.springs, solution, np.append(number, -1), len(block))
     for contribution in context.contributions:
         rows = contribution.block
         if rows.size:
             rows = (number[rows] >= 0).nonzero()[0]
         if rows.size:
             force = forces_in(contribution, solution.unknowns, rows)
-            np.subtract.at(borne, number[contribution.block[rows]], force[:, :3])
+            np.subtract.at(carried, number[contribution.block[rows]], force[:, :3])
     if held is None:
-        borne[~model.fixed[block]] = 0.0
-        return Holding(block=block, number=number, borne=borne, whole=NOTHING)
-    own = _of_mass(context, solution, end, block)
+        carried[~model.fixed[block]] = 0.0
+        return Holding(block=block, number=number, carried=carried, whole=NOTHING)
+    gained = end.velocity[block] - solution.velocity[block]
+    inertia = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step
+    own = inertia[:, :3]  # against inertia and weight
+    own[:, :2] -= model.mass[block, None] * context.acceleration
     whole = np.zeros((model.block_count, 3))
-    whole[block] = np.where(held.components[block, :3], borne + own, 0.0)
+    whole[block] = np.where(held.components[block, :3], carried + own, 0.0)
     free = ~model.fixed[block]
-    borne[free] = whole[block[free]]
-    return Holding(block=block, number=number, borne=borne, whole=whole)
+    carried[free] = whole[block[free]]
+    return Holding(block=block, number=number, carried=carried, whole=whole)
 
 
 def reactions_of(context: StepContext, solution: StepSolution, held: Holding) -> Floats:
@@ -87,7 +90,7 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
     centroid = context.frames.centroid
     if wanted.of_block.size:
         row = held.number[wanted.of_block[:, 1]]
-        _add(reactions, wanted.about, wanted.of_block, held.borne[row], centroid)
+        _add(reactions, wanted.about, wanted.of_block, held.carried[row], centroid)
         if solution.driven is not None:
             rows = wanted.of_block[:, 1]
             struck = solution.driven[rows, :3] / context.step
@@ -103,7 +106,12 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
     for action, contribution in zip(context.actions, context.contributions, strict=True):
         support = getattr(action, "support", "")
         if support == "motions" and contribution.block.size:
-            _add_servos(reactions, context, wanted.of_block, contribution, solution.unknowns)
+            every = np.arange(len(contribution.block))
+            sums = np.zeros((context.model.block_count, 3))
+            force = forces_in(contribution, solution.unknowns, every)[:, :3]
+            np.add.at(sums, contribution.block, force)
+            force = sums[wanted.of_block[:, 1]]
+            _add(reactions, wanted.about, wanted.of_block, force, centroid)
         if support in kinds and kinds[support].size:
             pairs = kinds[support].copy()
             row = pairs[:, 1]
@@ -113,22 +121,7 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
     return reactions
 
 
-def _add_servos(
-    found: Floats,
-    context: StepContext,
-    of_block: Ints,
-    contribution: Contribution,
-    unknowns: Floats,
-) -> None:
-    """Add the forces of servos to the reactions of their blocks, in place."""
-    force = forces_in(contribution, unknowns, np.arange(len(contribution.block)))[:, :3]
-    sums = np.zeros((context.model.block_count, 3))
-    np.add.at(sums, contribution.block, force)
-    centroid = context.frames.centroid
-    _add(found, context.model.reactions.about, of_block, sums[of_block[:, 1]], centroid)
-
-
-def _add(found: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Floats) -> None:
+def _add(reactions: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Floats) -> None:
     """Add forces and moments (b, 3) of blocks to those of reactions (k, 3), in place.
 
     ``pairs`` (b, 2) are reactions and blocks; moments are taken about points of the reactions.
@@ -136,7 +129,7 @@ def _add(found: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Flo
     arm = centroid[pairs[:, 1]] - about[pairs[:, 0]]
     moved = force.copy()
     moved[:, 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-    np.add.at(found, pairs[:, 0], moved)
+    np.add.at(reactions, pairs[:, 0], moved)
 
 
 def forces_in(contribution: Contribution, unknowns: Floats, rows: Ints) -> Floats:
@@ -146,14 +139,6 @@ def forces_in(contribution: Contribution, unknowns: Floats, rows: Ints) -> Float
         return force
     bent = np.einsum("kij,kj->ki", contribution.stiffness[rows], unknowns[contribution.block[rows]])
     return np.asarray(force - bent)
-
-
-def _of_mass(context: StepContext, solution: StepSolution, end: StepEnd, block: Ints) -> Floats:
-    """Return the forces that move some blocks against their inertia and weight, shape (s, 3)."""
-    gained = end.velocity[block] - solution.velocity[block]
-    force = np.einsum("kij,kj->ki", context.frames.mass_matrix[block], gained) / context.step
-    force[:, :2] -= context.model.mass[block, None] * context.acceleration
-    return np.asarray(force[:, :3])
 
 
 def _of_springs(springs: Springs, solution: StepSolution, number: Ints, count: int) -> Floats:

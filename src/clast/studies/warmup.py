@@ -23,10 +23,10 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 
 from clast.compute.jit import PACKAGE
-from clast.compute.roots import Root, TypingError, listed, statements
+from clast.compute.roots import Root, TypingError, listed
 
 Watch = Callable[[str, int, int], None]
-"""Called with the kernel that has been compiled last, and how many statements of how many are."""
+"""Called with the module compiled last, and how many tenths of seconds of how many are over."""
 
 
 def warm_up(
@@ -63,8 +63,11 @@ class CompileJob:
     """Kernels that one process compiles."""
 
     roots: tuple[Root, ...]
-    weight: int
-    """Statements that are compiled."""
+
+    @property
+    def weight(self) -> int:
+        """Tenths of seconds that they take on the machine that made the list."""
+        return round(10.0 * sum(root.seconds for root in self.roots))
 
     def compile(self) -> None:
         """Compile them; one that the list has wrong is compiled when it is first needed."""
@@ -78,14 +81,14 @@ def share_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
 
     A file that has more than half of the work of a process is taken apart.
     """
-    known = [root for root in roots if root.is_there]
-    files: dict[str, list[tuple[Root, int]]] = defaultdict(list)
-    for root, weight in zip(known, statements(*(one.kernel() for one in known)), strict=True):
-        files[root.module].append((root, weight))
-    fair = sum(weight for file in files.values() for _, weight in file) / (2 * workers)
+    files: dict[str, list[Root]] = defaultdict(list)
+    for root in roots:
+        if root.is_there:
+            files[root.module].append(root)
+    whole = [CompileJob(tuple(file)) for file in files.values()]
+    fair = sum(job.weight for job in whole) / (2 * workers)
     jobs = []
-    for file in files.values():
-        whole = sum(weight for _, weight in file)
-        parts = [[one] for one in file] if whole > fair else [file]
-        jobs += [CompileJob(tuple(r for r, _ in part), sum(w for _, w in part)) for part in parts]
+    for job in whole:
+        parts = [CompileJob((one,)) for one in job.roots]
+        jobs += parts if job.weight > fair else [job]
     return sorted(jobs, key=lambda job: -job.weight)

@@ -88,7 +88,7 @@ def digits(name: str) -> dict[str, str]:
 
 def threads_used() -> list[int]:
     """Return by how many threads a small run works, and a large one."""
-    from clast.compute.threads import numba
+    from clast.compute.parallel import numba
 
     seen: list[int] = []
     for model in (wall(3, 3), wall(25, 40)):
