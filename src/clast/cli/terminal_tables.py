@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from clast.verification import Row
 
 COMPARED_PER_TABLE = 3
-"""Combinations of process and law in a table."""
 STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
 BROUGHT = ("loads", "water", "motions")
 LOST = ("friction", "impacts", "yielding", "damping", "boundary", "removed", "numerical")
@@ -109,7 +108,6 @@ COUNTED = {
     "interior": "minimisations by the interior point method",
     "local": "iterations of few blocks by themselves",
 }
-"""Names of the counts of the report."""
 
 
 def print_points(points: dict[str, dict[str, Any]]) -> None:
@@ -214,7 +212,6 @@ FINDINGS = {
     "coincident": "edges of several joints",
     "snapped": "points moved",
 }
-"""Finding of the report -> its name in the table."""
 
 
 def cut_content(result: CutCase) -> dict[str, Any]:

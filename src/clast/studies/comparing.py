@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from clast.run.schedule import Progress
 
 Watch = Callable[["Combination", "Progress"], None]
-"""Called after every step of every run."""
 
 SHARED = ("normal_stiffness", "shear_stiffness")
 """Numbers of a contact law that describe the joint; they hold for every law compared."""
@@ -144,11 +143,9 @@ class ComparedRun:
     combination: Combination
     report: Report
     time: float
-    """When the run ended, s."""
     displacement: dict[str, Vector]
     """Displacement (u, v) of every measured point at the end, m."""
     deviations: tuple[Deviation, ...]
-    """Errors against the references of the case."""
     vertices: Floats = field(repr=False)
     """Vertices at the end, m, shape (nv, 2)."""
     absent: Bools = field(repr=False)

@@ -49,7 +49,6 @@ from clast.study.parameters import Parameter
 from clast.study.sampling import SAMPLINGS, LatinHypercube, PointEstimate, Sampling
 
 SWEEP, MONTECARLO, COLLAPSE, FIT = "sweep", "montecarlo", "fos", "fit"
-"""Kinds of studies."""
 KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT)
 KEEPS = ("none", "failed", "all", "worst N")
 """Of which runs the result files are kept."""
@@ -77,7 +76,6 @@ class Description:
     together: bool = False
     """Of a sweep: True takes the lists in step, False all combinations."""
     measure: Mapping[str, str] = field(default_factory=dict)
-    """Name -> expression."""
     fail: str = ""
     """Expression that is true where a run fails; "": none is asked for."""
     factor: FactorSettings | None = None
@@ -85,9 +83,7 @@ class Description:
     keep: str = "none"
     """Of which runs the result files are kept: "none", "failed", "worst N" or "all"."""
     observe: tuple[Observation, ...] = ()
-    """Of a back-analysis: the measured values."""
     fit: FitSettings | None = None
-    """Of a back-analysis: how it is made."""
 
     # Runs ----------------------------------------------------------------------------------------
 

@@ -97,7 +97,6 @@ KINDS: dict[str, type[Any]] = {
         *(Values, Range, Numbered, Times),
     )
 }
-"""Word -> class."""
 
 
 def parsed(text: str, where: str) -> Distribution:

@@ -48,14 +48,12 @@ class StudyProgress:
     """How far a study is."""
 
     done: int
-    """Runs with a result."""
     total: int
     lost: int
     """Runs that have no result because of a failure."""
     seconds: float
     """Time since the driver began, s."""
     made: int
-    """Runs made since then."""
 
     @property
     def left(self) -> float | None:
@@ -64,7 +62,6 @@ class StudyProgress:
 
 
 Watch = Callable[[StudyProgress], None]
-"""Called with how far a study is, again and again."""
 
 
 class Workers(Protocol):

@@ -26,7 +26,6 @@ from clast.study.collapsing.trial import TOGETHER, moved
 from clast.study.expressions import Expression
 
 BEYOND = ("yielded", "broken", "lost")
-"""States of a bolt or a link that has failed."""
 QUANTITIES = {"normal": "Pa", "shear": "Pa", "opening": "m", "slip": "m", "sliding": ""}
 """Quantities of a measured contact -> their units."""
 PARTS = ("x", "y")
@@ -36,7 +35,6 @@ MAY_LACK = ("part", "time")
 LATE_RELATIVE = 1e-6
 """By how much a time may be later than the end of a run, as a fraction of that."""
 FOS = "factor_of_safety"
-"""The measure that is a study of its own."""
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,6 @@ class Parameter:
 
     name: str
     paths: tuple[str, ...]
-    """Keys of the case that it sets."""
     distribution: Distribution
     """Also the list of its values, or a factor of the value in the case."""
 
@@ -308,7 +307,6 @@ def with_units(names: Iterable[str], units: Mapping[str, str]) -> list[str]:
 
 
 Content = Mapping[str, Any]
-"""Tables of a case file."""
 
 
 def given_case(case: Any) -> Case:

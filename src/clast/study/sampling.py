@@ -31,7 +31,6 @@ class Sampling:
     """Things that all samplings have in common."""
 
     WORD: ClassVar[str] = ""
-    """How it is called."""
     INDICES: ClassVar[bool] = False
     """Whether it is a design for indices of sensitivity: parameters are independent and drawn."""
     OF_CHANCE: ClassVar[bool] = True
@@ -134,7 +133,6 @@ class PointEstimate(Sampling):
 
     WORD: ClassVar[str] = "point-estimate"
     MOST: ClassVar[int] = 20
-    """Most parameters."""
 
     def signs(self, run: int, parameters: int) -> Floats:
         """Return -1 or 1 for each parameter, shape (parameters,)."""
@@ -300,4 +298,3 @@ class Morris(Sampling):
 SAMPLINGS: dict[str, type[Sampling]] = {
     one.WORD: one for one in (Random, LatinHypercube, Sobol, PointEstimate, Saltelli, Morris)
 }
-"""Word -> class."""

@@ -34,9 +34,7 @@ class Probability:
     """Lower end of the interval; the known value where there is no interval."""
     high: float
     failed: int
-    """Runs that fail."""
     runs: int
-    """Runs with a result."""
     lost: int
     """Runs without a result: the interval allows that all of them, or none, fail."""
     how: str
@@ -55,7 +53,6 @@ class StudyResults:
     """The results of a study as arrays; k runs with a result."""
 
     study: Description
-    """The study."""
     run: Floats
     """Number of each run, shape (k,)."""
     parameters: Mapping[str, Floats]
@@ -258,7 +255,6 @@ class Spread:
 
     mean: float
     sd: float
-    """Standard deviation."""
     least: float
     quantiles: tuple[float, float, float]
     """Values below which 5, 50 and 95 % of the runs lie."""

@@ -196,7 +196,6 @@ class One:
 
     case: Case
     output: Path | None
-    """Its result file."""
     how: FactorSettings
     """How its factor of safety is looked for."""
 

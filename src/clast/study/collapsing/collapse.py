@@ -37,7 +37,6 @@ REFINED_RANGE = 5.0
 """How far more trials reach on both sides of the bracket, in units of the tolerance."""
 
 Watch = Callable[[int, Trial], None]
-"""Called with the number of a trial and its result."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +44,6 @@ class Collapse(FactorBracket):
     """The factor with which blocks fail, as a bracket of trials."""
 
     trials: tuple[Trial, ...]
-    """All trials, in the order in which they were made."""
     by: Reduction
     """The quantity that the factor multiplies or divides."""
     tolerance: float

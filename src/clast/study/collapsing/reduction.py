@@ -17,7 +17,6 @@ from clast.spelling import advice, require_known
 from clast.study.parameters import Content
 
 SETTLE, TRIAL = "settle", "trial"
-"""Stages that a study adds to those of a case."""
 ANGLES = tuple(key for key in STRENGTHS if key.endswith("friction_angle"))
 """Friction angles of a joint, whose tangents are divided."""
 DILATION = "dilation_angle"
@@ -70,7 +69,6 @@ class ScaledStrength(Reduction):
     DIVIDES: ClassVar[bool] = True
     GROWTH: ClassVar[float] = 1.25
     joints: tuple[str, ...] = ()
-    """Joints by name; none: all of them."""
 
     def check(self, content: Content) -> None:
         """Raise CaseError where there is nothing to reduce."""

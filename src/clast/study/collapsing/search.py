@@ -11,7 +11,6 @@ from clast.errors import CaseError
 from clast.study.collapsing.reduction import Reduction
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
-"""Verdicts."""
 LISTS = ("blocks", "warnings", "bolts")
 """Parts of a trial that are lists."""
 TRIALS_MAX = 100
@@ -67,7 +66,6 @@ class Trial:
     mover: str
     """Block that has moved farthest; "" where none has."""
     blocks: tuple[str, ...] = ()
-    """Blocks that fail, the one that moves most first."""
     steps: int = 0
     longer: bool = False
     """True where it was undecided at first, and tried again."""

@@ -62,11 +62,9 @@ class Settled:
     case: Case
     """The case, without stages of the study."""
     content: Content
-    """Its tables."""
     model: Model
     method: Method
     run: RunState
-    """Data of the run at its end."""
     base: float
     """Factor with which the blocks came to rest."""
     record: StageRecord

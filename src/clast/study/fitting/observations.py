@@ -24,7 +24,6 @@ class Observation:
     """A displacement that was measured."""
 
     point: str
-    """Measured point."""
     part: int
     """0: x, 1: y."""
     value: float
@@ -123,7 +122,6 @@ def _number(text: str, where: str, column: str) -> float | None:
 
 
 LEAST_SQUARES, ENSEMBLE = "least-squares", "es-mda"
-"""Methods."""
 PLACES_MAX = 60
 """Most places that least squares look at, each with the derivatives there."""
 
@@ -135,11 +133,9 @@ class FitSettings:
     method: str = LEAST_SQUARES
     """"least-squares", or "es-mda": an ensemble, for many parameters."""
     members: int = 100
-    """Members of the ensemble."""
     rounds: int = 4
     """How often the ensemble takes in the observations, each time a part of them."""
     seed: int = 1
-    """Seed of the ensemble."""
 
     def checked(self) -> FitSettings:
         """Return itself; raises CaseError for wrong numbers."""
