@@ -94,6 +94,11 @@ class Site:
     snapped: Floats
     """Corners of openings that were moved onto other outlines, m, shape (k, 2)."""
 
+    @property
+    def placed(self) -> list[Placed[Any]]:
+        """Openings, then regions."""
+        return [*self.openings, *self.regions]
+
 
 def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region]) -> Site:
     """Return the domain to cut; ModelError for invalid outlines, or outlines outside the domain."""
@@ -125,33 +130,29 @@ def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region])
         window=window,
         snapped=np.concatenate(moved),
     )
-    for placed in (*at.openings, *at.regions):
+    for placed in at.placed:
         if (
             shapely.intersection(window.polygon, placed.polygon).area
             <= grid * placed.polygon.length
         ):
             gap = float(shapely.distance(window.polygon, placed.polygon))
             away = f"{gap:.3g} m away from it" if gap > 0.0 else "and touches it at most"
-            raise ModelError(
-                f"lies outside the domain, {away}",
-                where=placed.given.where,
-                remedy="move it, or widen the boundary of the domain",
-            )
-    for one, other in combinations([one for one in at.regions if one.given.one_block], 2):
-        common = shapely.intersection(one.polygon, other.polygon).area
-        if common > grid * min(one.polygon.length, other.polygon.length):
-            raise ModelError(
-                f"overlaps {other.given.where}, and both have one_block",
-                where=f"{one.given.where}, one_block",
-                remedy="move one of them, or leave one_block out",
-            )
+            what = f"lies outside the domain, {away}"
+            remedy = "move it, or widen the boundary of the domain"
+            raise ModelError(what, where=placed.given.where, remedy=remedy)
+    for first, other in combinations([one for one in at.regions if one.given.one_block], 2):
+        common = shapely.intersection(first.polygon, other.polygon).area
+        if common > grid * min(first.polygon.length, other.polygon.length):
+            what = f"overlaps {other.given.where}, and both have one_block"
+            remedy = "move one of them, or leave one_block out"
+            raise ModelError(what, where=f"{first.given.where}, one_block", remedy=remedy)
     return at
 
 
 def turned(at: Site) -> tuple[str, ...]:
     """Return notes on the outlines that were turned round."""
     outlines = [("domain, boundary", at.outline)]
-    outlines += [(one.given.where, one.outline) for one in (*at.openings, *at.regions)]
+    outlines += [(one.given.where, one.outline) for one in at.placed]
     return tuple(f"{where}: clockwise, turned round" for where, one in outlines if one.turned)
 
 
@@ -189,20 +190,16 @@ def set_lines(
         one.check()
         for name in one.terminates_at or ():
             if name not in known:
-                raise ModelError(
-                    f"there is no set '{name}'",
-                    where=f"{one.where}, terminates_at",
-                    remedy=spelling.advice(name, known, kind="set"),
-                )
+                what = f"there is no set '{name}'"
+                remedy = spelling.advice(name, known, kind="set")
+                raise ModelError(what, where=f"{one.where}, terminates_at", remedy=remedy)
     while waiting:
         names = {one.name for _, one in waiting}
         ready = [(n, one) for n, one in waiting if not set(one.terminates_at or ()) & names]
         if not ready:
-            raise ModelError(
-                "sets terminate at each other: " + ", ".join(one.name for _, one in waiting),
-                where=f"{waiting[0][1].where}, terminates_at",
-                remedy="let one of them terminate at none of the others",
-            )
+            what = "sets terminate at each other: " + ", ".join(one.name for _, one in waiting)
+            remedy = "let one of them terminate at none of the others"
+            raise ModelError(what, where=f"{waiting[0][1].where}, terminates_at", remedy=remedy)
         for number, one in ready:
             bounds = np.concatenate([NONE, *(drawn[name] for name in one.terminates_at or ())])
             lines[number] = _drawn(at, one, number, seed, bounds)
@@ -220,11 +217,8 @@ def _window(at: Site, one: JointSet) -> Window:
     if isinstance(one.within, str):
         names = [region.given.name for region in at.regions]
         if one.within not in names:
-            raise ModelError(
-                f"there is no region '{one.within}'",
-                where=where,
-                remedy=spelling.advice(one.within, names, kind="region"),
-            )
+            remedy = spelling.advice(one.within, names, kind="region")
+            raise ModelError(f"there is no region '{one.within}'", where=where, remedy=remedy)
         shape = at.regions[names.index(one.within)].outline
     else:
         shape = outline(one.within, where)
@@ -331,9 +325,9 @@ def overreaching(at: Site, ends: Floats) -> Floats:
 
 def lengthened(ends: Floats, by: float) -> Floats:
     """Return lines (n, 2, 2) that reach further at both ends, m."""
-    way = ends[:, 1] - ends[:, 0]
-    way = way / np.maximum(np.hypot(*way.T), 1e-300)[:, None] * by
-    return ends + np.stack([-way, way], axis=1)
+    along = ends[:, 1] - ends[:, 0]
+    along = along / np.maximum(np.hypot(*along.T), 1e-300)[:, None] * by
+    return ends + np.stack([-along, along], axis=1)
 
 
 def tables(
@@ -354,13 +348,11 @@ def tables(
     given += [(one.where, one.head_joint) for one in patterns]
     for where, name in given:
         if name is not None and (name == WELDED or name.startswith(CONSTRUCTION)):
-            raise ModelError(
-                f"'{name}' is reserved for welded edges",
-                where=f"{where}, joint",
-                remedy="give the joint another name",
-            )
+            what = f"'{name}' is reserved for welded edges"
+            raise ModelError(what, where=f"{where}, joint", remedy="give the joint another name")
     rows = []
-    for one, kind in zip(lines, (*sets, *traces), strict=True):
+    kinds: list[JointSet | Trace] = [*sets, *traces]
+    for one, kind in zip(lines, kinds, strict=True):
         # The pieces of a polyline are one line, which meets itself at its corners only.
         whole, faces = True, float(len(one.ends) > 0)
         if isinstance(kind, JointSet) and one.plan is not None:

@@ -93,7 +93,7 @@ class SetReport:
 
 @dataclass(frozen=True, kw_only=True)
 class CutReport:
-    """Number and quality of the blocks of a cut, and changes on the way."""
+    """Number and quality of the blocks of a cut, and changes to its input."""
 
     blocks: int
     """Number of blocks."""
@@ -266,11 +266,9 @@ def _area_note(error: float, at: Site) -> tuple[str, ...]:
         return ()
     length = at.window.polygon.length + sum(one.polygon.length for one in at.openings)
     if abs(error) > at.grid * length / at.window.area:
-        raise ModelError(
-            f"the areas of the blocks differ from that of the domain by {error:+.2g} of it",
-            where="domain",
-            remedy="this is a fault of clast: another tolerance may get round it; please report it",
-        )
+        what = f"the areas of the blocks differ from that of the domain by {error:+.2g} of it"
+        remedy = "this is a fault of clast: another tolerance may get round it; please report it"
+        raise ModelError(what, where="domain", remedy=remedy)
     return (
         f"the areas of the blocks differ from that of the domain by {error:+.2g} of it: thin "
         "blocks at outlines, or outlines that meet at a small angle, were left on the grid; a "

@@ -83,7 +83,7 @@ class Cut:
     opening_names: tuple[str, ...]
     """Names of the openings."""
     report: CutReport
-    """Numbers of the cut, and changes on the way."""
+    """Numbers of the cut, and changes to its input."""
 
     @property
     def block_count(self) -> int:
@@ -123,8 +123,7 @@ def cut(
     with stages("noding"):
         met = _met(at, ends, int((rank == 0).sum()))
         net = noded(met.ends, met.carrier, met.on)
-        graph = _graph(net, joint[lines.table], rank > 0)
-        graph = graph.only(~_in_one_block(at, graph))
+        graph = _graph(at, net, joint[lines.table], rank > 0)
     smallest2 = 2.0 * lines.smallest_block / at.grid**2
     with stages("faces"):
         whole, dangling = _faces(at, graph, smallest2)
@@ -200,33 +199,28 @@ def _ranks(lines: CutLines) -> Ints:
     return np.array([*[0] * before, *cut, 2], np.int64)[lines.table]
 
 
-def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
-    """Return the pieces as a graph, each with the latest of its lines."""
+def _graph(at: Site, net: Noded, joint: Ints, outline: Bools) -> Graph:
+    """Return the pieces as a graph, each with the latest of its lines.
+
+    Those inside of regions that are one block are left out.
+    """
     count = len(net.edge)
     line = np.zeros(count, np.int64)
     np.maximum.at(line, net.of[:, 0], net.of[:, 1])
     barrier = np.zeros(count, np.bool_)
     np.logical_or.at(barrier, net.of[:, 0], outline[net.of[:, 1]])
-    return Graph(
-        xy=net.xy,
-        edge=net.edge,
-        line=line,
-        joint=joint[line],
-        barrier=barrier,
-        side=np.full((count, 2), NOTHING, np.int64),
+    side = np.full((count, 2), NOTHING, np.int64)
+    graph = Graph(
+        xy=net.xy, edge=net.edge, line=line, joint=joint[line], barrier=barrier, side=side
     )
-
-
-def _in_one_block(at: Site, graph: Graph) -> Bools:
-    """Return which edges lie inside of regions that are one block, outlines left out, (ne,)."""
-    inside = np.zeros(len(graph.edge), np.bool_)
     x, y = graph.middles.T
+    inside = np.zeros(count, np.bool_)
     for one in at.regions:
         if one.given.one_block:
             # What is nearer to the outline than its pieces may be is one of them.
             inner = _in_cells(at, one.polygon).buffer(-CELLS_TOGETHER)
             inside |= shapely.contains_xy(inner, x, y)
-    return inside & ~graph.barrier
+    return graph.only(~inside | barrier)
 
 
 def _faces(at: Site, graph: Graph, smallest2: float) -> tuple[Whole, Graph]:
@@ -286,7 +280,7 @@ def _on_grid(xy: Ints, at: Site) -> Floats:
 def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float) -> Floats:
     """Return the vertices (nv, 2), m: at the best places that spoil no block.
 
-    Blocks are spoiled by short edges, as a rule: their nodes give way first.
+    Blocks are spoiled by short edges, as a rule: their nodes move first.
     """
     at = np.stack(places)
     choice = np.zeros(at.shape[1], np.int64)
@@ -302,7 +296,7 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
         short = np.hypot(*(vertices[after] - vertices).T) < block_loops.CELLS_OF_ROUNDING * grid
         short[after] |= short.copy()
         first = movable & short
-        # Blocks without short edges that can give way do so with all their nodes.
+        # Blocks without short edges that can move do so with all their nodes.
         rest = movable & ~np.isin(owner, owner[first])
         choice[np.unique(blocks.node[first | rest])] += 1
     return at[worst, blocks.node]

@@ -19,7 +19,7 @@ from clast.model.model import Floats
 class Domain:
     """The rock mass that is cut into blocks.
 
-    ``boundary`` may run either way; clockwise ones are turned round, and the report says so.
+    A clockwise ``boundary`` is turned round, and the report says so.
     """
 
     boundary: Any
@@ -70,11 +70,8 @@ class Domain:
         if self.section_azimuth is not None:
             _number(self.section_azimuth, "domain, section_azimuth")
         if not _number(self.most_blocks, "domain, most_blocks") >= 1:
-            raise ModelError(
-                f"{self.most_blocks} is not a valid number of blocks",
-                where="domain, most_blocks",
-                remedy="give 1 or more",
-            )
+            what = f"{self.most_blocks} is not a valid number of blocks"
+            raise ModelError(what, where="domain, most_blocks", remedy="give 1 or more")
 
 
 def _number(value: Any, where: str) -> float:
@@ -153,11 +150,8 @@ CHORDS_MAX = 10_000
 
 def _chords(value: int, where: str, least: int) -> int:
     if not isinstance(value, int | np.integer) or not least <= value <= CHORDS_MAX:
-        raise ModelError(
-            f"{value!r} is not a valid number of chords",
-            where=where,
-            remedy=f"give {least} to {CHORDS_MAX}",
-        )
+        remedy = f"give {least} to {CHORDS_MAX}"
+        raise ModelError(f"{value!r} is not a valid number of chords", where=where, remedy=remedy)
     return int(value)
 
 
@@ -309,17 +303,11 @@ def points_of(points: Any, where: str, least: int) -> Floats:
     except (TypeError, ValueError, OverflowError):
         array = np.zeros(0)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) < least:
-        raise ModelError(
-            f"{shortened(repr(points))} is not a list of at least {least} points (x, y)",
-            where=where,
-            remedy="give them as [[x, y], [x, y], ...], in m",
-        )
+        what = f"{shortened(repr(points))} is not a list of at least {least} points (x, y)"
+        raise ModelError(what, where=where, remedy="give them as [[x, y], [x, y], ...], in m")
     for k in np.flatnonzero(~np.isfinite(array).all(axis=1))[:1]:
-        raise ModelError(
-            f"point {k + 1}, ({array[k, 0]}, {array[k, 1]}), is not finite",
-            where=where,
-            remedy="give finite coordinates, in m",
-        )
+        what = f"point {k + 1}, ({array[k, 0]}, {array[k, 1]}), is not finite"
+        raise ModelError(what, where=where, remedy="give finite coordinates, in m")
     ranges.check_size(float(np.abs(array).max()), ranges.COORDINATE, where, "give coordinates in m")
     return array
 
@@ -345,16 +333,10 @@ def outline(points: Any, where: str) -> Outline:
     if not shapely.is_valid(polygon):
         place = re.search(r"\[(\S+) (\S+)\]", str(shapely.is_valid_reason(polygon)))
         x, y = np.array(place.groups() if place else (0, 0), float) + middle
-        raise ModelError(
-            "crosses or touches itself" + (f" at ({x:.9g}, {y:.9g})" if place else ""),
-            where=where,
-            remedy="order the points along the outline, each once",
-        )
+        what = "crosses or touches itself" + (f" at ({x:.9g}, {y:.9g})" if place else "")
+        raise ModelError(what, where=where, remedy="order the points along the outline, each once")
     if polygon.area <= 1e-12 * size**2:
-        raise ModelError(
-            f"has no area ({polygon.area:.3g} m2)",
-            where=where,
-            remedy="give at least 3 points that span an area",
-        )
+        remedy = "give at least 3 points that span an area"
+        raise ModelError(f"has no area ({polygon.area:.3g} m2)", where=where, remedy=remedy)
     turned = not shapely.is_ccw(polygon.exterior)
     return Outline(corners=corners[::-1].copy() if turned else corners, turned=turned)

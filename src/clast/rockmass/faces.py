@@ -68,11 +68,9 @@ def without_holes(graph: Graph, smallest2: float) -> Whole:
             side=np.concatenate([graph.side, welds[:, [2, 2]]]),
         )
     where = graph.xy[split[-1]]
-    raise ModelError(
-        f"the ring near cell ({where[0]}, {where[1]}) cannot be split into blocks",
-        where="domain",
-        remedy="this is a fault of clast: a line through the ring gets round it; please report it",
-    )
+    what = f"the ring near cell ({where[0]}, {where[1]}) cannot be split into blocks"
+    remedy = "this is a fault of clast: a line through the ring gets round it; please report it"
+    raise ModelError(what, where="domain", remedy=remedy)
 
 
 def _without_small_islands(graph: Graph, smallest2: float) -> tuple[Graph, Floats, int]:
@@ -227,7 +225,7 @@ def _first_seen(
 def _sees(p: Ints, q: Ints, a: Ints, b: Ints, nodes: Ints) -> bool:
     """Return whether a straight line from p to q meets no edge a-b (k, 2) and no node between."""
     of_a, of_b = _turn(p, q, a), _turn(p, q, b)
-    of_p, of_q = _turn_of(a, b, p), _turn_of(a, b, q)
+    of_p, of_q = _turn(a, b, p), _turn(a, b, q)
     if ((of_a * of_b < 0) & (of_p * of_q < 0)).any():
         return False
     on = _turn(p, q, nodes) == 0
@@ -235,22 +233,16 @@ def _sees(p: Ints, q: Ints, a: Ints, b: Ints, nodes: Ints) -> bool:
     return not ((along > 0.0) & (along < float(((q - p).astype(float) ** 2).sum()))).any()
 
 
-def _turn(p: Ints, q: Ints, at: Ints) -> Ints:
-    """Return on which side of the line from p to q points (k, 2) lie: 1 left, 0 on it, -1."""
-    return np.sign((q[0] - p[0]) * (at[:, 1] - p[1]) - (q[1] - p[1]) * (at[:, 0] - p[0]))
-
-
-def _turn_of(a: Ints, b: Ints, at: Ints) -> Ints:
-    """Return on which side of lines from a to b (k, 2) a point lies."""
-    return np.sign(
-        (b[:, 0] - a[:, 0]) * (at[1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (at[0] - a[:, 0])
-    )
+def _turn(a: Ints, b: Ints, at: Ints) -> Ints:
+    """Return on which side of lines from a to b points lie: 1 left, 0 on it, -1; any one single."""
+    along, to = b - a, at - a
+    return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
 
 
 def _inside(at: Ints, a: Ints, b: Ints) -> bool:
     """Return whether a point lies inside edges a-b (k, 2): a ray crosses an odd number of them."""
     up = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
-    turn = _turn_of(a[up], b[up], at) * np.sign(b[up, 1] - a[up, 1])
+    turn = _turn(a[up], b[up], at) * np.sign(b[up, 1] - a[up, 1])
     return bool((turn > 0).sum() % 2)
 
 

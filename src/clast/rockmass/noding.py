@@ -121,11 +121,9 @@ def _sources(piece: Floats, line: Floats, whole: Floats, used: Ints) -> Ints:
     lacking = np.setdiff1d(np.arange(len(piece)), pairs[:, 0])
     if len(lacking):
         where = middle[lacking[0]]
-        raise ModelError(
-            f"a piece near cell ({where[0]:.9g}, {where[1]:.9g}) belongs to no line",
-            where="domain, tolerance",
-            remedy="this is a fault of clast: another tolerance may get round it; please report it",
-        )
+        what = f"a piece near cell ({where[0]:.9g}, {where[1]:.9g}) belongs to no line"
+        remedy = "this is a fault of clast: another tolerance may get round it; please report it"
+        raise ModelError(what, where="domain, tolerance", remedy=remedy)
     return pairs
 
 

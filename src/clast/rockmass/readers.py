@@ -80,11 +80,8 @@ def read_blocks_csv(path: str | Path) -> Blocks:
     table = table_of(Path(path))
     missing = [name for name in ("block", "x", "y") if name not in table.columns]
     if missing:
-        raise CaseError(
-            f"has no column {', '.join(missing)}",
-            where=table.heading,
-            remedy="a table of blocks has the columns block, x, y and may have joint and rock",
-        )
+        remedy = "a table of blocks has the columns block, x, y and may have joint and rock"
+        raise CaseError(f"has no column {', '.join(missing)}", where=table.heading, remedy=remedy)
     rows = table.rows
     names = [row.text("block") for row in rows]
     first = [k for k, name in enumerate(names) if k == 0 or name != names[k - 1]]
@@ -142,11 +139,9 @@ def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Bl
             loops.append(points)
             rocks.append(DEFAULT_ROCK if asked is not None else piece.layer.strip())
     if not loops:
-        raise CaseError(
-            f"has no closed line{'' if asked is None else f' on the layer {how.layer}'}",
-            where=str(path),
-            remedy=f"draw each block as one; the layers are: {', '.join(content.layers[:20])}",
-        )
+        what = f"has no closed line{'' if asked is None else f' on the layer {how.layer}'}"
+        remedy = f"draw each block as one; the layers are: {', '.join(content.layers[:20])}"
+        raise CaseError(what, where=str(path), remedy=remedy)
     start = np.cumsum([0, *map(len, loops)])
     blocks = blocks_of(np.concatenate(loops), start, rocks, where=str(path))
     notes = (content.unit_source, *(n for n in content.notes if n != content.unit_source))
@@ -238,11 +233,9 @@ def _dxf(path: Path, how: Reading) -> Drawing:
 def _not_read(path: Path, how: Reading) -> Drawing:
     """Refuse kinds of file that are known not to be drawings."""
     checked_file(path)
-    raise CaseError(
-        f"a {shortened(path.suffix)} file is not a drawing that clast can read",
-        where=str(path),
-        remedy="save it as DXF (R2000 or later), or as CSV with a heading x1,y1,x2,y2",
-    )
+    what = f"a {shortened(path.suffix)} file is not a drawing that clast can read"
+    remedy = "save it as DXF (R2000 or later), or as CSV with a heading x1,y1,x2,y2"
+    raise CaseError(what, where=str(path), remedy=remedy)
 
 
 DRAWING_READERS: dict[str, Callable[[Path, Reading], Drawing]] = {

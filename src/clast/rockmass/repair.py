@@ -142,11 +142,8 @@ def checked(tolerance: float, edges: Floats) -> float:
     """Return the tolerance; ModelError where it is out of all proportion to edges (k,), m."""
     median = float(np.median(edges))
     if not 0.0 < tolerance < np.inf:
-        raise ModelError(
-            f"{tolerance:g} m is not a valid distance",
-            where="repair, tolerance",
-            remedy="give m, above 0",
-        )
+        what = f"{tolerance:g} m is not a valid distance"
+        raise ModelError(what, where="repair, tolerance", remedy="give m, above 0")
     if tolerance > TOLERANCE_MAX * median:
         raise ModelError(
             f"{tolerance:g} m is {tolerance / median:.3g} of the median edge, {median:.3g} m",
@@ -192,11 +189,9 @@ class _Refusal:
             for block, at in zip(blocks[:BLOCKS_NAMED], places, strict=False)
         ]
         more = f" and {len(blocks) - BLOCKS_NAMED} more" if len(blocks) > BLOCKS_NAMED else ""
-        raise ModelError(
-            f"{what} if what is nearer than {reach:g} m became one: {'; '.join(named)}{more}",
-            where=f"repair, tolerance: {label(int(blocks[0]))}",
-            remedy="give a smaller tolerance, or take out blocks, corners and notches so thin",
-        )
+        what = f"{what} if what is nearer than {reach:g} m became one: {'; '.join(named)}{more}"
+        remedy = "give a smaller tolerance, or take out blocks, corners and notches so thin"
+        raise ModelError(what, where=f"repair, tolerance: {label(int(blocks[0]))}", remedy=remedy)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -93,7 +93,7 @@ def area2(loop: list[int], xy: list[Point]) -> int:
 def collapse(tiling: Tiling, edges: Iterable[Edge], shortest: float) -> set[Edge]:
     """Collapse those of ``edges`` that are shorter, the shortest first; return those that stay.
 
-    ``shortest`` in cells; edges that become short on the way are collapsed, too.
+    ``shortest`` in cells; edges that become short by it are collapsed, too.
     """
     short = [(tiling.length(edge), edge) for edge in edges if edge in tiling.line]
     short = [one for one in short if one[0] < shortest]

@@ -89,11 +89,9 @@ def _check_size(path: Path) -> None:
         parts = [one for one in archive.infolist() if one.filename.removesuffix(".npy") in ARRAYS]
         size = sum(one.file_size for one in parts)
         if size > ARCHIVE_BYTES_MAX or len(parts) > len(ARRAYS):
-            raise CaseError(
-                f"has arrays of {size:.3g} bytes, more than blocks should need",
-                where=str(path),
-                remedy="divide it, or write it again with write_blocks_npz",
-            )
+            what = f"has arrays of {size:.3g} bytes, more than blocks should need"
+            remedy = "divide it, or write it again with write_blocks_npz"
+            raise CaseError(what, where=str(path), remedy=remedy)
         for one in parts:
             with archive.open(one) as file:
                 headers = np.lib.format
@@ -101,11 +99,9 @@ def _check_size(path: Path) -> None:
                 read = headers.read_array_header_1_0 if first else headers.read_array_header_2_0
                 shape, _, kind = read(file)
             if kind.hasobject or math.prod(shape) * kind.itemsize > one.file_size:
-                raise CaseError(
-                    f"the array {one.filename.removesuffix('.npy')} does not match its header",
-                    where=str(path),
-                    remedy="write it again with write_blocks_npz",
-                )
+                what = f"the array {one.filename.removesuffix('.npy')} does not match its header"
+                remedy = "write it again with write_blocks_npz"
+                raise CaseError(what, where=str(path), remedy=remedy)
 
 
 def read_blocks_npz(path: str | Path) -> Blocks:
@@ -119,20 +115,14 @@ def read_blocks_npz(path: str | Path) -> Blocks:
         with np.load(path, allow_pickle=False) as archive:
             missing = [name for name in ARRAYS if name not in archive.files]
             if missing:
-                raise CaseError(
-                    f"has no array {', '.join(missing)}",
-                    where=file,
-                    remedy=f"it has {shortened(', '.join(archive.files), 100) or 'none'}",
-                )
+                remedy = f"it has {shortened(', '.join(archive.files), 100) or 'none'}"
+                raise CaseError(f"has no array {', '.join(missing)}", where=file, remedy=remedy)
             arrays = {name: archive[name] for name in ARRAYS}
     except CaseError:
         raise
     except Exception as error:  # damaged archives end in errors of zlib, struct and others
-        raise CaseError(
-            f"is not an archive of blocks, or a damaged one: {shortened(str(error), 100)}",
-            where=file,
-            remedy="write it again with write_blocks_npz",
-        ) from None
+        what = f"is not an archive of blocks, or a damaged one: {shortened(str(error), 100)}"
+        raise CaseError(what, where=file, remedy="write it again with write_blocks_npz") from None
     for name, (kinds, what, remedy) in reversed(ARRAYS.items()):
         if arrays[name].dtype.kind not in kinds or (kinds == "U" and arrays[name].ndim != 1):
             raise CaseError(f"the array {name} {what}", where=file, remedy=remedy)
@@ -208,11 +198,9 @@ def _document(path: str | Path) -> Any:
     try:
         from ezdxf.filemanagement import new
     except ImportError:
-        raise CaseError(
-            "DXF files are written by ezdxf, which is not installed",
-            where=str(path),
-            remedy='install it: pip install "clast[dxf]", or write .csv or .npz',
-        ) from None
+        what = "DXF files are written by ezdxf, which is not installed"
+        remedy = 'install it: pip install "clast[dxf]", or write .csv or .npz'
+        raise CaseError(what, where=str(path), remedy=remedy) from None
     return new("R2010", units=6)
 
 
@@ -269,10 +257,8 @@ def _check_layers(names: Sequence[str]) -> None:
         other = seen.get(name.casefold())
         seen[name.casefold()] = name
         if other is not None:
-            raise CaseError(
-                f"'{shortened(other)}' and '{shortened(name)}' would be the same layer",
-                remedy="rename the rock or the joint: layer names ignore case",
-            )
+            what = f"'{shortened(other)}' and '{shortened(name)}' would be the same layer"
+            raise CaseError(what, remedy="rename the rock or the joint: layer names ignore case")
 
 
 def _joint_lines(blocks: Blocks) -> Iterable[tuple[list[float], list[float], str]]:

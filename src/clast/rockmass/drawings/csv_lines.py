@@ -168,20 +168,15 @@ def table_of(path: Path) -> CsvTable:
         columns = _heading(first, where)
         split = split[1:]
     elif len(first) != len(PLAIN):
-        raise CaseError(
-            f"has {len(first)} columns without a heading",
-            where=where,
-            remedy="begin it with a heading, such as x,y or id,x,y; only x1,y1,x2,y2 need none",
-        )
+        remedy = "begin it with a heading, such as x,y or id,x,y; only x1,y1,x2,y2 need none"
+        raise CaseError(f"has {len(first)} columns without a heading", where=where, remedy=remedy)
     rows = []
     for k, cells in split:
         values = dict(zip(columns, cells, strict=False))
         row = CsvRow(values=values, line=k, file=file, decimal_comma=comma)
         if len(cells) < len(columns) or any(cell.strip() for cell in cells[len(columns) :]):
-            raise row.fault(
-                f"has {len(cells)} columns instead of {len(columns)}",
-                "give each row as many as the heading has, in the order of its columns",
-            )
+            remedy = "give each row as many as the heading has, in the order of its columns"
+            raise row.fault(f"has {len(cells)} columns instead of {len(columns)}", remedy)
         rows.append(row)
     if not rows:
         raise CaseError("has a heading but no rows", where=file, remedy="add a row for each line")

@@ -98,11 +98,9 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     scale, file = check_mass_unit(mass_unit), str(path)
     root = _tree(Path(path))
     if root.name != "dda":
-        raise CaseError(
-            f"its root is {shortened(root.name)}, not DDA",
-            where=f"{file}: line {root.line}",
-            remedy="give the geometry or the analysis of DDA for Windows",
-        )
+        what = f"its root is {shortened(root.name)}, not DDA"
+        remedy = "give the geometry or the analysis of DDA for Windows"
+        raise CaseError(what, where=f"{file}: line {root.line}", remedy=remedy)
     analysis = _analysis(root, scale)
     left = tuple(_unknown(root))
     if not any(True for name in ("jointlist", "boundlist") for _ in root.all(name)):
@@ -128,10 +126,8 @@ def _geometry(root: Element, scale: float) -> LegacyGeometry:
         values = [one.numbers(one.text) for one in elements]
         for one, numbers in zip(elements, values, strict=True):
             if len(numbers) not in sizes:
-                raise one.fault(
-                    f"has {len(numbers)} numbers instead of {' or '.join(map(str, sizes))}",
-                    "give x y for a point, and x1 y1 x2 y2 for a line",
-                )
+                what = f"has {len(numbers)} numbers instead of {' or '.join(map(str, sizes))}"
+                raise one.fault(what, "give x y for a point, and x1 y1 x2 y2 for a line")
         if typed:
             kinds = [one.number(one.attributes.get("type", ""), "a type") for one in elements]
             values = [(*row, kind) for row, kind in zip(values, kinds, strict=True)]
@@ -204,10 +200,8 @@ def _rock(number: int, material: Element, scale: float, left: list[LeftOut]) -> 
         element = material.first(name)
         parts[name] = (0.0, 0.0, 0.0) if element is None else element.numbers(element.written)
         if element is not None and len(parts[name]) != 3:
-            raise element.fault(
-                f"has {len(parts[name])} numbers instead of 3",
-                "give the components 11 22 12, or u v omega",
-            )
+            remedy = "give the components 11 22 12, or u v omega"
+            raise element.fault(f"has {len(parts[name])} numbers instead of 3", remedy)
     for name in ("istrain", "damping"):
         for one in material.all(name):
             if any(one.numbers(one.written)):
@@ -374,11 +368,9 @@ def _tree(path: Path) -> Element:
     document = above[0]
 
     def refuse(*_: Any) -> None:
-        raise CaseError(
-            "declares a document type or an entity, which are not read",
-            where=f"{file}: line {parser.CurrentLineNumber}",
-            remedy="remove <!DOCTYPE ...> and replace entities by their text",
-        )
+        what = "declares a document type or an entity, which are not read"
+        remedy = "remove <!DOCTYPE ...> and replace entities by their text"
+        raise CaseError(what, where=f"{file}: line {parser.CurrentLineNumber}", remedy=remedy)
 
     def start(name: str, attributes: dict[str, str]) -> None:
         line = parser.CurrentLineNumber

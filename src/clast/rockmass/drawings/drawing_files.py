@@ -30,17 +30,12 @@ def checked_file(path: Path) -> Path:
         if stat.S_ISDIR(status.st_mode):
             raise CaseError("is a directory, not a file", where=where, remedy="name a file in it")
         if not stat.S_ISREG(status.st_mode):
-            raise CaseError(
-                "is a pipe, a socket or a device, not a regular file",
-                where=where,
-                remedy="write its content into a file first",
-            )
+            what = "is a pipe, a socket or a device, not a regular file"
+            raise CaseError(what, where=where, remedy="write its content into a file first")
         if status.st_size > FILE_BYTES_MAX:
-            raise CaseError(
-                f"has {status.st_size:.3g} bytes, more than a drawing should have",
-                where=where,
-                remedy="remove everything but outlines, joints, bolts and supports",
-            )
+            what = f"has {status.st_size:.3g} bytes, more than a drawing should have"
+            remedy = "remove everything but outlines, joints, bolts and supports"
+            raise CaseError(what, where=where, remedy=remedy)
         with path.open("rb"):
             return path
     except FileNotFoundError:
@@ -48,11 +43,8 @@ def checked_file(path: Path) -> Path:
     except ValueError:  # a NUL in the name
         raise CaseError("is not a valid file name", where=repr(where)) from None
     except OSError as error:
-        raise CaseError(
-            f"cannot be read: {error.strerror}",
-            where=where,
-            remedy="check the file's name and permissions",
-        ) from None
+        remedy = "check the file's name and permissions"
+        raise CaseError(f"cannot be read: {error.strerror}", where=where, remedy=remedy) from None
 
 
 def text_of(path: Path) -> str:
@@ -62,11 +54,9 @@ def text_of(path: Path) -> str:
     """
     content = checked_file(path).read_bytes()
     if b"\0" in content:
-        raise CaseError(
-            f"is not a text file (byte {content.index(0)} is 0)",
-            where=str(path),
-            remedy="a DXF file ends in .dxf, an archive of blocks in .npz",
-        )
+        what = f"is not a text file (byte {content.index(0)} is 0)"
+        remedy = "a DXF file ends in .dxf, an archive of blocks in .npz"
+        raise CaseError(what, where=str(path), remedy=remedy)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -133,31 +123,22 @@ def replaced_path(path: Path) -> Iterator[Path]:
             part.unlink(missing_ok=True)
     except (OSError, RuntimeError, ValueError) as error:  # loops of links, a NUL in the name
         reason = getattr(error, "strerror", None) or str(error)
-        raise CaseError(
-            f"cannot be written: {reason}",
-            where=str(path),
-            remedy="choose another place, make room, or change its permissions",
-        ) from error
+        remedy = "choose another place, make room, or change its permissions"
+        raise CaseError(f"cannot be written: {reason}", where=str(path), remedy=remedy) from error
 
 
 def _check_target(real: Path, path: Path) -> None:
     """Refuse to write over anything but a regular file, and into folders that are not there."""
     if real.is_dir():
-        raise CaseError(
-            "is a directory, not a file to write to",
-            where=str(path),
-            remedy=f"name a file in it, e.g. {path / 'blocks.dxf'}",
-        )
+        remedy = f"name a file in it, e.g. {path / 'blocks.dxf'}"
+        raise CaseError("is a directory, not a file to write to", where=str(path), remedy=remedy)
     if not real.parent.is_dir():
         raise CaseError(
             f"the directory {real.parent} does not exist", where=str(path), remedy="create it first"
         )
     if real.exists() and not stat.S_ISREG(real.stat().st_mode):
-        raise CaseError(
-            "is a device, a pipe or the like; it is not overwritten",
-            where=str(path),
-            remedy="choose another name",
-        )
+        what = "is a device, a pipe or the like; it is not overwritten"
+        raise CaseError(what, where=str(path), remedy="choose another name")
 
 
 PLAIN_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")

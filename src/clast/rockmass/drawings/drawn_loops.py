@@ -131,11 +131,9 @@ def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: 
             end, other = int(alone[narrow]), int(alone[nearest[narrow, 1]])
             gap = distance[narrow, 1]
             to = f" to {point(ends[other])}, {lines[other // 2].place}"
-        raise CaseError(
-            f"the outline is not closed: a gap of {gap:.4g} m from {point(ends[end])}{to}",
-            where=f"{file}: {lines[end // 2].place}",
-            remedy=f"close it, or join ends farther apart than {tolerance:.3g} m by tolerance=",
-        )
+        what = f"the outline is not closed: a gap of {gap:.4g} m from {point(ends[end])}{to}"
+        remedy = f"close it, or join ends farther apart than {tolerance:.3g} m by tolerance="
+        raise CaseError(what, where=f"{file}: {lines[end // 2].place}", remedy=remedy)
     for many in np.flatnonzero(size > 2)[:1]:
         here = np.flatnonzero(label == label[many]).tolist()
         raise CaseError(
@@ -164,11 +162,8 @@ def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
     if not shape.is_valid:
         place = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(shape))
         at = f" at {point([float(place[1]), float(place[2])])}" if place else ""
-        raise CaseError(
-            f"{what} crosses or touches itself{at}",
-            where=where,
-            remedy="draw it as one simple loop",
-        )
+        remedy = "draw it as one simple loop"
+        raise CaseError(f"{what} crosses or touches itself{at}", where=where, remedy=remedy)
     if shapely.LinearRing(points).is_ccw:
         return np.ascontiguousarray(points), notes
     notes.append(f"{loop.place}: {what} ran clockwise and was turned round")

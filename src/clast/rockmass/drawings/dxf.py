@@ -146,11 +146,8 @@ def outline_of_layer(
     _refuse_left_out(collected)
     rings = [one for group in collected.outlines().values() for one in group]
     if len(rings) != 1:
-        raise CaseError(
-            f"the layer {layer} has {len(rings)} outlines, not one",
-            where=str(path),
-            remedy="put each on its own layer",
-        )
+        what = f"the layer {layer} has {len(rings)} outlines, not one"
+        raise CaseError(what, where=str(path), remedy="put each on its own layer")
     return rings[0].points, tuple(collected.notes)
 
 
@@ -179,11 +176,9 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
         outline = outline_of_lines(lines, collected.tolerance)
         collected.notes.append(lengthened(collected.tolerance))
     if outline is None:
-        raise CaseError(
-            "its lines enclose no area, or several that do not touch",
-            where=str(path),
-            remedy="draw the outline of the domain as lines that meet or cross at its corners",
-        )
+        what = "its lines enclose no area, or several that do not touch"
+        remedy = "draw the outline of the domain as lines that meet or cross at its corners"
+        raise CaseError(what, where=str(path), remedy=remedy)
     collected.traces, along = cutting(collected.traces, outline[0], [])
     collected.left_out += [
         LeftOut(
@@ -210,11 +205,9 @@ def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
 def _refuse_left_out(collected: _Collected) -> None:
     """Refuse a layer with something on it that is not taken over."""
     for one in collected.left_out:
-        raise CaseError(
-            f"{one.what}: {one.reason}",
-            where=f"{collected.path}: {one.place}",
-            remedy="put it on another layer",
-        )
+        what = f"{one.what}: {one.reason}"
+        remedy = "put it on another layer"
+        raise CaseError(what, where=f"{collected.path}: {one.place}", remedy=remedy)
 
 
 @dataclass(eq=False)

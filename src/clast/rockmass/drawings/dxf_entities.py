@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -125,7 +125,11 @@ def dxf_content(
             reason = f"a {kind} is not a line, curve or point"
             left.append(LeftOut(what=f"on layer {layer}", place=place, reason=reason))
     pieces, flattened = _pieces(entities, document, path, metres, sagitta)
-    notes += _hidden_layers(document, filter(wanted, layers))
+    known = {layer.dxf.name.lower(): layer for layer in document.layers}
+    for name in filter(wanted, sorted(layers)):
+        shown = known.get(name.lower())
+        if shown is not None and (shown.is_off() or shown.is_frozen()):
+            notes.append(f"layer {name} is switched off or frozen, and was read all the same")
     return DxfContent(
         pieces=tuple(pieces),
         layers=tuple(sorted(layers)),
@@ -155,11 +159,8 @@ def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str
     if code in (0, None):
         return 1.0, "the file is unitless ($INSUNITS 0): its coordinates were taken as metres"
     if code not in UNITS:
-        raise CaseError(
-            f"$INSUNITS is {shortened(str(code))}, not a unit for drawings of rock",
-            where=file,
-            remedy=f"give unit=, one of {', '.join(SYMBOLS)}",
-        )
+        what = f"$INSUNITS is {shortened(str(code))}, not a unit for drawings of rock"
+        raise CaseError(what, where=file, remedy=f"give unit=, one of {', '.join(SYMBOLS)}")
     name, metres = UNITS[code]
     return metres, f"$INSUNITS {code}: {name}"
 
@@ -174,20 +175,16 @@ def _document(path: Path) -> tuple[Any, list[str]]:
     try:
         from ezdxf import recover
     except ImportError:
-        raise CaseError(
-            "DXF files are read by ezdxf, which is not installed",
-            where=str(path),
-            remedy='install it: pip install "clast[dxf]"',
-        ) from None
+        what = "DXF files are read by ezdxf, which is not installed"
+        remedy = 'install it: pip install "clast[dxf]"'
+        raise CaseError(what, where=str(path), remedy=remedy) from None
     with _quiet():
         try:
             document, auditor = recover.readfile(path)
         except Exception as error:  # damaged files end in errors of many kinds
-            raise CaseError(
-                f"is not a DXF file that can be read: {shortened(str(error), 150)}",
-                where=str(path),
-                remedy="save it again as DXF (R2000 or later); a DWG file is another format",
-            ) from error
+            what = f"is not a DXF file that can be read: {shortened(str(error), 150)}"
+            remedy = "save it again as DXF (R2000 or later); a DWG file is another format"
+            raise CaseError(what, where=str(path), remedy=remedy) from error
     faults = [*auditor.errors, *auditor.fixes]
     notes = []
     if faults:
@@ -225,11 +222,9 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
         if kind != "INSERT":
             count += 1
             if count > ENTITIES_MAX:
-                raise CaseError(
-                    f"draws more than {ENTITIES_MAX} entities, block references exploded",
-                    where=f"{path}: {place}",
-                    remedy="remove everything but outlines, joints, bolts and supports",
-                )
+                what = f"draws more than {ENTITIES_MAX} entities, block references exploded"
+                remedy = "remove everything but outlines, joints, bolts and supports"
+                raise CaseError(what, where=f"{path}: {place}", remedy=remedy)
             yield entity, layer, place
         elif depth >= NESTED_BLOCKS_MAX:
             reason = f"it is nested deeper than {NESTED_BLOCKS_MAX} blocks"
@@ -251,8 +246,10 @@ def _check_copies(document: Any, path: Path) -> None:
 
     def copies(insert: Any, depth: int) -> int:
         name = str(insert.dxf.get("name", ""))
-        if depth >= NESTED_BLOCKS_MAX or name not in document.blocks:
+        if depth >= NESTED_BLOCKS_MAX:
             return 1
+        if name not in document.blocks:
+            return int(insert.mcount)
         if (name, depth) not in known:
             known[name, depth] = 1 + drawn(document.blocks.get(name), depth + 1)
         return int(insert.mcount) * known[name, depth]
@@ -283,12 +280,6 @@ def _layer(entity: Any) -> str:
 def _inside(insert: Any, path: Path, place: str) -> list[Any]:
     """Return the entities of a block reference, or further references where it is an array."""
     with _guarded(path, place):
-        if insert.mcount > ENTITIES_MAX:
-            raise CaseError(
-                f"repeats its block {insert.mcount} times",
-                where=f"{path}: {place}",
-                remedy="check its rows and columns",
-            )
         if insert.mcount > 1:
             return list(insert.multi_insert())
         return list(insert.virtual_entities())
@@ -303,11 +294,8 @@ def _guarded(path: Path, place: str) -> Iterator[None]:
     except CaseError:
         raise
     except Exception as error:  # errors of many kinds, according to what is damaged
-        raise CaseError(
-            f"cannot be drawn: {type(error).__name__} {shortened(str(error), 100)}".rstrip(),
-            where=f"{path}: {place}",
-            remedy="redraw it, or remove it",
-        ) from error
+        what = f"cannot be drawn: {type(error).__name__} {shortened(str(error), 100)}".rstrip()
+        raise CaseError(what, where=f"{path}: {place}", remedy="redraw it, or remove it") from error
 
 
 def _elsewhere(document: Any, others: dict[tuple[str, str], list[str]]) -> Iterator[LeftOut]:
@@ -321,14 +309,6 @@ def _elsewhere(document: Any, others: dict[tuple[str, str], list[str]]) -> Itera
         if not layout.is_modelspace and len(layout) > 1:  # an empty layout has one viewport
             what, place = f"{len(layout)} entities", f"layout {layout.name}"
             yield LeftOut(what=what, place=place, reason="only model space is read")
-
-
-def _hidden_layers(document: Any, layers: Iterable[str]) -> list[str]:
-    """Return notes on those of the layers that do not show in the drawing."""
-    known = {layer.dxf.name.lower(): layer for layer in document.layers}
-    shown = [(name, known[name.lower()]) for name in sorted(layers) if name.lower() in known]
-    hidden = [name for name, layer in shown if layer.is_off() or layer.is_frozen()]
-    return [f"layer {name} is switched off or frozen, and was read all the same" for name in hidden]
 
 
 def _pieces(
@@ -377,11 +357,8 @@ def _drawn(entity: Any, path: Path, place: str, sagitta: float) -> Drawn:
     with _guarded(path, place):
         points, closed, curved = DRAWN[entity.dxftype()](entity, sagitta)
     if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e12:
-        raise CaseError(
-            "has a coordinate that is not a finite number, or far too large a one",
-            where=f"{path}: {place}",
-            remedy="redraw it, or remove it",
-        )
+        what = "has a coordinate that is not a finite number, or far too large a one"
+        raise CaseError(what, where=f"{path}: {place}", remedy="redraw it, or remove it")
     return points, closed, curved
 
 

@@ -58,11 +58,9 @@ class NumberRow:
         """Return the number of a type or material, from 1, or raise CaseError."""
         value = self.values[position]
         if value != round(value) or not 1 <= value <= 10_000:
-            raise CaseError(
-                f"{value:g} is not a valid {what} number",
-                where=f"{file}: {self.place}",
-                remedy=f"{what}s are numbered from 1",
-            )
+            what = f"{value:g} is not a valid {what} number"
+            remedy = f"{what}s are numbered from 1"
+            raise CaseError(what, where=f"{file}: {self.place}", remedy=remedy)
         return int(value)
 
     @property
@@ -216,11 +214,9 @@ def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind]
         length = float(np.hypot(*(one.ends[1] - one.ends[0])))
         e0, t0, f0 = (given.mass_unit * value for value in (*one.values[4:], 0.0, 0.0, 0.0)[:3])
         if length == 0.0 or e0 < 0.0 or t0 < 0.0:
-            raise CaseError(
-                f"a bolt of length {length:g} m, e0 {e0:g}, t0 {t0:g}",
-                where=f"{given.file}: {one.place}",
-                remedy="a bolt has two ends; its stiffness and strength are 0 or more",
-            )
+            what = f"a bolt of length {length:g} m, e0 {e0:g}, t0 {t0:g}"
+            remedy = "a bolt has two ends; its stiffness and strength are 0 or more"
+            raise CaseError(what, where=f"{given.file}: {one.place}", remedy=remedy)
         key = (float(f"{e0 / length:.9g}"), t0, f0)
         kind = DrawnBoltKind(
             name=f"bolt-{len(kinds) + 1}",
@@ -289,9 +285,6 @@ def unit_notes(rocks: Sequence[DrawnRock], mass_unit: float) -> list[str]:
 def check_mass_unit(mass_unit: float) -> float:
     """Return a unit of mass in kg, or raise CaseError."""
     if not (isinstance(mass_unit, int | float) and 0.0 < mass_unit < math.inf):
-        raise CaseError(
-            f"{mass_unit!r} is not a valid mass",
-            where="mass_unit",
-            remedy="give kg: 1, or 1000 for t and kN",
-        )
+        remedy = "give kg: 1, or 1000 for t and kN"
+        raise CaseError(f"{mass_unit!r} is not a valid mass", where="mass_unit", remedy=remedy)
     return float(mass_unit)

@@ -49,17 +49,12 @@ def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     distance = text.number("the node distance e00")
     if not 0.0 <= distance < 1.0:
-        raise text.fault(
-            f"{distance:g} is not a node distance e00",
-            "a text geometry begins with a share of the domain's size, such as 0.001",
-            "line 1",
-        )
+        remedy = "a text geometry begins with a share of the domain's size, such as 0.001"
+        raise text.fault(f"{distance:g} is not a node distance e00", remedy, "line 1")
     lines, boundary = text.count("lines", 5), text.count("boundary lines")
     if boundary > lines:
-        raise text.fault(
-            f"{boundary} boundary lines are announced, but only {lines} lines in all",
-            "the first number counts all lines, boundary lines included",
-        )
+        what = f"{boundary} boundary lines are announced, but only {lines} lines in all"
+        raise text.fault(what, "the first number counts all lines, boundary lines included")
     kinds = {
         "material line": 5,
         "bolt": 7,
@@ -115,11 +110,9 @@ class NumberText:
         word = self._words[self._next][0]
         value = number_of(word)
         if value is None:
-            raise self.fault(
-                f"{mistyped(word)} is not a number, or far too large: {what} is expected here",
-                "check that it is the right kind of file and that its counts are right",
-                self._line(self._next),
-            )
+            what = f"{mistyped(word)} is not a number, or far too large: {what} is expected here"
+            remedy = "check that it is the right kind of file and that its counts are right"
+            raise self.fault(what, remedy, self._line(self._next))
         self._next += 1
         return value
 
@@ -131,11 +124,8 @@ class NumberText:
             remedy = "give a whole number, 0 or more"
             raise self.fault(f"{value:g} is not a valid number of {what}", remedy, line)
         if value * width > left:
-            raise self.fault(
-                f"{value:.0f} {what} are announced, but only {left} numbers follow",
-                "check that the file is complete and its counts are right",
-                line,
-            )
+            what = f"{value:.0f} {what} are announced, but only {left} numbers follow"
+            raise self.fault(what, "check that the file is complete and its counts are right", line)
         return int(value)
 
     def rows(self, count: int, width: int, what: str) -> tuple[NumberRow, ...]:
@@ -224,17 +214,14 @@ def read_shi_blocks(path: str | Path) -> Blocks:
         _, first, last = row.values
         whole = first == round(first) and last == round(last)
         if not whole or not 1 <= first or not last <= len(given) or last - first < 2:
-            raise text.fault(
-                f"block {number} has the vertices {first:g} to {last:g} of {len(given)}",
-                "a block has at least 3 vertices, numbered from 1",
-                row.place,
-            )
+            what = f"block {number} has the vertices {first:g} to {last:g} of {len(given)}"
+            raise text.fault(what, "a block has at least 3 vertices, numbered from 1", row.place)
         corners += given[int(first) - 1 : int(last)]
         start.append(len(corners))
     at = np.array([one.values[1:] for one in corners])
     joints = [f"type-{one.kind(0, 'joint', text.file)}" if one.values[0] else "" for one in corners]
-    for number in np.flatnonzero(areas(at, np.array(start)) == 0.0):
-        raise text.fault(f"block {number + 1} has no area", "", rows[number].place)
+    for empty in np.flatnonzero(areas(at, np.array(start)) == 0.0):
+        raise text.fault(f"block {empty + 1} has no area", "", rows[empty].place)
     rocks = [f"rock-{row.kind(0, 'material', text.file)}" for row in rows]
     counted = f"{bolts} bolts, {points[0]} fixed, {points[1]} load, {points[2]} measured points: "
     reason = "bolts and points are taken from the geometry file, where blocks have no numbers"

@@ -16,8 +16,7 @@ from clast.rockmass.joints.plan import NONE, Drawn, JointModel, Plan, Window, al
 from clast.rockmass.joints.spacing_distributions import Fixed, Spacing, running
 
 ORIENTED = frozenset({"angle", "dip", "dip_direction", "spacing_is", "angle_spread"})
-TRACED = frozenset({"spacing", "trace_length", "bridge_length", "origin", "stagger"})
-DIRECTION = ("angle", "dip")
+ORIENTED_AND_SPACED: tuple[tuple[str, ...], ...] = (("angle", "dip"), ("spacing",))
 DENSE = ("intensity", "spacing")
 
 
@@ -31,16 +30,39 @@ class Parallel(JointModel):
     """
 
     name = "parallel"
-    takes = ORIENTED | TRACED
-    needs = (DIRECTION, ("spacing",))
+    takes = ORIENTED | {"spacing", "trace_length", "bridge_length", "origin", "stagger"}
+    needs = ORIENTED_AND_SPACED
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
-        """Return lines, m."""
-        return family(plan, rng)
+        """Return parallel lines, or traces on them, that cover the window, m."""
+        window, direction = plan.window, plan.direction
+        mean = direction.along
+        normal = np.array([-mean[1], mean[0]])
+        # Lines that are turned are turned about their point next to the middle of the window.
+        reach = window.radius * (1.5 if direction.scattered else 1.0)
+        middle = (window.center - plan.origin) @ normal
+        place = _positions(
+            plan.spacing or Fixed(window.radius), middle - reach, middle + reach, rng
+        )
+        foot = plan.origin + place[:, 1, None] * normal
+        center = foot + ((window.center - foot) @ mean)[:, None] * mean
+        units = direction.along_traces(rng, len(place))
+        half = 2.5 * window.radius
+        whole = along(center, units, half)
+        if plan.trace is None or plan.bridge is None:
+            return Drawn(ends=whole)
+        ends = [NONE]
+        # Places along a line count from the foot of the origin, so that the window moves nothing.
+        from_foot = ((center - foot) * mean).sum(axis=1)
+        for number, at, one, unit in zip(place[:, 0], from_foot, center, units, strict=True):
+            shift = plan.stagger * (number % 2)
+            spans = _traces(plan.trace, plan.bridge, shift, (at - half, at + half), rng) - at
+            ends.append(one + spans[:, :, None] * unit)
+        return Drawn(ends=np.concatenate(ends), carriers=whole)
 
 
 @dataclass(frozen=True)
-class CrossJointed(JointModel):
+class CrossJointed(Parallel):
     """Parallel joints that end at the first line of other sets that they meet.
 
     In every layer between the lines of ``terminates_at`` the spacings are drawn anew; with fixed
@@ -48,8 +70,8 @@ class CrossJointed(JointModel):
     """
 
     name = "cross-jointed"
-    takes = ORIENTED | TRACED | {"terminates_at"}
-    needs = (DIRECTION, ("spacing",), ("terminates_at",))
+    takes = Parallel.takes | {"terminates_at"}
+    needs = (*ORIENTED_AND_SPACED, ("terminates_at",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines that end at the bounds, m."""
@@ -58,7 +80,8 @@ class CrossJointed(JointModel):
         for number, layer in enumerate(_layers(plan)):
             window = Window(polygon=layer)
             shift = (number % 2) * plan.stagger * (plan.spacing or Fixed(0.0)).mean
-            drawn = family(replace(plan, window=window, origin=plan.origin + shift * normal), rng)
+            moved = replace(plan, window=window, origin=plan.origin + shift * normal)
+            drawn = super().lines(moved, rng)
             ends.append(window.clipped(drawn.ends))
             carriers.append(window.clipped(drawn.carriers))
         return Drawn(ends=np.concatenate(ends), carriers=np.concatenate(carriers))
@@ -77,32 +100,6 @@ def _layers(plan: Plan) -> list[Any]:
     faces = faces[shapely.contains(plan.window.polygon, middle)]
     at = shapely.get_coordinates(shapely.centroid(faces))
     return list(faces[np.argsort(at @ plan.direction.along, kind="stable")])
-
-
-def family(plan: Plan, rng: np.random.Generator) -> Drawn:
-    """Return parallel lines, or traces on them, that cover the window, m."""
-    window, direction = plan.window, plan.direction
-    mean = direction.along
-    normal = np.array([-mean[1], mean[0]])
-    # Lines that are turned are turned about their point next to the middle of the window.
-    reach = window.radius * (1.5 if direction.scattered else 1.0)
-    middle = (window.center - plan.origin) @ normal
-    place = _positions(plan.spacing or Fixed(window.radius), middle - reach, middle + reach, rng)
-    foot = plan.origin + place[:, 1, None] * normal
-    center = foot + ((window.center - foot) @ mean)[:, None] * mean
-    units = direction.along_traces(rng, len(place))
-    half = 2.5 * window.radius
-    whole = along(center, units, half)
-    if plan.trace is None or plan.bridge is None:
-        return Drawn(ends=whole)
-    ends = [NONE]
-    # Places along a line count from the foot of the origin, so that the window moves nothing.
-    from_foot = ((center - foot) * mean).sum(axis=1)
-    for number, at, one, unit in zip(place[:, 0], from_foot, center, units, strict=True):
-        shift = plan.stagger * (number % 2)
-        spans = _traces(plan.trace, plan.bridge, shift, (at - half, at + half), rng) - at
-        ends.append(one + spans[:, :, None] * unit)
-    return Drawn(ends=np.concatenate(ends), carriers=whole)
 
 
 def _positions(spacing: Spacing, low: float, high: float, rng: np.random.Generator) -> Floats:

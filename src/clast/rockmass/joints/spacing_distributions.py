@@ -116,11 +116,9 @@ def check_spacing(spread: Spacing, where: str) -> None:
 
 def _check_positive(value: Any, where: str) -> None:
     if not isinstance(value, int | float | np.number) or not 0.0 < value < math.inf:
-        raise ModelError(
-            f"{shortened(repr(value))} must be a number above 0",
-            where=where,
-            remedy="give it in m; for a set without end in that direction, leave the key out",
-        )
+        what = f"{shortened(repr(value))} must be a number above 0"
+        remedy = "give it in m; for a set without end in that direction, leave the key out"
+        raise ModelError(what, where=where, remedy=remedy)
     ranges.check_size(float(value), ranges.LENGTH, where, "give m")
 
 
