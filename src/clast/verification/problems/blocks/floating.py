@@ -72,9 +72,6 @@ def floating_raft(trial: Trial, periods: int = PERIODS) -> None:
         quantity = f"{name}, amplitude after {periods} periods by that of the first"
         trial.relative(quantity, "", left, 1.0, 0.01, "pressures half way of a step")
         chart = trial.chart(name, "time, s", label)
-        chart.exact(
-            "cosine",
-            history.time[:300],
-            value[0] * np.cos(2.0 * np.pi * history.time[:300] / exact),
-        )
+        values = value[0] * np.cos(2.0 * np.pi * history.time[:300] / exact)
+        chart.exact("cosine", history.time[:300], values)
         chart.computed(history.time[:300:6], value[:300:6])

@@ -196,9 +196,8 @@ def two_planes(trial: Trial) -> None:
             trial.relative(quantity, "W", one, other, 1e-4, SETTLED)
     fine = np.linspace(10.0, 70.0, 61)
     exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(forces)
-    chart = trial.chart(
-        "forces on the planes", "dip of the right plane, degrees", "normal force / weight"
-    )
+    labels = "dip of the right plane, degrees", "normal force / weight"
+    chart = trial.chart("forces on the planes", *labels)
     chart.exact("left plane", fine, exact[:, 0])
     chart.exact("right plane", fine, exact[:, 1])
     chart.computed(np.repeat(DIPS_B, 2), values.ravel())

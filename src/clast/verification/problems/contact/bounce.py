@@ -91,9 +91,6 @@ def bounce(trial: Trial, steps: tuple[float, ...] = STEPS) -> None:
         trial.absolute(quantity, "", float(np.mean(restitutions)), exact, 0.3 * step**2, reason)
     fine = np.linspace(0.0, max(STEPS), 51)
     chart = trial.chart("restitution", "ω h", "speed after / speed before")
-    chart.exact(
-        f"exp(-{0.25 * THETAS[trial.variant.name]:g} π ω h)",
-        fine,
-        [exact_restitution(step, trial.variant) for step in fine],
-    )
+    values = [exact_restitution(step, trial.variant) for step in fine]
+    chart.exact(f"exp(-{0.25 * THETAS[trial.variant.name]:g} π ω h)", fine, values)
     chart.computed(np.repeat(steps, len(ARRIVALS)), np.ravel(computed))

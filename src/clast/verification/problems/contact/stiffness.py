@@ -121,11 +121,7 @@ def stiffness(trial: Trial) -> None:
         quantity = f"energy left of a drop at p h2/m = {number:g}"
         trial.absolute(quantity, "", energy_left(number, trial.variant), 0.0, 1e-6, "at rest")
     fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
-    chart = trial.chart(
-        "error of the displacement on the incline",
-        "normal stiffness p, N/m per m",
-        "error, %",
-        log="xy",
-    )
+    labels = "normal stiffness p, N/m per m", "error, %"
+    chart = trial.chart("error of the displacement on the incline", *labels, log="xy")
     chart.exact("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact))
     chart.computed(STIFFNESSES, errors)

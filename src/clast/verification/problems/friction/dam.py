@@ -118,11 +118,8 @@ def compare_limits(trial: Trial) -> None:
     highest = TIPS_OVER.limit(trial.variant, model_of_dam, *ends)
     trial.relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS)
     fine = np.linspace(0.0, exact_height(), 41)
-    chart = trial.chart(
-        "friction angle at the limit of sliding",
-        "height of the water, m",
-        "friction angle, degrees",
-    )
+    labels = "height of the water, m", "friction angle, degrees"
+    chart = trial.chart("friction angle at the limit of sliding", *labels)
     chart.exact("tan φ = F/W", fine, [exact_angle(level) for level in fine])
     chart.computed(SLIDES_AT, angles)
 

@@ -68,9 +68,6 @@ def direct_shear(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     trial.relative("residual", "N/m", carried[-1], RESIDUAL, 2e-5, "inertia tilts it by 2e-5 rad")
     trial.relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest")
     chart = trial.chart("shear force carried", "force applied / peak", "force carried / peak")
-    chart.exact(
-        "N tan φ + c A, then N tan φ",
-        (0.0, 1.0, 1.0, SHARES[-1]),
-        (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
-    )
+    values = (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK)
+    chart.exact("N tan φ + c A, then N tan φ", (0.0, 1.0, 1.0, SHARES[-1]), values)
     chart.computed(shares, np.array(carried) / PEAK)

@@ -119,9 +119,8 @@ def incline(trial: Trial, angles: tuple[float, ...] = ()) -> None:
             tolerance, reason = TOLERANCES[trial.variant.name](angle)
             trial.relative(quantity, "m", worse, exact, tolerance, reason)
     fine = np.linspace(0.0, 45.0, 91)
-    chart = trial.chart(
-        "displacement after 1 s", "friction angle, degrees", "displacement u = −v, m"
-    )
+    labels = "friction angle, degrees", "displacement u = −v, m"
+    chart = trial.chart("displacement after 1 s", *labels)
     chart.exact("closed form", fine, [exact_displacement(angle) for angle in fine])
     chart.computed(angles, trial.computed)
 

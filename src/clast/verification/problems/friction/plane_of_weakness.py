@@ -102,8 +102,7 @@ def plane_of_weakness(trial: Trial, specimens: tuple[tuple[float, int], ...] = S
     trial.absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips")
     fine = np.linspace(36.0, 80.0, 89)
     single = [k for k, (_, planes) in enumerate(some) if planes == 1]
-    chart = trial.chart(
-        "strength over the dip of the plane", "dip of the plane b, degrees", "σ₁ − σ₃, MPa"
-    )
+    labels = "dip of the plane b, degrees", "σ₁ − σ₃, MPa"
+    chart = trial.chart("strength over the dip of the plane", *labels)
     chart.exact("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine])
     chart.computed([some[k][0] for k in single], [1e-6 * strengths[k] for k in single])

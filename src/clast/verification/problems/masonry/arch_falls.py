@@ -240,8 +240,7 @@ def arch_falls(trial: Trial, arches: tuple[Arch, ...] = ARCHES) -> None:
         )
     name, spreads, exact, displacement, sunk = charted[0]
     shown = np.flatnonzero(sunk < 2.0 * exact[-1])[::10]
-    chart = trial.chart(
-        f"displacement of the crown, {name}", "spread of the supports, m", "displacement down, m"
-    )
+    labels = "spread of the supports, m", "displacement down, m"
+    chart = trial.chart(f"displacement of the crown, {name}", *labels)
     chart.exact("three hinges, to the fall", spreads, exact)
     chart.computed(displacement[shown], sunk[shown])

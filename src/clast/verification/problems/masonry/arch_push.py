@@ -136,16 +136,10 @@ def arch_push(trial: Trial, arches: tuple[Arch, ...] = ARCHES, bisections: int =
     shares = np.linspace(0.11, 0.26, 16)
     semicircle = Arch(name="")
     chart = trial.chart("largest push", "t/R", "push over weight")
-    chart.exact(
-        "semicircle of 21, linear programming",
-        shares,
-        [exact_factor(replace(semicircle, share=share)) for share in shares],
-    )
-    chart.exact(
-        "157.5 degrees, 7 voussoirs",
-        shares,
-        [exact_factor(replace(OPPENHEIM, share=share)) for share in shares],
-    )
+    values = [exact_factor(replace(semicircle, share=share)) for share in shares]
+    chart.exact("semicircle of 21, linear programming", shares, values)
+    ordinates = [exact_factor(replace(OPPENHEIM, share=share)) for share in shares]
+    chart.exact("157.5 degrees, 7 voussoirs", shares, ordinates)
     chart.computed([arches[k].share for k in drawn], [trial.rows[k].computed for k in drawn])
 
 
@@ -247,12 +241,9 @@ def arch_spread(
     first = runs[0]
     displacements = support_displacement(first)
     limits = [limit_thrust(arches[0], sense) for sense in (1.0, -1.0)]
-    chart = trial.chart(
-        f"thrust, {arches[0].name}", "displacement of the support, mm", "thrust, kN/m"
-    )
+    labels = "displacement of the support, mm", "thrust, kN/m"
+    chart = trial.chart(f"thrust, {arches[0].name}", *labels)
     chart.exact("least", (0.0, 1e3 * SPREAD), [1e-3 * limits[0]] * 2)
     chart.exact("greatest", (0.0, 1e3 * SPREAD), [1e-3 * limits[1]] * 2)
-    chart.computed(
-        1e3 * displacements,
-        [1e-3 * thrust_of(first, frame) for frame in range(len(displacements))],
-    )
+    values = [1e-3 * thrust_of(first, frame) for frame in range(len(displacements))]
+    chart.computed(1e3 * displacements, values)

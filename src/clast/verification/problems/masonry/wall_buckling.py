@@ -145,8 +145,7 @@ def wall_buckling(
                 sways.append(sway)
         fine = np.linspace(0.3, 0.95, 66)
         swayed_upright = [1e3 * one for one in sways[: len(SHARES) * len(turns) : len(turns)]]
-        chart = trial.chart(
-            f"sway of {number} courses", "P over the buckling load", "sway of the top, mm"
-        )
+        labels = "P over the buckling load", "sway of the top, mm"
+        chart = trial.chart(f"sway of {number} courses", *labels)
         chart.exact("exact", fine, [1e3 * exact_sway(number, one) for one in fine])
         chart.computed(SHARES, swayed_upright)

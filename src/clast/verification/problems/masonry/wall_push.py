@@ -125,9 +125,6 @@ def wall_push(trial: Trial, walls: tuple[Wall, ...] = WALLS) -> None:
     courses = range(4, 13)
     chart = trial.chart("largest push", "courses", "push over weight")
     for bricks in (2, 3):
-        chart.exact(
-            f"linear programming, {bricks} bricks",
-            courses,
-            [exact_push(Wall(bricks, count)) for count in courses],
-        )
+        values = [exact_push(Wall(bricks, count)) for count in courses]
+        chart.exact(f"linear programming, {bricks} bricks", courses, values)
     chart.computed([wall.courses for wall in walls], trial.computed)

@@ -126,8 +126,7 @@ def resume(trial: Trial) -> None:
             text = f"{name}: difference of {what}"
             trial.absolute(text, unit, difference, 0.0, 0.0, BITS)
         first, second = whole.history("top"), rest.history("top")
-        chart = trial.chart(
-            f"{name}: displacement of the upper block", "time, s", "displacement, mm"
-        )
+        labels = "time, s", "displacement, mm"
+        chart = trial.chart(f"{name}: displacement of the upper block", *labels)
         chart.exact("in one go", first.time, 1e3 * first.displacement[:, 0])
         chart.computed(second.time[::8], 1e3 * second.displacement[::8, 0], label="resumed")

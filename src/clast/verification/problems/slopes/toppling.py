@@ -168,12 +168,8 @@ def toppling(trial: Trial) -> None:
     angles, moved = bracket(trial.variant)
     exact = limit_angle()
     trial.absolute("friction angle at the limit", "degrees", angles[-1], exact, 1.0, AT_ONCE)
-    chart = trial.chart(
-        "movement of the toe in the last 0.5 s",
-        "friction angle, degrees",
-        "movement, m",
-        log="y",
-    )
+    labels = "friction angle, degrees", "movement, m"
+    chart = trial.chart("movement of the toe in the last 0.5 s", *labels, log="y")
     chart.exact("limit equilibrium", (exact, exact), (1e-9, 1.0))
     chart.computed(angles[:-1], np.maximum(moved, 1e-9))
     failure(trial)

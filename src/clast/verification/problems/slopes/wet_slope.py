@@ -1,26 +1,16 @@
 """Plane failure with water in a tension crack and on the plane, of two slopes with cohesion.
 
-    F = (c A + (W (cos a - k sin a) - U - V sin a) tan phi)/(W (sin a + k cos a) + V cos a),
-    U = 1/2 w zw A,    V = 1/2 w zw2
+    F = (c A + N' tan phi)/T,    N' = W (cos a - k sin a) - U - V sin a,
+    T = W (sin a + k cos a) + V cos a,    U = 1/2 w zw A,    V = 1/2 w zw2
 
 for a block on a plane of dip a and length A, with a vertical crack of depth z behind it that is
 filled to zw; on the plane the pressure falls from that at the foot of the crack to none at the toe.
-An earthquake pushes it out of the slope by k times its weight, as a force that lasts.
+Below a phreatic line U are the pressures w (y_line - y); drains take the head that they lie at:
+from the foot of the crack to the first the pressure falls to none, and between two there is none.
+An earthquake pushes the block out of the slope by k times its weight, as a force that lasts.
+
 The block holds with its strength divided by a little less than F, and slides with it divided by a
-little more.  The joint is ideally plastic: all of its cohesion is at work at once, as in the
-formula.
-
-A slab of weight W lies on a plane of dip a and length A below a vertical crack with zw of water.
-The joint carries the effective force,
-
-    N' = W cos a - U - V sin a,    T = W sin a + V cos a,    V = 1/2 w zw^2,
-
-U being the pressures on the plane, w (y_line - y) below a phreatic line, and
-
-    F = (c A + N' tan phi)/T.
-
-Drains take the head that they lie at: from the foot of the crack to the first drain the pressure
-falls evenly to none, and between two drains there is none.
+little more.  The joint is ideally plastic: all of its cohesion is at work at once.
 """
 
 from collections.abc import Callable
@@ -202,11 +192,8 @@ def wet_slope(trial: Trial, levels: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0)) -
         quantity = f"factor of safety, slope of {name}"
         trial.relative(quantity, "-", factor, exact, 0.01, RESOLUTION)
     fine = np.linspace(0.0, 1.0, 41)
-    chart = trial.chart(
-        "factor of safety, slope of 60 m",
-        "height of the water / depth of the crack",
-        "factor of safety",
-    )
+    labels = "height of the water / depth of the crack", "factor of safety"
+    chart = trial.chart("factor of safety, slope of 60 m", *labels)
     chart.exact("Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine])
     chart.computed(levels, trial.computed[: len(levels)])
 

@@ -143,12 +143,8 @@ def lining_ring(trial: Trial) -> None:
     closed = force * RADIUS / (YOUNG * THICKNESS)
     trial.relative("u under pressure", "m", inwards, closed, 5e-3, ROUND)
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
-    chart = trial.chart(
-        "moment along the ring", "along the ring from the right side, m", "moment, N"
-    )
-    chart.exact(
-        "P R (1/π − |cos|/2)",
-        RADIUS * turn,
-        LOAD * RADIUS * (1.0 / np.pi - 0.5 * np.abs(np.cos(turn))),
-    )
+    labels = "along the ring from the right side, m", "moment, N"
+    chart = trial.chart("moment along the ring", *labels)
+    values = LOAD * RADIUS * (1.0 / np.pi - 0.5 * np.abs(np.cos(turn)))
+    chart.exact("P R (1/π − |cos|/2)", RADIUS * turn, values)
     chart.computed(lining.along, moment)

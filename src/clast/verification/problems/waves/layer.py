@@ -11,15 +11,10 @@ through the rock.  On a base that moves as it is told the first factor becomes 1
 
 The layer is a pile of wide blocks: they can shear, but not bend.
 
-The layer of the problem "layer" has peaks of surface by outcrop of 1/a at (2 m - 1) c_1/(4 H).
-Forces at the end of the step would damp the third by 15 %; those half way through it damp none.
-The remaining error is the blocks' size: with lambda/d blocks a wave, strained evenly each, the pile
-has
-
-    1/a (1 + (2 pi d/lambda)^2/24)
-
-(the impedance of linear finite elements with consistent masses), 2.6 % too much with 8 blocks a
-wave, 0.6 % with 16.
+Forces at the end of the step would damp the third peak by 15 %; those half way through it damp
+none.  The remaining error is the blocks' size: with lambda/d blocks a wave, strained evenly each,
+peaks are 1/a (1 + (2 pi d/lambda)^2/24), the impedance of linear finite elements with consistent
+masses: 2.6 % too much with 8 blocks a wave, 0.6 % with 16.
 """
 
 import numpy as np

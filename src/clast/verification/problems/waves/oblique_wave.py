@@ -225,9 +225,8 @@ def oblique_wave(trial: Trial) -> None:
         exact = reflected(case.kind, case.angle)
         trial.absolute(quantity, "", share, exact, 0.01, PACKET)
     angles = np.linspace(0.0, 60.0, 121)
-    chart = trial.chart(
-        "energy sent back by dashpots", "angle from the normal, degrees", "share of the energy"
-    )
+    labels = "angle from the normal, degrees", "share of the energy"
+    chart = trial.chart("energy sent back by dashpots", *labels)
     for kind, points in returned.items():
         chart.exact(kind, angles, [reflected(kind, one) for one in angles])
         places, shares = zip(*points, strict=True)
@@ -331,11 +330,8 @@ def free_surface(trial: Trial) -> None:
             trial.absolute(quantity, "", one, other, TOLERANCE, MESH)
     angles, places = np.linspace(0.0, 60.0, 241), [case.angle for case in CASES_OF_SURFACE]
     exact_along, exact_across = zip(*map(surface_by_wave, angles), strict=True)
-    chart = trial.chart(
-        "motion of the surface by that of the wave",
-        "angle from the normal, degrees",
-        "surface / wave",
-    )
+    labels = "angle from the normal, degrees", "surface / wave"
+    chart = trial.chart("motion of the surface by that of the wave", *labels)
     chart.exact("along", angles, exact_along)
     chart.exact("across", angles, exact_across)
     chart.computed(places, [moves[0] for moves in motions], "along")

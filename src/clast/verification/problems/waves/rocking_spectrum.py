@@ -156,10 +156,7 @@ def rocking_spectrum(trial: Trial, shaken: dict[Pulse, tuple[float, ...]] = SHAK
                 trial.relative(f"tilt, {under}", "rad", largest[-1], most, 0.03, IMPACTS)
         fine = np.linspace(0.9 * amplitudes[0], 1.05 * amplitudes[-1], 41)
         tilts = [np.abs(exact_tilt(pulse, a, END)[1]).max() for a in fine]
-        chart = trial.chart(
-            f"largest tilt, one {pulse.kind} of {pulse.period:g} s",
-            "amplitude of the ground's acceleration over g",
-            "tilt, rad",
-        )
+        labels = "amplitude of the ground's acceleration over g", "tilt, rad"
+        chart = trial.chart(f"largest tilt, one {pulse.kind} of {pulse.period:g} s", *labels)
         chart.exact("Housner, integrated", fine, np.minimum(tilts, FALLEN))
         chart.computed(amplitudes, np.minimum(largest, FALLEN))
