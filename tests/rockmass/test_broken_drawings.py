@@ -143,10 +143,6 @@ def test_broken_texts(tmp_path, reader, text, message):
     assert len(str(refused.value).splitlines()) <= 2
 
 
-def on_boundary(**extra: Any) -> dict[str, Any]:
-    return {"layer": "BOUNDARY", **extra}
-
-
 def draws(path: Path, *calls: tuple[Any, ...]) -> Path:
     """Write a DXF file: the name of a method of the model space, its arguments, its layer."""
     document = ezdxf.new("R2010", units=6)
@@ -281,7 +277,8 @@ def drawing_text(folder: Path) -> bytes:
     """Return a DXF file with every kind of entity that is read."""
     document = ezdxf.new("R2000", units=4)
     space = document.modelspace()
-    space.add_lwpolyline([(0, 0), (9, 0, 0, 0, 0.5), (9, 9)], close=True, dxfattribs=on_boundary())
+    boundary = {"layer": "BOUNDARY"}
+    space.add_lwpolyline([(0, 0), (9, 0, 0, 0, 0.5), (9, 9)], close=True, dxfattribs=boundary)
     block = document.blocks.new("B")
     block.add_line((0, 0), (1, 1))
     block.add_arc((0, 0), 1, 0, 90)

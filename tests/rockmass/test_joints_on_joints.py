@@ -62,13 +62,13 @@ def test_a_ladder_keeps_its_rungs(seed, tolerance):
 def test_rungs_end_on_the_lines_of_a_joint_set(seed, tolerance):
     rng = np.random.default_rng(seed)
     place, angle = placed(rng), rng.uniform(-40.0, 40.0)
-    way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-    across = np.array([-way[1], way[0]])
+    along = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    across = np.array([-along[1], along[0]])
     # Lines 3 m apart through the middle of a square of 30 m; rungs between the first three.
-    level, along = rng.integers(-1, 1, 40), 0.35 * (np.arange(40) - 20.0)
-    foot = np.array([15.0, 15.0]) + 3.0 * level[:, None] * across + along[:, None] * way
-    lean = 3.0 * across + rng.uniform(0.0, 0.1, (40, 1)) * way
-    turned = place(np.array([[0.0, 0.0], way]))
+    level, at = rng.integers(-1, 1, 40), 0.35 * (np.arange(40) - 20.0)
+    foot = np.array([15.0, 15.0]) + 3.0 * level[:, None] * across + at[:, None] * along
+    lean = 3.0 * across + rng.uniform(0.0, 0.1, (40, 1)) * along
+    turned = place(np.array([[0.0, 0.0], along]))
     direction = np.degrees(np.arctan2(*(turned[1] - turned[0])[::-1]))
     bedding = JointSet(
         name="a", angle=float(direction), spacing=3.0, origin=place(np.array([15.0, 15.0]))

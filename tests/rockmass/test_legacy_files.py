@@ -7,6 +7,7 @@ import pytest
 
 from clast.errors import CaseError
 from clast.rockmass.drawings.dda_xml import read_dda_xml
+from clast.rockmass.drawings.drawing import Drawing
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_geometry
 from clast.rockmass.readers import read_blocks
 from scenes import legacy_files
@@ -76,15 +77,23 @@ def test_what_a_text_geometry_has_too_much_is_named(written):
     assert any(text.startswith("line 22: 7 8 nine") for text in left)
 
 
-def test_a_hole_point_in_a_loop_of_boundary_lines_is_an_opening(written):
-    """A box inside the domain, drawn by boundary lines, with a hole point in it."""
-    box = "8 4 12 4 1\n12 4 12 6 1\n12 6 8 6 1\n8 6 8 4 1\n"
-    outer = "0 0 20 0 1\n20 0 20 10 1\n20 10 0 10 1\n0 10 0 0 1\n"
-    text = f"0.001\n8 8\n0\n0\n0\n0 0 2\n{outer}{box}10 5\n1 1\n"
-    drawing = read_shi_geometry(written(text))
+OUTER = "0 0 20 0 1\n20 0 20 10 1\n20 10 0 10 1\n0 10 0 0 1\n"
+BOX = "8 4 12 4 2\n12 4 12 6 2\n12 6 8 6 2\n8 6 8 4 2\n"
+
+
+def test_a_box_of_boundary_lines_is_an_opening_with_a_hole_point_in_it_and_joints_without(written):
+    def box(holes: str) -> Drawing:
+        text = f"0.001\n8 8\n0\n0\n0\n0 0 {holes.count(chr(10))}\n{OUTER}{BOX}{holes}"
+        return read_shi_geometry(written(text))
+
+    drawing = box("10 5\n1 1\n")
     assert len(drawing.boundary) == 4
     assert {tuple(p) for p in drawing.openings[0].points} == {(8, 4), (12, 4), (12, 6), (8, 6)}
     assert [tuple(spot.at) for spot in drawing.hole_points] == [(1, 1)]
+    drawing = box("")
+    assert [trace.joint for trace in drawing.traces] == ["type-2"] * 4
+    assert drawing.openings == () and len(drawing.boundary) == 4
+    assert ["type-1 of 4 boundary lines"] == [one.what for one in drawing.left_out]
 
 
 def test_all_lines_together_make_the_domain_where_the_boundary_alone_does_not(written):
@@ -92,17 +101,6 @@ def test_all_lines_together_make_the_domain_where_the_boundary_alone_does_not(wr
     drawing = read_shi_geometry(written(text))
     assert {tuple(p) for p in drawing.boundary} == {(0, 0), (9, 0), (9, 8), (0, 8)}
     assert any("enclose nothing by themselves" in note for note in drawing.notes)
-
-
-def test_boundary_lines_inside_cut_too(written):
-    """The same box without a hole point: its sides are joints of the type 2."""
-    box = "8 4 12 4 2\n12 4 12 6 2\n12 6 8 6 2\n8 6 8 4 2\n"
-    outer = "0 0 20 0 1\n20 0 20 10 1\n20 10 0 10 1\n0 10 0 0 1\n"
-    text = f"0.001\n8 8\n0\n0\n0\n0 0 0\n{outer}{box}"
-    drawing = read_shi_geometry(written(text))
-    assert [trace.joint for trace in drawing.traces] == ["type-2"] * 4
-    assert drawing.openings == () and len(drawing.boundary) == 4
-    assert ["type-1 of 4 boundary lines"] == [one.what for one in drawing.left_out]
 
 
 def test_joints_outside_of_the_domain_are_named(written):
@@ -139,15 +137,12 @@ def test_materials_and_times_of_the_analysis(analysis):
     assert analysis.displacement_ratio == 0.01
 
 
-def test_columns_8_to_10_are_warned_about(written):
-    left = read_shi_analysis(written(legacy_files.ANALYSIS)).left_out
-    assert [one.what for one in left] == ["columns 8 to 10 of block material 2: 0 1 0"]
-    assert left[0].place == "line 5"
-
-
-def test_a_density_in_tonnes_is_noticed(written):
-    notes = read_shi_analysis(written(legacy_files.ANALYSIS)).notes
-    assert any("2.7 kg/m3" in note and "mass_unit=1000" in note for note in notes)
+def test_columns_8_to_10_and_a_density_in_tonnes_are_noticed(written):
+    given = read_shi_analysis(written(legacy_files.ANALYSIS))
+    assert [(one.what, one.place) for one in given.left_out] == [
+        ("columns 8 to 10 of block material 2: 0 1 0", "line 5")
+    ]
+    assert any("2.7 kg/m3" in note and "mass_unit=1000" in note for note in given.notes)
     notes = read_shi_analysis(written(legacy_files.ANALYSIS), 1000.0).notes
     assert not any("kg/m3" in note for note in notes)
 
