@@ -293,7 +293,6 @@ def _lengths(ends: Floats) -> Floats:
 
 
 def _sets(work: CutRecord) -> tuple[SetReport, ...]:
-    """Return the statistics of each set, and of the drawn traces of each name."""
     after = work.blocks.node[following(work.blocks.start)]
     here = work.blocks.node
     once = (here < after) & (work.blocks.line >= 0)

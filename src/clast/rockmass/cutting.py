@@ -147,7 +147,7 @@ def cut(
         vertices=vertices,
         loose=loose_ends(net, dangling, met.ends, rank == 0),
     )
-    return _assembled(work, names, stages)
+    return _assemble(work, names, stages)
 
 
 def _drawn(
@@ -302,7 +302,7 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
     return at[worst, blocks.node]
 
 
-def _assembled(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
+def _assemble(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
     """Return the blocks with rocks, joints and openings, as frozen arrays."""
     blocks, at = work.blocks, work.lines.site
     with stages("blocks"):

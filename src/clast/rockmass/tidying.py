@@ -103,7 +103,7 @@ def collapse(tiling: Tiling, edges: Iterable[Edge], shortest: float) -> set[Edge
         length, edge = heapq.heappop(short)
         if edge not in tiling.line or tiling.length(edge) != length:
             continue
-        node = _collapsed(tiling, edge)
+        node = _collapse_edge(tiling, edge)
         if node is None:
             left.add(edge)
             continue
@@ -115,7 +115,7 @@ def collapse(tiling: Tiling, edges: Iterable[Edge], shortest: float) -> set[Edge
     return {edge for edge in left if edge in tiling.line and tiling.length(edge) < shortest}
 
 
-def _collapsed(tiling: Tiling, edge: Edge) -> int | None:
+def _collapse_edge(tiling: Tiling, edge: Edge) -> int | None:
     """Collapse an edge where that leaves sound blocks; return the node that it becomes, or None."""
     held = tiling.held
     a, b = sorted(edge, key=lambda node: (held[node], len(tiling.around[node]), -node))
@@ -228,7 +228,6 @@ def _on(at: Point, a: Point, b: Point) -> bool:
 
 
 def _touch(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Return whether two segments have a point in common."""
     one, other = turn(a, b, c), turn(a, b, d)
     three, four = turn(c, d, a), turn(c, d, b)
     if ((one > 0) != (other > 0) and one and other) and (
@@ -262,7 +261,7 @@ def merge(tiling: Tiling, blocks: Iterable[int], smallest2: float, narrowest: fl
         loop = tiling.loops[block]
         if not loop or area2(loop, tiling.xy) != size:
             continue
-        joined = _merged(tiling, block)
+        joined = _merge_block(tiling, block)
         if joined is None:
             left.add(block)
             continue
@@ -281,7 +280,7 @@ def _small(tiling: Tiling, block: int, smallest2: float, narrowest: float) -> bo
     return 0.5 * (half - math.sqrt(max(0.0, half * half - 2.0 * size))) < narrowest
 
 
-def _merged(tiling: Tiling, block: int) -> int | None:
+def _merge_block(tiling: Tiling, block: int) -> int | None:
     """Join a block to a neighbour, the best that leaves a simple loop; return it, or None."""
     shared: dict[int, float] = defaultdict(float)
     welded: set[int] = set()
@@ -295,7 +294,7 @@ def _merged(tiling: Tiling, block: int) -> int | None:
                     if tiling.line[edge] < 0:
                         welded.add(other)
     for other in sorted(shared, key=lambda one: (one not in welded, -shared[one], one)):
-        joined = _joined(loop, tiling.loops[other])
+        joined = _join_loops(loop, tiling.loops[other])
         if joined is None:
             continue
         tiling.merged.append(tiling.xy[loop[0]])
@@ -311,7 +310,7 @@ def _merged(tiling: Tiling, block: int) -> int | None:
     return None
 
 
-def _joined(one: list[int], other: list[int]) -> list[int] | None:
+def _join_loops(one: list[int], other: list[int]) -> list[int] | None:
     """Return the loop of two blocks without their common edges; None if it is not simple."""
     back = {(b, a) for a, b in pairs_of(other)}
     shared = [pair in back for pair in pairs_of(one)]

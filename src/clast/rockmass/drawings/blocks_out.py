@@ -194,7 +194,6 @@ def write_blocks_dxf(
 
 
 def _document(path: str | Path) -> Any:
-    """Return an empty document in metres."""
     try:
         from ezdxf.filemanagement import new
     except ImportError:

@@ -185,7 +185,6 @@ def table_of(path: Path) -> CsvTable:
 
 
 def _split(line: str, separator: str, where: str) -> list[str]:
-    """Return the cells of a line."""
     try:
         return next(csv.reader([line], delimiter=separator, strict=True))
     except (csv.Error, StopIteration) as error:
@@ -225,13 +224,11 @@ def _left_out(table: CsvTable, kind: TableKind) -> tuple[LeftOut, ...]:
 
 
 def _straight(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
-    """Return one trace a row."""
     ends = [np.array([row.number(name) for name in PLAIN]).reshape(2, 2) for row in table.rows]
     return _traces(table, left, zip(ends, table.rows, strict=True))
 
 
 def _polylines(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
-    """Return one trace for the rows of an id."""
     groups: dict[tuple[str, str], list[CsvRow]] = {}
     for row in table.rows:
         name = row.text("id")
@@ -277,7 +274,6 @@ def _outline(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
 
 
 def _survey(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
-    """Return the orientations of a joint survey."""
     rows = table.rows
     orientations = Orientations(
         dip=np.array([_within(row, "dip", 90.0) for row in rows]),

@@ -114,7 +114,6 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
 
 
 def _geometry(root: Element, scale: float) -> LegacyGeometry:
-    """Return the lines and points of the file."""
 
     def rows(group: str, sizes: tuple[int, ...], typed: str = "") -> tuple[NumberRow, ...]:
         """Return the coordinates of the elements of a list, each of one of the sizes.
@@ -155,7 +154,6 @@ def _geometry(root: Element, scale: float) -> LegacyGeometry:
 
 
 def _analysis(root: Element, scale: float) -> Analysis:
-    """Return materials, loads and times of the file."""
     left: list[LeftOut] = []
     notes: list[str] = []
     rocks = tuple(_rock(k, one, scale, left) for k, one in enumerate(root.all("blockmaterial"), 1))

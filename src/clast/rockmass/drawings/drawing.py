@@ -169,7 +169,6 @@ class Analysis:
     dynamic_ratio: float | None = None
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
     steps: int | None = None
-    """Number of steps."""
     step: float | None = None
     """Length of a step, s."""
     displacement_ratio: float | None = None
@@ -194,7 +193,6 @@ class Drawing:
     """The drawn parts, in metres, and notes on the rest of the file."""
 
     file: str
-    """Path of the file."""
     boundary: Floats | None = None
     """Outline of the domain, m, counter-clockwise, the first corner not repeated, (n, 2)."""
     boundary_rock: str = DEFAULT_ROCK
@@ -223,9 +221,7 @@ class Drawing:
     node_distance: float | None = None
     """Distance below which nodes of a legacy file are one, as a share of half the height (e00)."""
     notes: tuple[str, ...] = ()
-    """Notes on changes."""
     left_out: tuple[LeftOut, ...] = ()
-    """Parts left out."""
 
     @property
     def half_height(self) -> float | None:

@@ -207,7 +207,6 @@ def _openings(
 
 
 def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind], list[Segment]]:
-    """Return the kinds of bolts and the bolts."""
     kinds: dict[tuple[float, ...], DrawnBoltKind] = {}
     segments = []
     for one in given.bolts:
