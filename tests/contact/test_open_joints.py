@@ -10,7 +10,7 @@ import pytest
 
 import clast
 from clast.contact.candidates import SearchDistance
-from clast.contact.joints.bonds import ROUNDED
+from clast.contact.joints.bonds import ROUNDED_GAP
 from clast.model.joints import WELD_STRENGTH
 from clast.model.state import initial_state
 from clast.run.start_in_situ import in_equilibrium
@@ -119,7 +119,7 @@ def test_what_is_closed_follows_the_size_of_the_smaller_block(share: float, bond
         builder = clast.ModelBuilder()
         builder.add_rock("rock", young=2e10, poisson=0.2, density=2500.0)
         builder.add_joint("default", friction_angle=30.0, cohesion=1e5)
-        gap = share * ROUNDED * size
+        gap = share * ROUNDED_GAP * size
         builder.block(vertices=box(-5 * size, size + gap, 10 * size, 10 * size), fixed=True)
         builder.block(vertices=box(0.0, 0.0, size, size))
         reach = SearchDistance(front=0.01 * size, depth=0.01 * size, critdis=0.01 * size)

@@ -6,7 +6,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 
-FEW = 48
+EDGES_TRIED_MAX = 48
 """As many edges are tried one after the other; of more those that are near are found first."""
 
 

@@ -20,9 +20,9 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, CONTACTS, EACH, shared
 from clast.model.model import Bools, Floats, Ints
 
-LEVELS = 48
+GRID_LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
-PART = CONTACTS.part
+BOXES_PER_PART = CONTACTS.part
 """Boxes, or pairs of them, that a thread takes at a time."""
 
 
@@ -40,9 +40,9 @@ def overlapping_pairs(box: Floats, fixed: Bools) -> Ints:
     order = np.empty(count, np.int64)
     _file(level, cell, slots, order)
     filed = box[order], fixed[order], level[order], cell[order], order
-    occupied = np.bincount(level, minlength=LEVELS) > 0
-    counts = np.zeros(-(-count // PART), np.int64)
-    most = 8 * min(PART, count) + 64
+    occupied = np.bincount(level, minlength=GRID_LEVELS) > 0
+    counts = np.zeros(-(-count // BOXES_PER_PART), np.int64)
+    most = 8 * min(BOXES_PER_PART, count) + 64
     while True:
         room = np.empty((len(counts), most, 2), np.int64)
         _collect_parts(len(counts), filed, slots, origin, occupied, room, counts)
@@ -76,7 +76,7 @@ def _cells(first, last, box, size, origin, level, cell):
     for b in range(first, last):
         step = 0
         side = smallest
-        while side < size[b] and step < LEVELS - 1:
+        while side < size[b] and step < GRID_LEVELS - 1:
             side *= 2.0
             step += 1
         level[b] = step
@@ -135,7 +135,7 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
     smallest, xmin, ymin = origin
     mask, count = len(slots) - 2, 0
     for b in range(first, last):
-        for k in range(level[b], LEVELS):
+        for k in range(level[b], GRID_LEVELS):
             if not occupied[k]:
                 continue
             size = smallest * 2.0**k
@@ -165,7 +165,7 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
 def _collect_parts(first, last, filed, slots, origin, occupied, room, counts):
     """Fill the rooms of parts ``first`` to ``last`` - 1 with pairs; write how many there are."""
     for part in range(first, last):
-        low, high = part * PART, min((part + 1) * PART, len(filed[0]))
+        low, high = part * BOXES_PER_PART, min((part + 1) * BOXES_PER_PART, len(filed[0]))
         counts[part] = _collect(low, high, filed, slots, origin, occupied, room[part])
 
 

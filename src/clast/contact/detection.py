@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import displacements_of
-from clast.block.edge_lists import FEW, edges_around, first_at_least
+from clast.block.edge_lists import EDGES_TRIED_MAX, edges_around, first_at_least
 from clast.block.equations import strains
 from clast.block.polygon import depth_inside
 from clast.compute.jit import kernel
@@ -410,7 +410,7 @@ def _jumps(low, high, outlines, pairs, known, deepest):
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             first, last = block_start[j], block_start[j + 1]
-            few = last - first <= FEW
+            few = last - first <= EDGES_TRIED_MAX
             if not few:
                 window = (box[i, 0], box[j, 1], box[i, 2], box[j, 3])
                 left, listed, widest = edges_around(window, 0.0, vertices, after, first, last)

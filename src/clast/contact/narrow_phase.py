@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clast.block.edge_lists import FEW, edges_around, edges_near
+from clast.block.edge_lists import EDGES_TRIED_MAX, edges_around, edges_near
 from clast.block.polygon import (
     ROUND_OFF,
     SMALL_ANGLE,
@@ -322,7 +322,7 @@ def _of_pairs(low, high, outlines, near, looks, room):
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             first, last = block_start[j], block_start[j + 1]
-            few = last - first <= FEW
+            few = last - first <= EDGES_TRIED_MAX
             if not few:
                 window = box[i, 0], box[i, 1], box[i, 2], box[i, 3]
                 around_it = edges_around(window, far, vertices, after, first, last)

@@ -18,7 +18,7 @@ from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.measurements import MeasuredPoint
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
-from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
+from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, locate, point_text
 from clast.model.factors import Factor
 from clast.model.model import (
     EdgePressures,
@@ -259,7 +259,7 @@ def pressed_edges(
             _refuse_no_edge(label, line, edges, outlines)
         _refuse_two_blocks(label, line, edge, np.sort(place, axis=1), outlines)
         pressed = float(np.abs(np.diff(place, axis=1)).sum())
-        if pressed < (1.0 - TOUCHING) * line.length:
+        if pressed < (1.0 - OVERLAP_TOLERANCE) * line.length:
             notes.append(
                 f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
                 "of it: the pressure acts on these only"
@@ -282,7 +282,7 @@ def pressed_edges(
 
 def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
     """Return how far edges may lie beside a line, m: as far as loads may beside their blocks."""
-    return np.asarray(TOUCHING * np.sqrt(np.abs(outlines.area)))[outlines.owner[edges]]
+    return np.asarray(OVERLAP_TOLERANCE * np.sqrt(np.abs(outlines.area)))[outlines.owner[edges]]
 
 
 def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Floats, Floats]:

@@ -69,13 +69,13 @@ ALTERNATIVES = Alternatives(
     limits={
         "normal_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
         "shear_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
-        "passes": (Field(ge=1, le=ranges.MOST_PASSES),),
+        "passes": (Field(ge=1, le=ranges.PASSES_MAX),),
         "tolerance": (Field(gt=0.0), within(ranges.TOLERANCE)),
-        "iterations": (Field(ge=1, le=ranges.MOST_ITERATIONS),),
-        "plain": (Field(ge=0, le=ranges.MOST_ITERATIONS),),
-        "solves": (Field(ge=1, le=ranges.MOST_PASSES),),
+        "iterations": (Field(ge=1, le=ranges.ITERATIONS_MAX),),
+        "plain": (Field(ge=0, le=ranges.ITERATIONS_MAX),),
+        "solves": (Field(ge=1, le=ranges.PASSES_MAX),),
         "penetration_tolerance": (Field(ge=0.0), within(ranges.LENGTH)),
-        "friction_updates": (Field(ge=0, le=ranges.MOST_PASSES),),
+        "friction_updates": (Field(ge=0, le=ranges.PASSES_MAX),),
         "restitution": (Field(ge=0.0, le=1.0),),
     },
     automatic=frozenset({"normal_stiffness"}),
@@ -218,7 +218,7 @@ class TimeTable(Table):
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         steps = min(self.end / self.step, 1e300)
-        if steps > ranges.MOST_STEPS:
+        if steps > ranges.STEPS_MAX:
             what = (
                 f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
                 f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours"

@@ -20,7 +20,7 @@ import numpy as np
 from clast.model.arrays import Bools, Floats, Ints, connected, owners
 from clast.read_only import kept_property
 
-EVEN = 1e-5
+FLUSH_DISTANCE = 1e-5
 """Distance within which fixed blocks are flush, in units of the size of the smallest of them."""
 
 
@@ -80,7 +80,7 @@ def joined_outlines(
     ground = np.flatnonzero(fixed & ~absent)
     if not len(ground):
         return None
-    tolerance = EVEN * float(np.sqrt(area[ground].min()))
+    tolerance = FLUSH_DISTANCE * float(np.sqrt(area[ground].min()))
     sides = _sides(vertices, block_start, ground, tolerance)
     loops = [_straightened(loop, sides, vertices, tolerance) for loop in _loops(sides)]
     if len(loops) == len(ground) and all(len(run) == 1 for loop in loops for run in loop):
@@ -101,7 +101,7 @@ def loops_round(vertices: Floats, block_start: Ints, area: Floats) -> list[Float
     Corners are those of blocks, to the last bit: where joints come out there are some, too.  The
     arguments are those of ``joined_outlines``.
     """
-    tolerance = EVEN * float(np.sqrt(area.min()))
+    tolerance = FLUSH_DISTANCE * float(np.sqrt(area.min()))
     sides = _sides(vertices, block_start, np.arange(len(area)), tolerance)
     return [vertices[[vertex for vertex, _ in loop]] for loop in _loops(sides)]
 

@@ -24,17 +24,15 @@ from clast.model.surroundings import Repair
 Geometries = NDArray[Any]
 """Array of shapely geometries."""
 
-SAME_POINT = 1e-9
-"""Vertices closer than this share of the block's extent are duplicates."""
-FLAT = 1e-9
-"""A block whose hull has less than this share of its extent squared as area is a line."""
-TOUCHING = 1e-6
+ROUND_OFF = 1e-9
+"""Distances and areas below this fraction of a block's extent, or its square, are none."""
+OVERLAP_TOLERANCE = 1e-6
 """Overlaps and distances below this share of the block's size are round-off."""
-PENETRATION = 0.05
+PENETRATION_MAX = 0.05
 """Overlaps above this share of the narrower block's width are not contact penetration."""
-SMALLEST_BLOCK = 1e-9
+BLOCK_WIDTH_MIN = 1e-9
 """Blocks narrower than this, m, are not blocks."""
-LISTED = 10
+FAULTS_LISTED_MAX = 10
 """Most faults that one message lists."""
 
 
@@ -147,9 +145,11 @@ def _refuse_all(bad: Ints, fault: Callable[[int], tuple[str, str]], remedy: str)
         return
     where, what = fault(int(bad[0]))
     if len(bad) > 1:
-        lines = [f"  {place}: {said}" for place, said in map(fault, bad[:LISTED].tolist())]
-        if len(bad) > LISTED:
-            lines.append(f"  and {len(bad) - LISTED} more")
+        lines = [
+            f"  {place}: {said}" for place, said in map(fault, bad[:FAULTS_LISTED_MAX].tolist())
+        ]
+        if len(bad) > FAULTS_LISTED_MAX:
+            lines.append(f"  and {len(bad) - FAULTS_LISTED_MAX} more")
         where, what = "geometry", "\n".join([f"{len(bad)} things to put right", *lines])
     raise ModelError(what, where=where, remedy=remedy)
 
@@ -196,13 +196,13 @@ def check_polygons(outlines: BlockOutlines, polygons: Geometries) -> None:
         return lambda block: (outlines.label(block), what(block))
 
     _refuse_all(
-        np.flatnonzero(extent < SMALLEST_BLOCK),
+        np.flatnonzero(extent < BLOCK_WIDTH_MIN),
         said(lambda block: f"is only {extent[block]:.3g} m wide"),
-        f"give coordinates in m; a block is at least {SMALLEST_BLOCK:g} m wide",
+        f"give coordinates in m; a block is at least {BLOCK_WIDTH_MIN:g} m wide",
     )
     _check_duplicates(outlines)
     _refuse_all(
-        np.flatnonzero(shapely.area(shapely.convex_hull(polygons)) <= FLAT * extent**2),
+        np.flatnonzero(shapely.area(shapely.convex_hull(polygons)) <= ROUND_OFF * extent**2),
         said(lambda _: "has no area: its vertices lie on one line"),
         "give it at least 3 vertices that span an area",
     )
@@ -212,7 +212,7 @@ def check_polygons(outlines: BlockOutlines, polygons: Geometries) -> None:
         "order the vertices along the outline, counter-clockwise, each once",
     )
     _refuse_all(
-        np.flatnonzero(np.abs(area) <= FLAT * extent**2),
+        np.flatnonzero(np.abs(area) <= ROUND_OFF * extent**2),
         said(lambda block: f"has no area ({abs(area[block]):.3g} m2)"),
         "give it vertices that span an area, or leave the block out",
     )
@@ -223,8 +223,8 @@ def turned_note(outlines: BlockOutlines, clockwise: Bools) -> tuple[str, ...]:
     turned = np.flatnonzero(clockwise)
     if len(turned) == 0:
         return ()
-    named = ", ".join(outlines.label(int(block)) for block in turned[:LISTED])
-    more = ", ..." if len(turned) > LISTED else ""
+    named = ", ".join(outlines.label(int(block)) for block in turned[:FAULTS_LISTED_MAX])
+    more = ", ..." if len(turned) > FAULTS_LISTED_MAX else ""
     if len(turned) == 1:
         return (f"1 loop runs clockwise and was reversed: {named}",)
     return (f"{len(turned)} loops run clockwise and were reversed: {named}{more}",)
@@ -236,7 +236,7 @@ def _check_duplicates(outlines: BlockOutlines) -> None:
     side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
     number = following - outlines.start[outlines.owner] + 1
     _refuse_all(
-        np.flatnonzero(side <= SAME_POINT * outlines.extent[outlines.owner]),
+        np.flatnonzero(side <= ROUND_OFF * outlines.extent[outlines.owner]),
         lambda vertex: (
             outlines.vertex_label(vertex),
             f"is the same point as vertex {number[vertex]}",
@@ -282,8 +282,8 @@ def check_overlaps(
         meets = np.array([pair not in apart for pair in pairs], np.bool_)
         first, second = first[meets], second[meets]
     size = np.sqrt(outlines.area)
-    finest = GRID * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
-    limit = np.maximum(TOUCHING * np.minimum(size[first], size[second]), finest)
+    finest = ROUND_OFF * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
+    limit = np.maximum(OVERLAP_TOLERANCE * np.minimum(size[first], size[second]), finest)
     vertices, start = outlines.vertices, outlines.start
     deep = _deep_boxes(outlines, first, second, limit)
     deep = deep[~touching_at_most(vertices, start, first[deep], second[deep], limit[deep])]
@@ -292,7 +292,7 @@ def check_overlaps(
     over = width > limit[pair]
     pair, width, middle = pair[over], width[over], middle[over]
     slender = widths(polygons)
-    allowed = PENETRATION * np.minimum(slender[first], slender[second])
+    allowed = PENETRATION_MAX * np.minimum(slender[first], slender[second])
     bad = np.flatnonzero(width > allowed[pair])
     if len(bad):
         worst = bad[np.argmax(width[bad])]
@@ -357,7 +357,7 @@ def locate(
     ``moved`` by so much, m, since they were drawn, points that no block carries may be so far
     outside.
     """
-    reach = TOUCHING * np.sqrt(np.abs(outlines.area))
+    reach = OVERLAP_TOLERANCE * np.sqrt(np.abs(outlines.area))
     carrying = _carrying(shapes, reach, tree)
     lacking = [k for k, blocks in enumerate(carrying) if len(blocks) == 0]
     lacking += [k for k, blocks in enumerate(carrying) if named[k] >= 0 and named[k] not in blocks]
@@ -424,11 +424,9 @@ def _carrier(
     )
 
 
-GRID = 1e-9
-"""Overlays are rounded to this share of the larger block's size."""
-MANY_CORNERS = 200
+CORNERS_MAX = 200
 """Blocks of more corners are overlaid at once: no line along an edge is likely to part them."""
-CHUNK = 1_000_000
+VERTICES_AT_ONCE = 1_000_000
 """Vertices that are projected at once."""
 
 
@@ -443,7 +441,7 @@ def touching_at_most(
     count = np.diff(start)
     normal = _normals(vertices, start)
     apart = np.zeros(len(first), np.bool_)
-    few = np.maximum(count[first], count[second]) <= MANY_CORNERS
+    few = np.maximum(count[first], count[second]) <= CORNERS_MAX
     for one, other in ((first, second), (second, first)):
         left = np.flatnonzero(few & ~apart)
         if len(left) == 0:
@@ -470,7 +468,7 @@ def _span(direction: Floats, block: Ints, vertices: Floats, start: Ints) -> tupl
     begin = 0
     while begin < len(block):
         done = ends[begin] - count[begin]
-        end = max(begin + 1, int(np.searchsorted(ends, done + CHUNK)))
+        end = max(begin + 1, int(np.searchsorted(ends, done + VERTICES_AT_ONCE)))
         vertex, row = entries(start, block[begin:end])
         row_start = np.flatnonzero(np.diff(row, prepend=-1))
         along = direction[begin:end][row]
@@ -498,7 +496,7 @@ def common_parts(
     middle = 0.5 * (lower + upper)
     one = _polygons(vertices, start, first, middle, unit)
     other = _polygons(vertices, start, second, middle, unit)
-    shared = shapely.intersection(one, other, grid_size=GRID)
+    shared = shapely.intersection(one, other, grid_size=ROUND_OFF)
     # A pair that only touches shares lines and points; only shared areas overlap.
     parts, pair = shapely.get_parts(shared, return_index=True)
     areal = shapely.area(parts) > 0.0

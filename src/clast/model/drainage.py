@@ -26,7 +26,7 @@ from clast.model.water import Water, surface_at
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
 
-ROUNDING = 1e-9
+FLOW_MIN = 1e-9
 """Flow that is none, as a share of that of the whole lowering along the shortest joint."""
 
 
@@ -124,7 +124,7 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
     level = _solved(network, fixed, network.drained)
     # a drain takes water: one that would have to give it lies above what the others leave
     for _ in range(len(drains)):
-        none = ROUNDING * float(level.max()) / float(network.length.min())
+        none = FLOW_MIN * float(level.max()) / float(network.length.min())
         idle = network.drained & (_outflow(network, level) < -none)
         if not idle.any():
             break

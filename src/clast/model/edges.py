@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from clast.model.arrays import Floats, Ints, following
 
-BESIDE = 1e-3
+BESIDE_DISTANCE = 1e-3
 """Edges lie along each other within this share of the smaller block's size."""
-AT_CORNER = 1e-9
+CORNER_FRACTION = 1e-9
 """A point nearer to a corner than this share of the edge is at the corner."""
 
 
@@ -44,7 +44,7 @@ class Facing:
 
 def edges_of(vertices: Floats, after: Ints, owner: Ints, area: Floats) -> Edges:
     """Return the edges of blocks with their areas, m2, (n,)."""
-    near = BESIDE * np.sqrt(np.abs(area))[owner]
+    near = BESIDE_DISTANCE * np.sqrt(np.abs(area))[owner]
     return Edges(vertices=vertices, after=after, owner=owner, near=near)
 
 
@@ -76,7 +76,9 @@ def facing_edges(edges: Edges) -> Facing:
     one, other = one[beside], other[beside]
     shares = np.stack([ends[beside] / length[one, None], at[beside]], axis=1)
     # what ends at a corner ends there to the last digit
-    shares = np.where(shares < AT_CORNER, 0.0, np.where(shares > 1.0 - AT_CORNER, 1.0, shares))
+    shares = np.where(
+        shares < CORNER_FRACTION, 0.0, np.where(shares > 1.0 - CORNER_FRACTION, 1.0, shares)
+    )
     return Facing(np.stack([one, other], axis=1).astype(np.int64), shares)
 
 
@@ -108,7 +110,7 @@ def outer_parts(edges: Edges, facing: Facing) -> tuple[Ints, Floats]:
     return edge[1:][free], np.stack([before, start[1:]], axis=1)[free]
 
 
-ON_OUTLINE = 1e-6
+OUTLINE_DISTANCE = 1e-6
 """An edge lies on a line where both of its ends are nearer to it than this share of the system."""
 
 
@@ -120,7 +122,7 @@ def outline_edges(vertices: Floats, block_start: Ints, sides: tuple[str, ...] = 
     """
     after = following(block_start)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    near = ON_OUTLINE * float(np.hypot(*(high - low)))
+    near = OUTLINE_DISTANCE * float(np.hypot(*(high - low)))
     if sides:
         on = np.zeros(len(vertices), np.bool_)
         for axis, bound, name in (
@@ -152,7 +154,7 @@ def outer_boundary(edges: Edges, block_start: Ints) -> tuple[Ints, Floats]:
     vertices = edges.vertices
     edge, share = outer_parts(edges, facing_edges(edges))
     rings = shapely.linearrings(vertices, indices=edges.owner)
-    near = ON_OUTLINE * float(np.hypot(*np.ptp(vertices, axis=0)))
+    near = OUTLINE_DISTANCE * float(np.hypot(*np.ptp(vertices, axis=0)))
     # what is no wider than rounding closes
     whole = shapely.union_all(shapely.buffer(shapely.polygons(rings), near, join_style="mitre"))
     filled = [shapely.polygons(one.exterior) for one in shapely.get_parts(whole)]
@@ -165,7 +167,7 @@ def outer_boundary(edges: Edges, block_start: Ints) -> tuple[Ints, Floats]:
 
 def edges_on(rings: Iterable[Floats], vertices: Floats, after: Ints) -> Ints:
     """Return the edges that lie on one of some closed lines (c, 2), m, by their first vertices."""
-    near = ON_OUTLINE * float(np.hypot(*np.ptp(vertices, axis=0)))
+    near = OUTLINE_DISTANCE * float(np.hypot(*np.ptp(vertices, axis=0)))
     lines = shapely.union_all([shapely.linearrings(ring) for ring in rings])
     at = shapely.distance(shapely.points(vertices), lines) <= near
     middle = shapely.points(0.5 * (vertices + vertices[after]))

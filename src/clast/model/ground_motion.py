@@ -19,9 +19,9 @@ import numpy as np
 
 from clast.model.arrays import Floats
 
-SIGNIFICANT = 0.95
+POWER_FRACTION = 0.95
 """Share of a record's power that is in frequencies up to its highest significant one."""
-SAMPLES = 2**16
+SPECTRUM_SAMPLES_MAX = 2**16
 """Samples of a record at most that its spectrum is taken from."""
 
 
@@ -37,7 +37,7 @@ def highest_frequency(time: Floats, values: Floats) -> float:
     if not len(apart):
         return 0.0
     length = float(time[-1] - time[0])
-    count = int(min(SAMPLES, max(16.0, np.ceil(length / float(np.median(apart))))))
+    count = int(min(SPECTRUM_SAMPLES_MAX, max(16.0, np.ceil(length / float(np.median(apart))))))
     share = np.arange(count) / count
     power = np.zeros(count // 2 + 1)
     for component in values.T:
@@ -48,7 +48,7 @@ def highest_frequency(time: Floats, values: Floats) -> float:
     whole = np.cumsum(power)
     if not whole[-1] > 0.0:
         return 0.0
-    return float(np.searchsorted(whole, SIGNIFICANT * whole[-1]) / length)
+    return float(np.searchsorted(whole, POWER_FRACTION * whole[-1]) / length)
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,12 +16,12 @@ A finite number, for a contact may stand for no length of joint, and infinity ti
 """
 
 
-LEAST_SLIP = 1e-12
+WEAKENING_SLIP_MIN = 1e-12
 """Way of sliding, m, after which a joint that weakens at once has its residual strength."""
-SMOOTH_AT = 100.0
+SMOOTH_SLIP = 100.0
 """Slip after which nothing of a roughness is left, in units of that at peak strength."""
 MOBILISED: Floats = np.array(
-    [[0.3, 0.6, 1.0, 2.0, 4.0, 10.0, 25.0, SMOOTH_AT], [0.0, 0.75, 1.0, 0.85, 0.7, 0.5, 0.4, 0.0]]
+    [[0.3, 0.6, 1.0, 2.0, 4.0, 10.0, 25.0, SMOOTH_SLIP], [0.0, 0.75, 1.0, 0.85, 0.7, 0.5, 0.4, 0.0]]
 )
 """Slip over that at peak strength, and JRC mobilised over JRC (Barton, Bandis & Bakhtar 1985).
 
@@ -223,10 +223,10 @@ class JointTable:
     def worn_after(self) -> Floats:
         """Way of sliding after which nothing but residual strength is left, m, shape (joints,)."""
         smooth = [
-            one.roughness.peak_slip * SMOOTH_AT if one.roughness else one.slip_weakening
+            one.roughness.peak_slip * SMOOTH_SLIP if one.roughness else one.slip_weakening
             for one in self.joints
         ]
-        return np.maximum(smooth, LEAST_SLIP)
+        return np.maximum(smooth, WEAKENING_SLIP_MIN)
 
     @kept_property
     def weakens(self) -> bool:

@@ -57,11 +57,11 @@ FACTOR = AllowedRange(0.0, 1e12, "")
 
 TOLERANCE = AllowedRange(1e-14, 1e15, "")
 
-MOST_STEPS = 1e12
+STEPS_MAX = 1e12
 """Most steps of a run: four months at 10 microseconds each."""
-MOST_PASSES = 1000
+PASSES_MAX = 1000
 """Most passes, solves and renewals within a step."""
-MOST_ITERATIONS = 1_000_000
+ITERATIONS_MAX = 1_000_000
 """Most iterations of one solution."""
 
 
@@ -74,7 +74,7 @@ def check_size(value: float, limits: AllowedRange, where: str, remedy: str) -> N
 
 CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 """Characters that names do not have: they break files, terminals and pictures."""
-LONGEST_NAME = 200
+NAME_LENGTH_MAX = 200
 """Most characters of a name."""
 
 
@@ -103,7 +103,10 @@ def check_text(name: str, label: str) -> None:
     """Refuse a name that is blank, too long or not printable; ``label`` names its owner."""
     for what, bad in (
         ("has no name", lambda name: not name.strip()),
-        (f"has a name of more than {LONGEST_NAME} characters", lambda n: len(n) > LONGEST_NAME),
+        (
+            f"has a name of more than {NAME_LENGTH_MAX} characters",
+            lambda n: len(n) > NAME_LENGTH_MAX,
+        ),
         ("has a name with a character that cannot be printed", CONTROL.search),
     ):
         if bad(name):

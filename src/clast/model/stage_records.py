@@ -10,7 +10,7 @@ REACHED, MOVING, TIME_OVER, BROKEN_OFF = "equilibrium", "moving", "time over", "
 """How a stage ends: in equilibrium, at its limit while blocks move, after its time, or not."""
 FAILS = "fails"
 """How a static stage ends that has no equilibrium."""
-NAMED = 5
+BLOCKS_NAMED_MAX = 5
 """Blocks of a mechanism that are named one by one."""
 
 
@@ -67,8 +67,8 @@ class Mechanism:
     def _how(self) -> str:
         if not self.blocks:
             return f"no equilibrium{self._under()} in {self.steps} steps: {self.hindrance}"
-        named = ", ".join(f"'{name}'" for name in self.blocks[:NAMED])
-        more = len(self.blocks) - NAMED
+        named = ", ".join(f"'{name}'" for name in self.blocks[:BLOCKS_NAMED_MAX])
+        more = len(self.blocks) - BLOCKS_NAMED_MAX
         which = f"blocks {named}" if len(self.blocks) > 1 else f"block {named}"
         which += f" and {more} more" if more > 0 else ""
         many = len(self.blocks) > 1

@@ -186,11 +186,11 @@ def are_constant(factors: Sequence[Factor], time: float) -> bool:
     )
 
 
-HELD = 1e9
+HELD_STRENGTH = 1e9
 """Strength of bonds that nothing breaks, in units of their own strength."""
 
 
-SMALL_ANGLE = 1.6
+ANGLE_IN_RADIANS_MAX = 1.6
 """Friction angles up to this many degrees look like radians (pi/2 is 1.57)."""
 
 
@@ -206,18 +206,18 @@ class Contradiction:
     """The remedy."""
 
 
-SMALL_DILATION = 0.35
+DILATION_IN_RADIANS_MAX = 0.35
 """Dilation angles up to this many degrees look like radians (20 degrees are 0.35)."""
 
 
 def contradiction(joint: Joint, *, is_small_meant: bool) -> Contradiction | None:
     """Return the fault in the strengths of a joint; None: all is well.
 
-    ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
+    ``is_small_meant``: a friction angle below ANGLE_IN_RADIANS_MAX is one in degrees.
     """
     for key in ("friction_angle", "residual_friction_angle", "kinetic_friction_angle"):
         angle = getattr(joint, key)
-        if angle is not None and 0.0 < angle < SMALL_ANGLE and not is_small_meant:
+        if angle is not None and 0.0 < angle < ANGLE_IN_RADIANS_MAX and not is_small_meant:
             return Contradiction(
                 key,
                 f"{angle:g} looks like radians, but friction angles are in degrees",
@@ -285,7 +285,7 @@ def _contradictions(joint: Joint) -> Iterator[Contradiction]:
             "change friction_angle, cohesion and tensile_strength themselves",
         ),
         (
-            0.0 < dilation < SMALL_DILATION,
+            0.0 < dilation < DILATION_IN_RADIANS_MAX,
             "dilation_angle",
             f"{dilation:g} looks like radians, but angles are in degrees",
             f"write {math.degrees(dilation):.6g}, or leave it out",
@@ -324,7 +324,11 @@ def has_bonds(model: Model) -> bool:
 def with_bonds_held(model: Model) -> Model:
     """Return the model with bonds that nothing breaks."""
     joints = tuple(
-        replace(one, cohesion=HELD * one.cohesion, tensile_strength=HELD * one.tensile_strength)
+        replace(
+            one,
+            cohesion=HELD_STRENGTH * one.cohesion,
+            tensile_strength=HELD_STRENGTH * one.tensile_strength,
+        )
         for one in model.joint_table.joints
     )
     return replace(model, joint_table=replace(model.joint_table, joints=joints))

@@ -15,7 +15,7 @@ from clast.model.arrays import no_bools, no_floats, no_ints
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.read_only import seal
 
-POINTS = 14
+POINT_NUMBERS = 14
 """Numbers that points of a contact may have."""
 
 
@@ -102,7 +102,7 @@ def contact_keys(vertex: Ints, edge: Ints, point: Ints, count: int) -> Ints:
     In the order of the contact memory.
     """
     inside = point > 0
-    return np.asarray(((inside * count + vertex) * count + edge) * POINTS + point)
+    return np.asarray(((inside * count + vertex) * count + edge) * POINT_NUMBERS + point)
 
 
 class Kind(Enum):

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from clast.model.arrays import areas, following, owners, polygons_of
-from clast.model.checks import SAME_POINT
+from clast.model.checks import ROUND_OFF
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.faces import NOTHING
 from clast.rockmass.noding import Noded
@@ -164,4 +164,4 @@ def sound(vertices: Floats, start: Ints) -> Bools:
     longest = np.maximum.reduceat(apart, start[:-1])
     apart = np.minimum.reduceat(apart, start[:-1])
     valid = shapely.is_valid(polygons) & (areas(vertices, start) > 0.0)
-    return np.asarray(valid & (apart > 2.0 * SAME_POINT * longest))
+    return np.asarray(valid & (apart > 2.0 * ROUND_OFF * longest))

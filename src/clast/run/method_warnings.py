@@ -11,7 +11,7 @@ import numpy as np
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
-from clast.contact.joints.bonds import ROUNDED
+from clast.contact.joints.bonds import ROUNDED_GAP
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
 from clast.model.model import Floats, Model
@@ -141,7 +141,7 @@ def open_joint_warnings(model: Model, contacts: Contacts) -> Iterator[str]:
     strong = np.max(model.joint_table.strengths[1:], axis=0) > 0.0
     ends = contacts.vertex_block, contacts.edge_block
     size = np.sqrt(np.minimum(*(model.area[blocks] for blocks in ends)))
-    little = (contacts.gap > ROUNDED * size) & (contacts.gap <= CLOSED_GAP * size)
+    little = (contacts.gap > ROUNDED_GAP * size) & (contacts.gap <= CLOSED_GAP * size)
     rows = np.flatnonzero(little & strong[contacts.joint] & (contacts.length > 0.0))
     if not len(rows):
         return

@@ -133,7 +133,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
 def _check_steps(schedule: Schedule) -> None:
     for stage in schedule.stages:
         length, step = stage.time or schedule.end, stage.step or schedule.step
-        if length / step > ranges.MOST_STEPS:
+        if length / step > ranges.STEPS_MAX:
             raise ModelError(
                 f"{length:g} s are {length / step:.3g} steps of {step:g} s",
                 where=f"stage '{shortened(stage.name)}', time",

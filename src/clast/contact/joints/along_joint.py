@@ -14,9 +14,9 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.model.model import Floats, Ints, Model
 
-LEAST = 1e-3
+SPRING_LENGTH_MIN = 1e-3
 """Least length of joint that springs stand for, in units of critdis: corners that only coincide."""
-COINCIDE = 1.01
+CORNER_DISTANCE_MAX = 1.01
 """Distance along an edge up to which corners coincide, in units of critdis.
 
 A little more than that up to which they are contacts: seen from either side the distance differs
@@ -81,7 +81,7 @@ def _overlap(p, w, e, others, outlines, critdis):
     if high <= low:
         return 0.0
     at_end = here > there
-    coincide = abs(here - (length[e] if at_end else 0.0)) <= COINCIDE * critdis
+    coincide = abs(here - (length[e] if at_end else 0.0)) <= CORNER_DISTANCE_MAX * critdis
     if coincide:
         corner = end_of(e, at_end, outlines)
         for c in range(start, stop):
@@ -139,7 +139,7 @@ def _lengths(low, high, contacts, polygons, critdis, result, bearing):
                 continue
             beside, is_flush = edge_along(p, w, e, outlines, critdis), True
             result[c] += _overlap(p, w, beside, others, outlines, critdis)
-        bearing[c] = max(result[c] if is_flush else tip, LEAST * critdis)
+        bearing[c] = max(result[c] if is_flush else tip, SPRING_LENGTH_MIN * critdis)
 
 
 @kernel()

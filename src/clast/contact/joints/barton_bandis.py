@@ -29,17 +29,17 @@ from clast.model.model import Bools, Floats, Ints
 
 STEEPEST = np.radians(70.0)
 """Largest friction angle, rad (Barton 1976)."""
-ON_CURVE = 1e-9
+CURVE_TOLERANCE = 1e-9
 """Share of the strength by which a shear force may be below it and still be on the curve."""
-TOUCHES = 1e-8
+CLOSURE_MIN = 1e-8
 """Closure that is none, in units of the slip at the peak: forces by rounding mobilise nothing."""
-NEAR_CURVE = 0.1
+SLIDING_CURVE_TOLERANCE = 0.1
 """The same of a contact that went along the curve in the last step."""
-AHEAD = 0.02
+SLIP_AHEAD = 0.02
 """Slip ahead, in units of that at the peak, to where the spring meets the curve."""
 BISECTIONS = 50
 """Halvings of the range of a stress that is sought."""
-FLATTEST = 1e-6
+FRICTION_RISE_MIN = 1e-6
 """Share of phi_r by which friction has to rise in one u_peak for there to be a curve to follow."""
 
 
@@ -161,12 +161,12 @@ def with_roughness(
     slide = slid[rows]
     now = rough.friction(slide, angle)
     peak = rough.friction(rough.peak_slip, angle)
-    ahead = np.minimum(AHEAD * rough.peak_slip, rough.peak_slip - slide)
-    rises = (ahead > 0.0) & (peak - now > FLATTEST)
+    ahead = np.minimum(SLIP_AHEAD * rough.peak_slip, rough.peak_slip - slide)
+    rises = (ahead > 0.0) & (peak - now > FRICTION_RISE_MIN)
     bound, size = np.maximum(normal, 0.0) * now, np.abs(shear)
-    went = (contacts["mode"][rows] == SLIDE) & (size >= (1.0 - NEAR_CURVE) * bound)
-    carries = normal > TOUCHES * stiffness * rough.peak_slip
-    follows = rises & carries & (went | (size >= (1.0 - ON_CURVE) * bound))
+    went = (contacts["mode"][rows] == SLIDE) & (size >= (1.0 - SLIDING_CURVE_TOLERANCE) * bound)
+    carries = normal > CLOSURE_MIN * stiffness * rough.peak_slip
+    follows = rises & carries & (went | (size >= (1.0 - CURVE_TOLERANCE) * bound))
     begun = np.minimum(size, bound)
     ahead = np.where(rises, ahead, 1.0)
     along = (normal * rough.friction(slide + ahead, angle) - begun) / ahead

@@ -180,9 +180,9 @@ def strength_lost(table: JointTable, joint: Ints, slid: Floats, bonded: Bools) -
     return np.where(binds & ~bonded, 1.0, lost)
 
 
-NEAR = 0.1
+CORNER_DISTANCE_MAX = 0.1
 """Distance between corners that are one point, in units of critdis; a face is longer."""
-MOST = 64
+BLOCKS_ROUND_POINT_MAX = 64
 """Blocks around a point, at most."""
 
 
@@ -194,7 +194,7 @@ def without_points_in_bonds(
     ``bonded`` (m,) are those with a bond, ``vertices`` (nv, 2) those of the blocks, m; corners
     within a tenth of ``critdis``, m, of each other are one point.
     """
-    near = NEAR * critdis
+    near = CORNER_DISTANCE_MAX * critdis
     # bonds that give way let blocks overlap along such a point by as much
     of_faces = corners.length > near
     points, faces = np.flatnonzero(~of_faces), np.flatnonzero(of_faces & bonded)
@@ -227,7 +227,7 @@ def _are_joined(points, faces, contacts, vertices, near):
         for b in (vertex_block[f], edge_block[f]):
             of_block[filled[b]] = f
             filled[b] += 1
-    met = np.empty(MOST, np.int64)
+    met = np.empty(BLOCKS_ROUND_POINT_MAX, np.int64)
     for c in points:
         x, y = vertices[vertex[c], 0], vertices[vertex[c], 1]
         met[0], known, at = vertex_block[c], 1, 0
@@ -242,7 +242,7 @@ def _are_joined(points, faces, contacts, vertices, near):
                 if other == edge_block[c]:
                     joined[c] = True
                     break
-                if known < MOST and not _is_among(other, met, known):
+                if known < BLOCKS_ROUND_POINT_MAX and not _is_among(other, met, known):
                     met[known] = other
                     known += 1
     return joined
@@ -257,7 +257,7 @@ def _is_among(one, some, count):
     return False
 
 
-ROUNDED = 1e-5
+ROUNDED_GAP = 1e-5
 """Gap of faces that are drawn as one line, in units of the size of the smaller block.
 
 Coordinates with five decimals on blocks of 1 m leave as much; cut rock is closed to 1e-15.
@@ -299,7 +299,7 @@ def are_closed(places: Places, model: Model, direction: Floats) -> Bools:
 def _rounded(places: Places, model: Model) -> Floats:
     """Return the gaps that rounding of coordinates leaves at contacts, m, (m,)."""
     blocks = places.vertex_block, places.edge_block
-    return np.asarray(ROUNDED * np.sqrt(np.minimum(*(model.area.take(one) for one in blocks))))
+    return np.asarray(ROUNDED_GAP * np.sqrt(np.minimum(*(model.area.take(one) for one in blocks))))
 
 
 def torn(contacts: Contacts, response: ContactResponse) -> Bools:

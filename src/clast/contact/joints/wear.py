@@ -35,7 +35,7 @@ from clast.read_only import changed, read_only
 
 NONE = read_only(np.zeros(0, np.int64))
 """Rows of no contact."""
-SEEN = 1e-6
+SLIP_MIN = 1e-6
 """Least slip of a step that counts as sliding, in units of that at the peak."""
 
 
@@ -187,7 +187,7 @@ def _mode_along(
 ) -> Ints:
     """Return the modes of contacts (m,): what goes along the rising branch slides."""
     along = (response.shear_force * slip < 0.0) & (response.mode == LOCK) & contacts.mobilises
-    along[rough.rows] &= np.abs(slip[rough.rows]) > SEEN * rough.peak_slip
+    along[rough.rows] &= np.abs(slip[rough.rows]) > SLIP_MIN * rough.peak_slip
     return np.where(along, SLIDE, response.mode)
 
 

@@ -12,7 +12,7 @@ import shapely
 
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
-from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
+from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, locate, point_text
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.model import Bools, Floats, Ints, MaterialPoints
 
@@ -70,7 +70,7 @@ class Ground:
     def fixed_point(self, at: Sequence[float], where: str) -> Ints:
         """Return the numbers of the fixed points at a place, (k,); raises ModelError for none."""
         place = np.array(at) - self.outlines.origin
-        near = TOUCHING * float(np.hypot(*np.ptp(self.outlines.vertices, axis=0)))
+        near = OVERLAP_TOLERANCE * float(np.hypot(*np.ptp(self.outlines.vertices, axis=0)))
         points = np.flatnonzero(np.hypot(*(self.points.at - place).T) <= near)
         if not len(points):
             what = f"there is no fixed point at {self.text(place)}"
@@ -112,14 +112,14 @@ class Ground:
         near = self.tree.query(shape, predicate="intersects")
         common = shapely.intersection(self.tree.geometries[near], shape)
         parts, owner = shapely.get_parts(common, return_index=True)
-        long = shapely.length(parts) > TOUCHING * length
+        long = shapely.length(parts) > OVERLAP_TOLERANCE * length
         parts, owner = parts[long], owner[long]
         ends = np.array(
             [(shapely.get_coordinates(one)[[0, -1]] - line[0]) @ along for one in parts]
         )
         ends = np.sort(ends.reshape(-1, 2), axis=1)
         order = np.lexsort((near[owner], ends[:, 0]))
-        return _joined(near[owner][order].astype(np.int64), ends[order], TOUCHING * length)
+        return _joined(near[owner][order].astype(np.int64), ends[order], OVERLAP_TOLERANCE * length)
 
 
 def _joined(block: Ints, ends: Floats, close: float) -> LinePieces:
@@ -145,7 +145,7 @@ def joints_between(
     Joints may be open by ``widest``, m.
     """
     length = float(np.hypot(*(line[1] - line[0])))
-    close = TOUCHING * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
+    close = OVERLAP_TOLERANCE * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
     for k, (name, gap) in enumerate(_outside(pieces, length)):
         if gap > close + ground.moved:
             what = f"its {name} lies outside every block; {_nearest(line[k], ground)}"

@@ -16,7 +16,7 @@ from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
 from clast.model.arrays import areas
 from clast.model.model import Model
-from clast.model.state import POINTS, ContactMemory, State
+from clast.model.state import POINT_NUMBERS, ContactMemory, State
 from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
@@ -93,7 +93,7 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
         return
     vertices = len(model.vertices)
     limits = {"vertex": vertices, "edge": vertices, "block": model.block_count}
-    for name, limit in {**limits, "mode": len(MODES), "point": POINTS}.items():
+    for name, limit in {**limits, "mode": len(MODES), "point": POINT_NUMBERS}.items():
         if ((arrays[name] < 0) | (arrays[name] >= limit)).any():
             yield f"its contacts have a {name} that does not exist"
             return

@@ -14,8 +14,8 @@ from clast.model.ground_motion import Still
 from clast.model.model import Model
 from clast.model.ranges import check_names
 from clast.model.stages import (
+    ANGLE_IN_RADIANS_MAX,
     EQUILIBRIUM,
-    SMALL_ANGLE,
     TIME,
     Stage,
     contradiction,
@@ -140,7 +140,7 @@ def _check_joints(stage: Stage, model: Model) -> None:
             remedy = spelling.advice(name, joints, kind="joint")
             raise _fault(stage, "joint", f"there is no joint '{shortened(name)}'", remedy)
     for joint in with_strengths(model.joint_table, stage.joints).joints:
-        is_small = 0.0 < joints[joint.name].friction_angle < SMALL_ANGLE
+        is_small = 0.0 < joints[joint.name].friction_angle < ANGLE_IN_RADIANS_MAX
         fault = contradiction(joint, is_small_meant=is_small)
         if joint.name in stage.joints and fault is not None:
             key = f"joint '{shortened(joint.name)}', {fault.key}"
