@@ -88,27 +88,6 @@ def test_the_table_of_a_stage_has_the_fields_of_a_stage():
             assert default == own[key], key
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"time": -1.0}, "stage 'dig', time: must be above 0, not -1.0"),
-        ({"hold": True}, "stage 'dig', hold: must be a whole number, not true"),
-        ({"until": "tiem"}, "stage 'dig', until: 'tiem' is not known here"),
-        ({"joints": 5}, "stage 'dig', joint: must be a table"),
-        ({"joints": {"default": {"cohesion": -1.0}}}, "stage 'dig', joint.default.cohesion: "),
-        ({"loads": "pool"}, "stage 'dig', loads: must be a list in brackets"),
-    ],
-)
-def test_stages_of_scripts_are_judged_by_their_table(keys: dict[str, Any], said: str):
-    stage = clast.Stage(name="dig", **keys)
-    for give in (
-        lambda: clast.simulate(box(), stages=[stage], **KEYS),
-        lambda: box().case(stages=[stage], **KEYS),
-    ):
-        with pytest.raises(CaseError, match=f"(?s){said}"):
-            give()
-
-
 def test_a_stage_comes_back_from_its_table():
     stage = clast.Stage(
         name="dig",

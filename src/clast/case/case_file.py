@@ -185,7 +185,7 @@ class Case(BaseModel):
             lists |= {key: getattr(self, key) for key in ("region", "block_pattern")}
             what, remedy = "there is no [domain] to cut", "give [domain] with its boundary"
             faults = [
-                Fault(place=(key, getattr(self, key).index(tables[0])), what=what, remedy=remedy)
+                Fault(what, remedy, (key, getattr(self, key).index(tables[0])))
                 for key, tables in lists.items()
                 if tables
             ]
@@ -208,11 +208,7 @@ class Case(BaseModel):
             if isinstance(one.until, str)
         ]
         faults = [
-            Fault(
-                place=place,
-                what=f"there is no stage '{name}'",
-                remedy=spelling.advice(name, stages, kind="stage"),
-            )
+            Fault(f"there is no stage '{name}'", spelling.advice(name, stages, kind="stage"), place)
             for place, name in given
             if name not in stages
         ]
@@ -285,10 +281,7 @@ class Case(BaseModel):
         return self._written(lambda value, where: repr(value))
 
     def to_toml(self) -> str:
-        """Return the case as a TOML text, without values that are defaults.
-
-        Raises CaseError where the case holds an object of a script.
-        """
+        """Return the case as a TOML text, without values that are defaults."""
         return self._written(case_writing.refuse_object)
 
     def _written(self, instead: case_writing.Instead) -> str:
@@ -298,11 +291,7 @@ class Case(BaseModel):
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
         builder = InputBuilder(
-            self.title,
-            self.plane,
-            self.gravity,
-            self.gravity_amplitude,
-            self.seismic_coefficient,
+            self.title, self.plane, self.gravity, self.gravity_amplitude, self.seismic_coefficient
         )
         with self._located():
             folder = self._folder
@@ -315,10 +304,7 @@ class Case(BaseModel):
             return builder.build()
 
     def cut(self) -> CutCase:
-        """Return the blocks that [domain] is cut into, the same ones every time.
-
-        Raises ModelError naming table, key and remedy.
-        """
+        """Return the blocks that [domain] is cut into, the same ones every time."""
         if self._cut is None:
             with self._located():
                 rock_mass = self._rock_mass

@@ -88,10 +88,7 @@ def case_text(drawing: Drawing) -> str:
 
 
 def cut_of(drawing: Drawing) -> CutCase:
-    """Return the blocks of a drawing, which needs no moduli and no strengths for them.
-
-    Raises ModelError where it has no outline of the domain, or cannot be cut.
-    """
+    """Return the blocks of a drawing, which needs no moduli and no strengths for them."""
     tables = "".join([_domain(drawing), *_tables(drawing)])
     content = tomllib.loads(tables)
     if "domain" not in content:

@@ -27,11 +27,7 @@ from clast.results.checkpoints.checkpoint import (
     Source,
     belongs,
 )
-from clast.results.checkpoints.checkpoint_files import (
-    checkpoint_path,
-    damaged,
-    read_checkpoint,
-)
+from clast.results.checkpoints.checkpoint_files import checkpoint_path, damaged, read_checkpoint
 from clast.results.checkpoints.encode import classes_near
 from clast.results.checkpoints.fingerprints import (
     SHAPE,
@@ -129,10 +125,7 @@ def resume(
 
 
 def result_file(path: str | Path, output: str | Path | None = None) -> Path:
-    """Return the result file in which a checkpoint goes on: ``output``, or that of its run.
-
-    Raises CaseError for a file that is not a checkpoint.
-    """
+    """Return the result file in which a checkpoint goes on: ``output``, or that of its run."""
     if output is not None:
         return Path(output)
     return Path(path).resolve().parent / read_checkpoint(Path(path), {}).recorded.file
@@ -244,10 +237,7 @@ def _remarks(checkpoint: Checkpoint) -> Iterator[str]:
 
 
 def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
-    """Raise CaseError where a checkpoint does not fit this model and its stages.
-
-    Nothing has been written until here, and no kernel has seen it.
-    """
+    """Raise CaseError where a checkpoint does not fit this model and its stages."""
     from clast.run.run_state import RunState
     from clast.run.stages import checkpoint_checks
 
@@ -302,10 +292,7 @@ def _case(source: Source, path: Path, settings: Sequence[str]) -> Case:
 
 
 def _folder(source: Source, path: Path) -> Path:
-    """Return the folder with the files that a case names, as they were.
-
-    The folder of the case file is looked at first, then that of the checkpoint.
-    """
+    """Return the folder with the files that a case names, as they were."""
     folders = Path(source.file).parent, path.resolve().parent
     changed: list[str] = []
     for folder in folders:
@@ -357,11 +344,7 @@ KEPT = (*SHAPE, "measured_points")
 def stage_before(
     checkpoint: Checkpoint, path: Path, stage: str, known: Mapping[str, type]
 ) -> tuple[Path, Checkpoint]:
-    """Return the checkpoint of the end of the stage before ``stage``, beside another of the run.
-
-    Raises CaseError where there is no such stage, or none before it, and where that checkpoint is
-    of another run or of another moment.  ``known`` are classes of scripts.
-    """
+    """Return the checkpoint of the end of the stage before ``stage``, beside another of the run."""
     names = [one.name for one in checkpoint.source.schedule.stages]
     if stage not in names:
         what = f"the run has no stage '{shortened(stage)}'"

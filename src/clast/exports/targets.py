@@ -10,10 +10,7 @@ from clast.results import Recording
 
 
 def frames_in(results: Recording, wanted: Sequence[int] | None) -> list[int]:
-    """Return the numbers of the frames ``wanted``, from 0; all for None.
-
-    Raises CaseError for one that does not exist, and for none at all.
-    """
+    """Return the numbers of the frames ``wanted``, from 0; all for None."""
     if wanted is None:
         return list(range(len(results.times)))
     if not len(wanted):

@@ -81,9 +81,9 @@ class GeometryTable(Table):
         count = len(self.vertices)
         faults = [
             Fault(
-                place=("blocks", number, "loop", position),
-                what=f"there is no vertex {vertex}",
-                remedy=f"vertices are numbered from 1 to {count}",
+                f"there is no vertex {vertex}",
+                f"vertices are numbered from 1 to {count}",
+                ("blocks", number, "loop", position),
             )
             for number, block in enumerate(self.blocks)
             for position, vertex in enumerate(block.loop)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.inputs import materials
 from clast.inputs.blocks import BlockTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
@@ -65,12 +65,7 @@ from clast.inputs.measurements import (
 )
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolts import idle_note, placed_bolts
-from clast.inputs.placing.place_blocks import (
-    BlockArrays,
-    Names,
-    Vector,
-    rocks_of,
-)
+from clast.inputs.placing.place_blocks import BlockArrays, Names, Vector, rocks_of
 from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
@@ -87,7 +82,7 @@ from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.edges import edges_on
 from clast.model.ground_motion import Still, ending_note
 from clast.model.joints import WELD_STRENGTH
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model, PlaneStrain
 from clast.model.ranges import check_names
 from clast.model.surroundings import InSituStress
 
@@ -248,7 +243,11 @@ class InputBuilder(Inputs):
         self._check_names()
         rocks = tuple(one.rock(name) for name, one in self.named(materials.Rock).items())
         for rock in rocks:
-            materials.check_rock(rock, self.plane)
+            if isinstance(self.plane, PlaneStrain) and rock.poisson == 0.5:
+                what = f"{rock.poisson:g} is impossible in plane {self.plane.name}"
+                where = f"rock '{shortened(rock.name)}', poisson"
+                remedy = "Poisson's ratio is above -1 and below 0.5; rocks have 0.1 to 0.4"
+                raise ModelError(what, where=where, remedy=remedy)
         drawn = self._outlines()
         clockwise = drawn.area < 0.0
         edge = drawn.turned_edges(clockwise)

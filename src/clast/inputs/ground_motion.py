@@ -16,13 +16,7 @@ from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TABLE, Acceleration, Instant, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.records.columns import check_sizes, doubted_times, read_record
-from clast.inputs.records.components import (
-    Component,
-    along,
-    component,
-    is_other_unit,
-    together,
-)
+from clast.inputs.records.components import Component, along, component, is_other_unit, together
 from clast.inputs.records.conversion import STOP_TIME_S, Samples, brought_to_rest, correction_of
 from clast.inputs.records.formats import format_of
 from clast.model import ranges

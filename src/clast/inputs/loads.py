@@ -238,10 +238,7 @@ class _Line:
 def pressed_edges(
     pressures: Sequence[Pressure], ground: Ground
 ) -> tuple[EdgePressures, tuple[str, ...]]:
-    """Return the parts of edges on which pressures act, and notes of lines that leave edges.
-
-    Raises ModelError where no edge lies along a line, or edges of two blocks do.
-    """
+    """Return the parts of edges on which pressures act, and notes of lines that leave edges."""
     parts = [EdgePressures()]
     notes: list[str] = []
     outlines = ground.outlines

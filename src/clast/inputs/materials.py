@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast.errors import ModelError, shortened
+from clast.errors import ModelError
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal, refusals
@@ -160,6 +160,8 @@ OF_COULOMB = {
 """Keys that a rough joint has no use for, and why."""
 SAMPLE_LENGTH = 0.1
 """Length of a sample, m (Barton & Choubey 1977)."""
+FRICTION_ANGLE_MAX = 70.0
+"""Largest friction angle of rough joints, degrees."""
 WEAKEST_WALL, WIDEST, LONGEST = 1e5, 5e-3, 10.0
 """Compressive strength, Pa, opening and length of samples, m, that look like other units."""
 
@@ -170,86 +172,72 @@ def _faults_of_law(joint: Joint) -> Iterator[Fault]:
     if joint.law == "coulomb":
         for key in sorted((ROUGHNESS - {"law"}) & given):
             yield Fault(
-                place=(key,),
-                what='belongs to a joint with law = "barton-bandis"',
-                remedy='add law = "barton-bandis", or leave it out',
+                'belongs to a joint with law = "barton-bandis"',
+                'add law = "barton-bandis", or leave it out',
+                (key,),
             )
         return
     for key, reason in OF_COULOMB.items():
         if key in given:
             yield Fault(
-                place=(key,),
-                what='does not belong to law = "barton-bandis"',
-                remedy=f"leave it out: {reason}",
+                'does not belong to law = "barton-bandis"', f"leave it out: {reason}", (key,)
             )
     missing = [key for key in NEEDED if getattr(joint, key) is None]
     for key in missing:
         what = 'is missing: law = "barton-bandis" needs it'
-        yield Fault(place=(key,), what=what, remedy=NEEDED[key])
+        yield Fault(what, NEEDED[key], (key,))
     if not missing:
-        yield from _faults_of_units(joint)
-        yield from _faults_of_closure(joint)
+        yield from _faults_of_numbers(joint)
 
 
-def _faults_of_units(joint: Joint) -> Iterator[Fault]:
-    """Give which numbers of a rough joint look as if they were in other units."""
+def _faults_of_numbers(joint: Joint) -> Iterator[Fault]:
+    """Give the numbers of a rough joint that look like other units, or that give no closure."""
     if joint.jcs is not None and joint.jcs < WEAKEST_WALL:
         meant = f"{joint.jcs:g} looks like MPa, but strengths are in Pa"
-        yield Fault(place=("jcs",), what=meant, remedy=f"write {1e6 * joint.jcs:g}")
+        yield Fault(meant, f"write {1e6 * joint.jcs:g}", ("jcs",))
     for key, most in {"initial_aperture": WIDEST, "sample_length": LONGEST}.items():
         value = getattr(joint, key)
         if value is not None and value > most:
             what = f"{value:g} looks like millimetres, but lengths are in m"
-            yield Fault(place=(key,), what=what, remedy=f"write {1e-3 * value:g}")
+            yield Fault(what, f"write {1e-3 * value:g}", (key,))
     if joint.field_length is not None and joint.field_length < (
         joint.sample_length or SAMPLE_LENGTH
     ):
         yield Fault(
-            place=("field_length",),
-            what=f"{joint.field_length:g} m is less than the length of the sample, "
-            f"{joint.sample_length or SAMPLE_LENGTH:g} m",
-            remedy="give the length of the joint between cross joints, or leave it out",
+            (
+                f"{joint.field_length:g} m is less than the length of the sample, "
+                f"{joint.sample_length or SAMPLE_LENGTH:g} m"
+            ),
+            "give the length of the joint between cross joints, or leave it out",
+            ("field_length",),
         )
     angle = joint.residual_friction_angle
     if angle is not None and angle >= FRICTION_ANGLE_MAX:
         yield Fault(
-            place=("residual_friction_angle",),
-            what=(
+            (
                 f"{angle:g} degrees leave no room for roughness: the total friction angle is "
                 f"capped at {FRICTION_ANGLE_MAX:g}"
             ),
-            remedy="give the friction angle of a smooth joint of this rock, 20 to 35 degrees",
+            "give the friction angle of a smooth joint of this rock, 20 to 35 degrees",
+            ("residual_friction_angle",),
         )
 
-
-FRICTION_ANGLE_MAX = 70.0
-"""Largest friction angle of rough joints, degrees."""
-
-
-def _faults_of_closure(joint: Joint) -> Iterator[Fault]:
-    """Give where the formulas of closure give none for the numbers of a rough joint."""
     rough = joint._roughness()
     if not rough.stiffness > 0.0:
         yield Fault(
-            place=("jcs",),
-            what=f"the formula of Bandis gives an initial normal stiffness of "
-            f"{1e-9 * rough.stiffness:.3g} MPa/mm",
-            remedy="give a smaller initial_aperture, m, or normal_stiffness, Pa/m, itself",
+            (
+                f"the formula of Bandis gives an initial normal stiffness of "
+                f"{1e-9 * rough.stiffness:.3g} MPa/mm"
+            ),
+            "give a smaller initial_aperture, m, or normal_stiffness, Pa/m, itself",
+            ("jcs",),
         )
     if not rough.closure > 0.0:
         yield Fault(
-            place=("initial_aperture",),
-            what=f"the formula of Bandis gives a maximum closure of {1e3 * rough.closure:.3g} mm",
-            remedy="give a larger initial_aperture, m",
+            f"the formula of Bandis gives a maximum closure of {1e3 * rough.closure:.3g} mm",
+            "give a larger initial_aperture, m",
+            ("initial_aperture",),
         )
-
-
-def check_rock(rock: model.Rock, plane: model.Plane) -> None:
-    """Refuse a Poisson's ratio that is impossible in a plane."""
-    if isinstance(plane, model.PlaneStrain) and rock.poisson == 0.5:
-        what = f"{rock.poisson:g} is impossible in plane {plane.name}"
-        remedy = "Poisson's ratio is above -1 and below 0.5; rocks have 0.1 to 0.4"
-        raise ModelError(what, where=f"rock '{shortened(rock.name)}', poisson", remedy=remedy)
 
 
 def joint_table(
@@ -258,10 +246,7 @@ def joint_table(
     block_number: dict[str, int],
     along_edges: set[str],
 ) -> JointTable:
-    """Return the joints, the default first, and the pairs that they belong to.
-
-    ``along_edges`` are the names of those that edges have, or lines that may become edges.
-    """
+    """Return the joints, the default first, and the pairs that they belong to."""
     ordered = sorted({"default": Joint(), **given}.items(), key=lambda one: one[0] != "default")
     names = [name for name, _ in ordered]
     rock_joint: dict[tuple[int, int], int] = {}

@@ -91,27 +91,24 @@ def point_faults(
     for number, point in enumerate(points):
         if "/" in point.name:  # scripts may: only a file's names are typed in again
             yield Fault(
-                place=("measured_point", number, "name"),
-                what=f"'{shortened(point.name)}' has a /, but names places in the result file",
-                remedy="give it a name without /",
+                f"'{shortened(point.name)}' has a /, but names places in the result file",
+                "give it a name without /",
+                ("measured_point", number, "name"),
             )
     names = [point.name for point in points]
     for number, reference in enumerate(references):
         if reference.point not in names:
             yield Fault(
-                place=("reference", number, "point"),
-                what=f"there is no measured point '{reference.point}'",
-                remedy=spelling.advice(reference.point, names, kind="measured point"),
+                f"there is no measured point '{reference.point}'",
+                spelling.advice(reference.point, names, kind="measured point"),
+                ("reference", number, "point"),
             )
 
 
 def contacts_measured(
     given: Sequence[MeasuredContact], table: JointTable, origin: Floats
 ) -> MeasuredContacts:
-    """Return the contacts to be recorded; raises ModelError for names that cannot be.
-
-    ``origin`` (2,), m, is the origin of the model's coordinates.
-    """
+    """Return the contacts to be recorded; raises ModelError for names that cannot be."""
     check_names("measured contact", [one.name for one in given])
     joints = {joint.name: k for k, joint in enumerate(table.joints)}
     number = [
@@ -153,16 +150,19 @@ class Supported:
         return np.concatenate([np.zeros(0, np.int64), *blocks])
 
 
-@dataclass(frozen=True)
+NONE = np.zeros(0, np.int64)
+
+
+@dataclass(frozen=True, eq=False)
 class _Part:
     """A reaction: its name, its supports, and the point of its moment."""
 
     name: str
-    blocks: Ints
-    fixed_points: Ints
-    viscous_edges: Ints
     about: Floats
-    ground: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    blocks: Ints = field(default_factory=NONE.copy)
+    fixed_points: Ints = field(default_factory=NONE.copy)
+    viscous_edges: Ints = field(default_factory=NONE.copy)
+    ground: Ints = field(default_factory=NONE.copy)
 
 
 def reactions_in(records: Sequence[MeasuredReaction], supports: Supported) -> Reactions:
@@ -190,30 +190,29 @@ def _totals(supports: Supported) -> Iterable[_Part]:
     """Give the totals of each kind of support, and the reactions of motions."""
     ground = supports.ground
     still = np.setdiff1d(np.flatnonzero(ground.fixed), supports.moved)
-    none = np.zeros(0, np.int64)
     places = [one.on_ground for one in supports.actions if hasattr(one, "on_ground")]
     at = np.concatenate([np.zeros((0, 2)), *places])
     if len(still) or len(at):
         # what the ground holds by links and linings is held as by a fixed block
-        about = _middle(supports, still, none) if len(still) else at.mean(axis=0)
-        yield _Part("fixed blocks", still, none, none, about, np.zeros(min(1, len(at)), np.int64))
+        about = _middle(supports, still, NONE) if len(still) else at.mean(axis=0)
+        held = np.zeros(min(1, len(at)), np.int64)
+        yield _Part("fixed blocks", about, blocks=still, ground=held)
     points = np.arange(len(supports.ground.points.block))
     if len(points):
-        yield _Part("fixed points", none, points, none, _middle(supports, none, points))
+        yield _Part("fixed points", _middle(supports, NONE, points), fixed_points=points)
     if supports.viscous_edges:
-        everybody = np.arange(len(ground.fixed))
-        edges = np.arange(supports.viscous_edges)
-        yield _Part("viscous edges", none, none, edges, _middle(supports, everybody, none))
+        about = _middle(supports, np.arange(len(ground.fixed)), NONE)
+        yield _Part("viscous edges", about, viscous_edges=np.arange(supports.viscous_edges))
     for name, one in supports.motions.items():
-        point = none if one.point is None else np.array([one.point])
-        yield _Part(name, one.block, point, none, _middle(supports, one.block, point))
+        point = NONE if one.point is None else np.array([one.point])
+        yield _Part(name, _middle(supports, one.block, point), one.block, point)
 
 
 def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
     """Return a reaction that is asked for; raises ModelError where nothing is held or moved."""
-    ground, none = supports.ground, np.zeros(0, np.int64)
+    ground = supports.ground
     where = f"measured reaction '{shortened(one.name)}'"
-    blocks, points = none, none
+    blocks, points = NONE, NONE
     if one.fixed_point is not None:
         points = ground.fixed_point(one.fixed_point, where)
     else:
@@ -228,7 +227,7 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
     about = _middle(supports, blocks, points)
     if one.about is not None:
         about = np.array(one.about) - ground.outlines.origin
-    return _Part(one.name, blocks, points, none, about)
+    return _Part(one.name, about, blocks, points)
 
 
 def _middle(supports: Supported, blocks: Ints, points: Ints) -> Floats:

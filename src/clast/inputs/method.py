@@ -7,13 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
-from clast.inputs.declaring.alternatives import (
-    Alternatives,
-    Choice,
-    Chosen,
-    GivenObject,
-    within,
-)
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, GivenObject, within
 from clast.inputs.declaring.table import Fraction, Interval, Length, Positive, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.model import ranges
@@ -32,10 +26,7 @@ CONTACT_LAWS = {
     "penalty": "clast.contact.laws:Penalty",
     "augmented-lagrangian": "clast.contact.laws:AugmentedLagrangian",
 }
-MULTIPLIERS = {
-    "reset": "clast.contact.laws:Reset",
-    "carried": "clast.contact.laws:Carried",
-}
+MULTIPLIERS = {"reset": "clast.contact.laws:Reset", "carried": "clast.contact.laws:Carried"}
 CORNER_RULES = {
     "bisector": "clast.contact.corner_rules:Bisector",
     "shi": "clast.contact.corner_rules:EntranceLines",

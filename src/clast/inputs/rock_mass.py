@@ -23,6 +23,16 @@ from clast.model.surroundings import OpeningBlocks
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]
 Seed = Annotated[StrictInt, Field(ge=0)]
+OutlineLayer = Annotated[
+    StrictStr | None,
+    Field(description="Layer of a DXF drawing with this outline only; required for DXF."),
+]
+DrawingUnit = Annotated[
+    StrictStr | None,
+    Field(
+        description="Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."
+    ),
+]
 
 
 class FileTable(Table):
@@ -30,10 +40,8 @@ class FileTable(Table):
 
     file: StrictStr
     """Drawing (.dxf) or table with the columns x, y (.csv), beside the case file."""
-    layer: StrictStr | None = None
-    """Layer of a DXF drawing with this outline only; required for DXF."""
-    unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
+    layer: OutlineLayer = None
+    unit: DrawingUnit = None
 
 
 Boundary = Annotated[Loop | FileTable, OR_TABLE]
@@ -76,8 +84,7 @@ class TraceTable(Table):
     or .dxf; instead of points."""
     layer: StrictStr | None = None
     """Layer of a DXF drawing; required for DXF."""
-    unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
+    unit: DrawingUnit = None
     joint: StrictStr | None = None
     """Joint along them: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
     set: StrictStr = "traces"
@@ -133,10 +140,8 @@ class OpeningTable(Table):
     """Corners [x, y] of a polygon, m."""
     file: StrictStr | None = None
     """Outline in a file beside the case file, .dxf or .csv; instead of a shape."""
-    layer: StrictStr | None = None
-    """Layer of a DXF drawing with this outline only; required for DXF."""
-    unit: StrictStr | None = None
-    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."""
+    layer: OutlineLayer = None
+    unit: DrawingUnit = None
     blocks: list[StrictStr] = Field([])
     """Names of blocks, without a domain, that are excavated together; instead of a shape."""
     weld: StrictStr | None = None
@@ -193,14 +198,12 @@ def check_keys(
     kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
     instead = f"{kind} has {keys}" if keys else "take it out"
     faults = [
-        Fault(place=(key,), what=f"{kind} has no such key", remedy=instead)
+        Fault(f"{kind} has no such key", instead, (key,))
         for key in have
         if key not in (*needed, *allowed)
     ]
     faults += [
-        Fault(place=(key,), what="is missing", remedy=f"{kind} has {keys}")
-        for key in needed
-        if key not in have
+        Fault("is missing", f"{kind} has {keys}", (key,)) for key in needed if key not in have
     ]
     if faults:
         raise refusals(faults)
@@ -246,19 +249,13 @@ def unknown(name: str, known: Iterable[str], kind: str, place: tuple[str | int, 
     """Return the fault of a name that nothing has."""
     names = list(known)
     remedy = spelling.advice(name, names, kind=kind)
-    return Fault(place=place, what=f"there is no {kind} '{name}'", remedy=remedy)
+    return Fault(f"there is no {kind} '{name}'", remedy, place)
 
 
 def openings_of(
-    entries: Sequence[OpeningTable],
-    block_number: dict[str, int],
-    edge_joint: NDArray[np.str_],
+    entries: Sequence[OpeningTable], block_number: dict[str, int], edge_joint: NDArray[np.str_]
 ) -> tuple[OpeningBlocks, ...]:
-    """Return the openings with the numbers of their blocks and welded edges.
-
-    ``block_number`` are the numbers of the blocks by name, ``edge_joint`` (nv,) the names of the
-    joints of edges.  Raises ModelError for names that are taken or unknown, and blocks of two.
-    """
+    """Return the openings with the numbers of their blocks and welded edges."""
     openings: dict[str, OpeningBlocks] = {}
     owner: dict[int, str] = {}
     for one in entries:

@@ -118,10 +118,7 @@ class StageTable(Table):
 
 
 def given_stages(stages: Any) -> tuple[Stage, ...]:
-    """Return the stages that a script gives; their damping may be a name or a table, as in a file.
-
-    Raises CaseError for objects that are not stages, and for stages that their table refuses.
-    """
+    """Return the stages that a script gives; their damping may be a name or a table."""
     if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
         stages = [stages]
     listed = tuple(stages)

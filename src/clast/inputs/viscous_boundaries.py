@@ -95,11 +95,7 @@ OUTSIDE = np.array([0.05, 0.5, 0.95])
 
 
 def viscous_edges(boundaries: Sequence[ViscousBoundary], ground: Ground) -> ViscousEdges:
-    """Return the edges of viscous boundaries, in their order.
-
-    Raises ModelError for edges within the rock, on fixed blocks or in two boundaries, and for
-    places without any edge.
-    """
+    """Return the edges of viscous boundaries, in their order."""
     outlines = ground.outlines
     parts = [ViscousEdges()]
     seen: dict[int, str] = {}

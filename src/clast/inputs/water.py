@@ -175,10 +175,7 @@ class Bed:
 
 
 def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
-    """Return the edges that water wets, and the remarks on it.
-
-    Raises ModelError for water that wets nothing or cannot be.
-    """
+    """Return the edges that water wets, and the remarks on it."""
     if not waters:
         return (), ()
     outlines = bed.ground.outlines
@@ -235,10 +232,7 @@ def _water(
 
 
 def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
-    """Return the points of the phreatic line about the origin, x rising, shape (m, 2), m.
-
-    Refuses one that lies below all blocks.
-    """
+    """Return the points of the phreatic line about the origin, x rising, shape (m, 2), m."""
     surface = _line(label, given, outlines)
     x, y = outlines.vertices.T
     depth = surface_at(surface, x) - y
@@ -388,9 +382,8 @@ def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> t
             continue
         places.append(places_on(line, ends, near))
         if not len(places[-1]):
-            what = "no joint that this water enters meets it"
             remedy = "let it cross joints below the water level, or remove it"
-            raise ModelError(what, where=where, remedy=remedy)
+            raise ModelError("no joint that this water enters meets it", where=where, remedy=remedy)
     return np.concatenate(places), np.unique(np.concatenate(dug))
 
 

@@ -569,10 +569,7 @@ SETTINGS: dict[str, list[str]] = {
         "stage.2.joint={default={strength_reduction=1.5}}",
         "stage.2.time=0.005",
     ],
-    "stage dilates too much": [
-        "stage.2.joint={default={dilation_angle=35}}",
-        "stage.2.time=0.005",
-    ],
+    "stage dilates too much": ["stage.2.joint={default={dilation_angle=35}}", "stage.2.time=0.005"],
     "joint of no block": ["joint.default.between=[['base', 'wal']]"],
     "joint of one block": ["joint.default.between=[['wall', 'wall']]"],
     "joint of no rock": ["joint.default.between_rocks=[['stone', 'ston']]"],

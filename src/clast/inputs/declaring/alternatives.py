@@ -263,10 +263,7 @@ class Choice:
 
 @cache
 def options_table(choice: Choice, name: str, explained: bool = False) -> type[BaseModel]:
-    """Return the table of one alternative: its name and the fields of its dataclass.
-
-    An ``explained`` one has the meanings of its keys, which take longer to find than the rest.
-    """
+    """Return the table of one alternative: its name and the fields of its dataclass."""
     chosen = class_at(choice.names[name])
     meanings = field_docstrings(chosen) if explained else {}
     options: dict[str, Any] = {"name": (Literal[name], ...)}

@@ -58,10 +58,7 @@ def gives(
 def gives_named(
     key: str, kind: type[Table], *places: str, usual: str | None = None
 ) -> Callable[..., str]:
-    """Return the method ``add_...`` of a builder that adds a record by its name and returns it.
-
-    ``usual`` is the name of one that is given without.
-    """
+    """Return the method ``add_...`` of a builder that adds a record by its name and returns it."""
     default: Any = Parameter.empty if usual is None else usual
 
     def method(self: Inputs, name: Any = usual, *values: Any, **keys: Any) -> str:
@@ -167,10 +164,7 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ..
 
 
 def with_keys(*kinds: type[Table], whole: tuple[str, ...] = ()) -> Callable[[F], F]:
-    """Return the decorator of a function that takes the keys of tables, for its signature.
-
-    ``whole`` are keys of tables that are given as a whole.
-    """
+    """Return the decorator of a function that takes the keys of tables, for its signature."""
     keys = [one.alias or key for kind in kinds for key, one in kind.model_fields.items()]
     shown = [Parameter(key, Parameter.KEYWORD_ONLY, default=...) for key in (*keys, *whole)]
 

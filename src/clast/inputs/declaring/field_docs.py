@@ -50,10 +50,7 @@ def field_docstrings(table: type) -> dict[str, str]:
 
 @cache
 def _docstrings(table: type) -> dict[str, str]:
-    """Return the docstring line below each field of a class, without those of its bases.
-
-    A script that tries values has every refusal explained: to read the source takes 30 ms.
-    """
+    """Return the docstring line below each field of a class, without those of its bases."""
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
     except (OSError, TypeError):

@@ -70,12 +70,7 @@ class Table(BaseModel):
     Unknown keys and numbers that are not finite are refused.
     """
 
-    model_config = ConfigDict(
-        defer_build=True,
-        extra="forbid",
-        frozen=True,
-        allow_inf_nan=False,
-    )
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False)
     NAMED: ClassVar[bool] = False
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
 

@@ -66,21 +66,18 @@ FAULTS_LISTED_MAX = 10
 """Most faults that one message lists."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Fault:
     """One thing to put right."""
 
-    place: Place = ()
-    """Where it is."""
     what: str
-    """The fault."""
     remedy: str = ""
-    """The remedy."""
+    place: Place = ()
 
 
 def refusal(what: str, remedy: str = "", *place: str) -> PydanticCustomError:
     """Return the error by which a validator hands over one fault, of the key at ``place``."""
-    return refusals([Fault(place=place, what=what, remedy=remedy)])
+    return refusals([Fault(what, remedy, place)])
 
 
 def refusals(faults: Sequence[Fault]) -> PydanticCustomError:
@@ -142,7 +139,7 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     if not place:
         return ""
     top, rest = str(place[0]), list(place[1:])
-    value = content.get(top)
+    value: Any = content.get(top)
     number = rest[0] if rest else None
     if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
@@ -177,30 +174,27 @@ def keys_text(keys: Sequence[str | int]) -> str:
 
 
 def _in_words(
-    kind: str,
-    place: Place,
-    given: Any,
-    context: Mapping[str, Any],
-    table: type[BaseModel],
+    kind: str, place: Place, given: Any, context: Mapping[str, Any], table: type[BaseModel]
 ) -> Fault:
     """Return pydantic's fault as a sentence and a remedy."""
     if kind == "extra_forbidden":
-        return Fault(place=place, what=UNKNOWN_KEY, remedy=_known_keys(place, table))
+        return Fault(UNKNOWN_KEY, _known_keys(place, table), place)
     known = field_at(table, place)
     meaning = _meaning(place, table)
     if kind == "missing" and isinstance(place[-1], int):
-        return Fault(place=place[:-1], what=f"number {place[-1] + 1} is missing", remedy=meaning)
+        return Fault(f"number {place[-1] + 1} is missing", meaning, place[:-1])
     if kind == "missing":
         remedy = f"add it: {meaning}" if meaning else "add it"
-        return Fault(place=place, what="is missing", remedy=remedy)
+        return Fault("is missing", remedy, place)
     if kind == "literal_error":
         choices = list(_choices(known.annotation)) if known else []
         remedy = spelling.advice(str(given), choices, kind="choice")
-        return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
+        return Fault(f"{_shown(given)} is not known here", remedy, place)
     if kind in NO_TABLE or (kind in NO_LIST and isinstance(given, dict)):
         return _not_a_table(kind, place, given, table)
-    sentence = SENTENCES.get(kind, lambda given, _: f"cannot be {_shown(given)}")
-    return Fault(place=place, what=sentence(given, context), remedy=meaning)
+    if kind not in SENTENCES:
+        return Fault(f"cannot be {_shown(given)}", meaning, place)
+    return Fault(SENTENCES[kind](given, context), meaning, place)
 
 
 def _meaning(place: Place, table: type[BaseModel]) -> str:
@@ -258,14 +252,12 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
     if kind in NO_LIST:
         remedy = f"write [[{name}]], in two brackets" if heads else ""
         remedy = remedy or _meaning(place, table) or "write it in brackets: [1.0, 2.0]"
-        return Fault(
-            place=place, what="must be a list of tables, not a single table", remedy=remedy
-        )
+        return Fault("must be a list of tables, not a single table", remedy, place)
     what = f"must be a table, not {'a list' if isinstance(given, list) else _shown(given)}"
     if isinstance(given, list) and heads:
-        return Fault(place=place, what=what, remedy=f"write [{name}], in one bracket")
+        return Fault(what, f"write [{name}], in one bracket", place)
     heading = _meaning(place, table) if kind == "dict_type" else ""
-    return Fault(place=place, what=what, remedy=heading or f"it has the keys {keys}")
+    return Fault(what, heading or f"it has the keys {keys}", place)
 
 
 def _choices(annotation: Any) -> Iterator[str]:

@@ -217,13 +217,7 @@ class CutLine:
 
 
 def cut_line(
-    line: Floats,
-    *,
-    comes_back: bool,
-    length: float,
-    thickness: float,
-    is_middle: bool,
-    where: str,
+    line: Floats, *, comes_back: bool, length: float, thickness: float, is_middle: bool, where: str
 ) -> CutLine:
     """Return the segments of a lining to the left of a line (c, 2), m, or about it.
 

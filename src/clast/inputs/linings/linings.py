@@ -371,10 +371,7 @@ def linings_of_ground(
 
 
 def _without_contacts(one: PlacedLining, springs: _JointSprings, ground: Ground) -> Ints:
-    """Return the pairs of segments that follow each other, and of held ends with fixed blocks.
-
-    Shape (p, 2).
-    """
+    """Return the pairs of segments that follow each other, and of held ends with fixed blocks."""
     blocks = ground.blocks(one.names, one.rock).tolist()
     pairs = list(itertools.pairwise(blocks))
     pairs += [(blocks[-1], blocks[0])] if one.table.is_ring else []

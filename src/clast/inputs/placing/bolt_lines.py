@@ -140,10 +140,7 @@ def _joined(block: Ints, ends: Floats, close: float) -> LinePieces:
 def joints_between(
     pieces: LinePieces, line: Floats, ground: Ground, label: str, widest: float
 ) -> None:
-    """Refuse a grouted line that begins or ends in no block, leaves rock, or runs along a joint.
-
-    Joints may be open by ``widest``, m.
-    """
+    """Refuse a grouted line that begins or ends in no block, leaves rock, or runs along a joint."""
     length = float(np.hypot(*(line[1] - line[0])))
     close = OVERLAP_TOLERANCE * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
     for k, (name, gap) in enumerate(_outside(pieces, length)):

@@ -90,11 +90,7 @@ def _outline(
 
 
 def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, Floats]:
-    """Return where bolts begin, m, and their directions away from the centroid, (b, 2) each.
-
-    The remainder of the spacing along the outline between the angles is left free at both ends
-    alike.
-    """
+    """Return where bolts begin, m, and their directions away from the centroid, (b, 2) each."""
     first, last, spacing = pattern.from_, pattern.to, pattern.spacing
     middle = shapely.get_coordinates(shapely.centroid(shapely.Polygon(corners)))[0]
     ring = shapely.LinearRing(corners)

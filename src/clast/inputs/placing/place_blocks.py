@@ -24,10 +24,7 @@ Names = np.ndarray[Any, np.dtype[np.str_]]
 
 @dataclass(frozen=True)
 class BlockArrays:
-    """k blocks: loops of s vertices (k, s, 2), or (nv, 2) cut by ``start`` (k + 1,).
-
-    Nothing is judged before it is asked for.
-    """
+    """k blocks: loops of s vertices (k, s, 2), or (nv, 2) cut by ``start`` (k + 1,)."""
 
     first: int
     """Number of the first of them among all blocks, from 0."""
@@ -153,20 +150,15 @@ class BlockArrays:
 
 
 def rocks_of(entries: Iterable[BlockArrays], names: Sequence[str], of_linings: int = 0) -> Ints:
-    """Return the rock index of each block, shape (n,).
-
-    ``names`` are those of the rocks; the last of them, so many, are materials ``of_linings``.
-    """
+    """Return the rock index of each block, shape (n,)."""
     number = {name: index for index, name in enumerate(names)}
     only = names[0] if len(names) - of_linings == 1 else None
     rocks = []
     for entry in entries:
         given = only if entry.rock is None else entry.rock
         if given is None:
-            what = "names no rock"
-            raise ModelError(
-                what, where=entry.label(0), remedy=spelling.advice("", number, kind="rock")
-            )
+            remedy = spelling.advice("", number, kind="rock")
+            raise ModelError("names no rock", where=entry.label(0), remedy=remedy)
         if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
             index = number_of(given, number, "rock", entry.label(0))
             rocks.append(np.full(len(entry.names), index, np.int64))

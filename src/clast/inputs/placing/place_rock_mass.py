@@ -78,7 +78,7 @@ class RockMass:
                 yield unknown(name, self.rocks, "rock", place)
         if self.domain.rock is None and len(self.rocks) != 1:
             remedy = spelling.advice("", self.rocks, kind="rock")
-            yield Fault(place=("domain", "rock"), what="names no rock", remedy=remedy)
+            yield Fault("names no rock", remedy, ("domain", "rock"))
         for place, name in self._named_joints():
             if name not in (None, DEFAULT, *self.joints):
                 yield unknown(str(name), self.joints, "joint", place)

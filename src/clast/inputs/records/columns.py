@@ -147,10 +147,7 @@ INTERVAL_CHANGE_MAX = 0.1
 
 
 def read_csv(path: Path) -> RecordSeries:
-    """Return the record in a file of two or three columns; raises CaseError with file and line.
-
-    Instants must rise by the same interval.
-    """
+    """Return the record in a file of two or three columns; raises CaseError with file and line."""
     record = read_record(path)
     interval = np.diff(record.time)
     usual = float(np.sort(interval)[(len(interval) - 1) // 2])

@@ -13,13 +13,7 @@ import numpy as np
 from clast.errors import CaseError
 from clast.inputs.declaring.text import read_bytes, read_text
 from clast.inputs.records.columns import BESIDE, read_csv
-from clast.inputs.records.series import (
-    UNITS,
-    RecordSeries,
-    number_of,
-    numbers_of,
-    unit_of_heading,
-)
+from clast.inputs.records.series import UNITS, RecordSeries, number_of, numbers_of, unit_of_heading
 
 AT2_HEADING_LINES_MAX = 12
 """Lines within which NPTS and DT are looked for."""
@@ -87,9 +81,8 @@ def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
             match = pattern.search(line)
             if match:
                 return index, (match[1], match[2])
-    what = "its heading has no line with NPTS and DT"
     raise CaseError(
-        what,
+        "its heading has no line with NPTS and DT",
         where=f"{name}: lines 1 to {min(len(lines), AT2_HEADING_LINES_MAX)}",
         remedy=AT2_LAYOUT,
     )
@@ -232,10 +225,7 @@ ENDINGS = {
 
 
 def format_of(path: Path) -> str:
-    """Return the format of a file by its ending, else by how its text begins; csv if by neither.
-
-    Raises CaseError where a file of unknown ending cannot be read as text.
-    """
+    """Return the format of a file by its ending, else by how its text begins; csv if by neither."""
     known = ENDINGS.get(path.suffix.lower())
     if known is not None:
         return known

@@ -15,13 +15,7 @@ from clast.model.model import Floats, Ints
 STANDARD_GRAVITY = 9.80665
 """The unit of records in g, m/s2 (CGPM 1901)."""
 UNITS: dict[str, dict[str, float]] = {
-    "acceleration": {
-        "m/s2": 1.0,
-        "g": STANDARD_GRAVITY,
-        "cm/s2": 0.01,
-        "gal": 0.01,
-        "mm/s2": 1e-3,
-    },
+    "acceleration": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 1e-3},
     "velocity": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 1e-3},
     "displacement": {"m": 1.0, "cm": 0.01, "mm": 1e-3},
 }
@@ -51,10 +45,7 @@ class RecordSeries:
 
 
 def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floats:
-    """Return all numbers of lines of words, shape (k,); ``lines`` have their number and text.
-
-    Raises CaseError naming the line for a text that is not a finite number.
-    """
+    """Return all numbers of lines of words, shape (k,); ``lines`` have their number and text."""
     numbers: list[float] = []
     for number, line in lines:
         for word in line.split():

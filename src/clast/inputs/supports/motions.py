@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -280,22 +280,25 @@ def _check_apart(each: tuple[OneMotion, ...], ground: Ground) -> None:
     since: dict[tuple[int, int], OneMotion] = {}
     _check_points(each, ground)
     for one in each:
-        where = one.label
+        pressed = () if one.servo is None else [axis for axis in (0, 1) if one.servo.force[axis]]
         for block in one.block.tolist():
             if one.held and block in ground.points.block:
-                raise ModelError(
-                    f"block '{shortened(names[block])}' is held by a fixed point, too",
-                    where=where,
-                    remedy="remove the fixed point, or the motion; components that shall not "
-                    "move are given as 0",
+                what = f"block '{shortened(names[block])}' is held by a fixed point, too"
+                remedy = (
+                    "remove the fixed point, or the motion; components that shall not move are "
+                    "given as 0"
                 )
-            for axis in _pressed_or_held(one):
-                other = since.get((block, axis))
-                if other is not None and not _one_after_the_other(other, one):
+                raise ModelError(what, where=one.label, remedy=remedy)
+            for axis in (*one.held, *pressed):
+                other = since.setdefault((block, axis), one)
+                # one may end with the stage with which the other begins
+                pairs = ((one, other), (other, one))
+                apart = any(a.last_stage != "" and a.last_stage == b.stage for a, b in pairs)
+                if other is not one and not apart:
                     raise ModelError(
                         f"{AXES[axis]} of block '{shortened(names[block])}' is moved by "
                         f"{other.label}, too",
-                        where=where,
+                        where=one.label,
                         remedy="let only one of them move it, or end one (until) with the stage in "
                         "which the other begins",
                     )
@@ -316,16 +319,3 @@ def _check_points(each: tuple[OneMotion, ...], ground: Ground) -> None:
             what = f"its block '{shortened(ground.outlines.names[block])}' is fixed"
             raise ModelError(what, where=where, remedy="move the block, or leave fixed out")
         moved[one.point] = one
-
-
-def _pressed_or_held(one: OneMotion) -> Iterator[int]:
-    """Give the components that a motion has to itself."""
-    yield from one.held
-    if one.servo is not None:
-        yield from (axis for axis in (0, 1) if one.servo.force[axis])
-
-
-def _one_after_the_other(one: OneMotion, other: OneMotion) -> bool:
-    """Return whether one of two motions ends with the stage with which the other begins."""
-    pairs = ((one, other), (other, one))
-    return any(a.last_stage != "" and a.last_stage == b.stage for a, b in pairs)
