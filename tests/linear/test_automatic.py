@@ -9,7 +9,7 @@ from benchmarks.scenes import SCENES, stack
 from clast.linear.block_matrix import coupled_pairs, inertia_shares
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import (
-    SOFT,
+    INERTIA_SHARE_MIN,
     Automatic,
     Direct,
     ExactFactor,
@@ -81,7 +81,9 @@ def test_the_way_suits_size_and_stiffness(model, step, way):
 def test_trees_are_solved_exactly_whatever_their_inertia():
     system = system_of(stack(60, 5), 1.0, 0.05)
     coupled = coupled_pairs(system.upper)
-    assert inertia_shares(system.diagonal, system.upper, system.rows, coupled)[0] < SOFT
+    assert (
+        inertia_shares(system.diagonal, system.upper, system.rows, coupled)[0] < INERTIA_SHARE_MIN
+    )
     found = solve(Automatic(), system)
     assert np.array_equal(found, solve(Direct(), system))
 

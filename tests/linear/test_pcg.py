@@ -14,7 +14,7 @@ from clast.linear.solvers import (
     PCG,
     SAFE_SHIFT,
     SHIFT,
-    TRIED,
+    TRIAL_ITERATIONS,
     Attempt,
     Direct,
     ExactFactor,
@@ -25,8 +25,8 @@ from clast.linear.solvers import (
 )
 from scenes.block_matrices import PATTERNS, dense, elastic_grid, random_system, with_upper
 
-PLAIN = Attempt(coarse=False, shift=SHIFT, iterations=400, trial=TRIED)
-COARSE = Attempt(coarse=True, shift=SHIFT, iterations=400, trial=TRIED)
+PLAIN = Attempt(coarse=False, shift=SHIFT, iterations=400, trial=TRIAL_ITERATIONS)
+COARSE = Attempt(coarse=True, shift=SHIFT, iterations=400, trial=TRIAL_ITERATIONS)
 SAFE = Attempt(coarse=True, shift=SAFE_SHIFT, iterations=400, trial=40)
 
 
@@ -165,7 +165,7 @@ def test_a_slow_iteration_is_left_early():
     one = elastic_grid(30, 30)
     matrix = by_attempts(one, replace(PLAIN, iterations=20))
     matrix.solve(one.force)
-    assert matrix.iterated == TRIED
+    assert matrix.iterated == TRIAL_ITERATIONS
     assert matrix.next_solver == Direct()
 
 

@@ -104,17 +104,12 @@ SHIFT, SAFE_SHIFT = 0.006, 0.02
 """Shares by which diagonal blocks are larger, at first and where pivots were next to singular all
 the same: there 15 to 40 iterations then take the place of 50 to 900, or of numbers that are not
 finite; elsewhere it costs up to half as many more."""
-TRIED = 8
+TRIAL_ITERATIONS = 8
 """Iterations after which the rate of convergence is judged."""
-TENTH = 10
-"""One in so many iterations has been made before the last attempt is judged: the first may gain
-nothing, and an exact factor comes after them."""
-SINGLE = 1e-5
+SINGLE_PRECISION_REDUCTION = 1e-5
 """Reduction of the residual that single precision is good for, before it is computed anew."""
-GAIN = 0.5
+REFINEMENT_GAIN_MIN = 0.5
 """Reduction of the residual, computed anew, without which single precision is not enough."""
-MARGIN = 0.5
-"""Share of the tolerance that a refinement leaves, for it to hold when computed anew."""
 
 
 class IteratedMatrix:
@@ -182,23 +177,26 @@ class IteratedMatrix:
         """Return d (n, 6) by iterative refinement, or None where the iteration stalls."""
         attempt, displacement = self._attempts[0], guess
         left, goal, before = attempt.iterations, 0.0, math.inf
-        rough, accuracy = tolerance >= SINGLE, max(tolerance, SINGLE)
+        rough, accuracy = (
+            tolerance >= SINGLE_PRECISION_REDUCTION,
+            max(tolerance, SINGLE_PRECISION_REDUCTION),
+        )
         while True:
             residual = force if displacement is None else force - self._times(displacement)
             correction, iterations, size, rest = pcg.solve(
-                self._ready, residual, goal * MARGIN, accuracy, left, attempt.trial
+                self._ready, residual, 0.5 * goal, accuracy, left, attempt.trial
             )
             if displacement is not None and size <= goal:
                 return displacement
-            if not size <= GAIN * before:
+            if not size <= REFINEMENT_GAIN_MIN * before:
                 return None
             self.iterated += iterations
             left, before = left - iterations, size
-            goal, accuracy = goal or tolerance * size, SINGLE
+            goal, accuracy = goal or tolerance * size, SINGLE_PRECISION_REDUCTION
             displacement = correction if displacement is None else displacement + correction
             if rough and rest <= goal:
                 return displacement
-            if not rest <= max(SINGLE * size, goal):
+            if not rest <= max(SINGLE_PRECISION_REDUCTION * size, goal):
                 return None
 
     def _times(self, displacement: Floats) -> Floats:
@@ -249,20 +247,23 @@ class PCG:
     def factor(self, system: BlockSystem, patterns: Patterns) -> Factorisation:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         coupled = np.asarray(block_matrix.coupled_pairs(system.upper))
-        most, safe_trial = self.iterations, max(TRIED, self.iterations // TENTH)
+        # the first iterations of the last attempt may gain nothing, and an exact factor comes after
+        most, safe_trial = self.iterations, max(TRIAL_ITERATIONS, self.iterations // 10)
         attempts: tuple[Attempt, ...] = (
-            Attempt(coarse=True, shift=SHIFT, iterations=most, trial=TRIED),
+            Attempt(coarse=True, shift=SHIFT, iterations=most, trial=TRIAL_ITERATIONS),
             Attempt(coarse=True, shift=SAFE_SHIFT, iterations=most, trial=safe_trial),
         )
         if self.plain > 0 and suffices_alone(system, coupled):
-            plain = Attempt(coarse=False, shift=SHIFT, iterations=self.plain, trial=TRIED)
+            plain = Attempt(
+                coarse=False, shift=SHIFT, iterations=self.plain, trial=TRIAL_ITERATIONS
+            )
             attempts = (plain, *attempts)
         return IteratedMatrix(system, coupled, patterns, self.tolerance, attempts)
 
 
-SOFT, HEAVY = 0.01, 0.1
+INERTIA_SHARE_MIN, INERTIA_SHARE_ENOUGH = 0.01, 0.1
 """Shares of inertia below which a factor without fill does not suffice, and above which it does."""
-WEAK = 5e-4
+LEAST_INERTIA_SHARE = 5e-4
 """Least share of inertia of any block below which it does not suffice in between."""
 
 
@@ -277,7 +278,9 @@ def suffices_alone(system: BlockSystem, coupled: Bools) -> bool:
     a large one of all.
     """
     share, least = block_matrix.inertia_shares(system.diagonal, system.upper, system.rows, coupled)
-    return bool(share > HEAVY or (share > SOFT and least > WEAK))
+    return bool(
+        share > INERTIA_SHARE_ENOUGH or (share > INERTIA_SHARE_MIN and least > LEAST_INERTIA_SHARE)
+    )
 
 
 @dataclass(frozen=True)
@@ -298,14 +301,14 @@ class Automatic:
         count = len(system.diagonal)
         if count <= self.few or len(system.pairs) < count:
             return Direct().factor(system, patterns)
-        most = int(PER_ROOT * math.sqrt(count))
+        most = int(ITERATIONS_PER_ROOT * math.sqrt(count))
         return PCG(self.tolerance, iterations=most, plain=most).factor(system, patterns)
 
 
-PER_ROOT = 2.0
+ITERATIONS_PER_ROOT = 2.0
 """Iterations at most, in units of the root of the number of blocks n: an exact factor of blocks in
 the plane takes as n^1.5, an iteration as n."""
-DIRECTION = 1e-3
+DIRECTION_TOLERANCE = 1e-3
 """Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
 
 

@@ -34,10 +34,10 @@ from clast.minimise.potential import Point, Potential
 from clast.model.model import Floats
 from clast.read_only import changed
 
-SHARES = 1.0, 0.5, 0.25, 0.125, 0.03, 0.01
+STEP_SHARES = 1.0, 0.5, 0.25, 0.125, 0.03, 0.01
 """Shares of a direction that are tried where the residual is not less at its end.  Where none does,
 either, a contact is about to change its mode, and all of it is taken."""
-SOON, WORSE, BETTER = 4, 10.0, 0.1
+ITERATIONS_UNJUDGED, GROWTH_MAX, DISTANCE_LEFT_MAX = 4, 10.0, 0.1
 """Iterations after which the distance must be less than a tenth of the first, and by how much it
 may be more before: where contacts go to and fro between modes none of them ends."""
 GMRES_TOLERANCE, GMRES_ITERATIONS_MAX = 1e-6, 60
@@ -71,7 +71,10 @@ class CoupledNewton:
                 return None
             work.count("passes")
             at = _along(potential, at, direction)
-            if potential.distance(at) > (WORSE if done < SOON else BETTER) * begin:
+            if (
+                potential.distance(at)
+                > (GROWTH_MAX if done < ITERATIONS_UNJUDGED else DISTANCE_LEFT_MAX) * begin
+            ):
                 return None
         return None
 
@@ -80,7 +83,7 @@ def _along(potential: Potential, at: Point, direction: Floats) -> Point:
     """Return the point along a direction (n, 6) at which the residual is less, or hardly more."""
     left = potential.distance(at)
     best, least = at, np.inf
-    for share in SHARES:
+    for share in STEP_SHARES:
         part = potential.at(at.unknowns + share * direction)
         size = potential.distance(part)
         if size < least:

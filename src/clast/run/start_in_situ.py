@@ -41,7 +41,7 @@ from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
 from clast.errors import ModelError
 from clast.linear.factor_cache import FactorOfStep
-from clast.linear.solvers import DIRECTION, inexact
+from clast.linear.solvers import DIRECTION_TOLERANCE, inexact
 from clast.linear.system import BlockSystem, DiagonalTerms, assemble, graph_of, with_contact_forces
 from clast.minimise.newton import SolverContext
 from clast.minimise.potential import Potential
@@ -122,7 +122,7 @@ def in_equilibrium(
 
 def _settled(model: Model, method: Method, balance: Balance, step: float) -> Balance:
     """Return the forces and stresses of the static solution: another one changes them no more."""
-    factor, changes = FactorOfStep(inexact(method.solver, DIRECTION)), [np.inf] * STALLED
+    factor, changes = FactorOfStep(inexact(method.solver, DIRECTION_TOLERANCE)), [np.inf] * STALLED
     for _ in range(SOLUTIONS_MAX):
         context = _static(model, method, balance.state, step)
         before = balance.contacts

@@ -23,7 +23,7 @@ from clast.contact.joints.asperities import Asperities
 from clast.contact.laws import ContactLaw
 from clast.errors import StepOutcome
 from clast.linear.pattern import Patterns
-from clast.linear.solvers import DIRECTION, LinearSolver, inexact
+from clast.linear.solvers import DIRECTION_TOLERANCE, LinearSolver, inexact
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
 from clast.step.integration import Integrator, Scheme
@@ -54,7 +54,7 @@ class Workspace:
     def inexact(self, solver: LinearSolver) -> LinearSolver:
         """Return the solver for directions of Newton's method, which need not be accurate."""
         if self._inexact[0] is not solver:
-            self._inexact = solver, inexact(solver, DIRECTION)
+            self._inexact = solver, inexact(solver, DIRECTION_TOLERANCE)
         kept: LinearSolver = self._inexact[1]
         return kept
 
