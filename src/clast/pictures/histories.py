@@ -133,6 +133,13 @@ KINDS: dict[
 """Kind of thing -> the names of those in a run, and the histories of one."""
 
 
+def histories_of(results: Recording) -> Iterator[History]:
+    """Yield all histories of a run."""
+    for names, histories in KINDS.values():
+        for name in names(results):
+            yield from histories(results, name)
+
+
 def plot_histories(
     results: Recording, path: Path | str, names: Sequence[str], against: str = "time"
 ) -> Path:

@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.pictures.canvas import check_installed
 from clast.pictures.fields import SCALARS, colours_between
-from clast.pictures.histories import KINDS, History
+from clast.pictures.histories import History, histories_of
 from clast.pictures.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.frame_data import moving, supports_of
 from clast.pictures.page.packing import raw
@@ -81,13 +81,7 @@ def _day_of(results: Recording) -> str:
 def words_of(results: Recording) -> dict[str, Any]:
     """Return the words and curves of the page of a run, which grow while it goes on."""
     return {
-        "curves": [
-            _curve(one)
-            for names, histories in KINDS.values()
-            for name in names(results)
-            for one in histories(results, name)
-            if len(one.time)
-        ],
+        "curves": [_curve(one) for one in histories_of(results) if len(one.time)],
         "events": [
             {"time": one.time, "stage": getattr(one, "stage", ""), "text": str(one)}
             for one in results.events
