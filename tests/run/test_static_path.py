@@ -207,7 +207,7 @@ def test_the_verdict_does_not_depend_on_max_displacement(reach: float):
 
 
 def test_what_would_take_for_ever_advises_max_displacement(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("clast.run.stages.failure_verdict.PATIENCE", 30)
+    monkeypatch.setattr("clast.run.stages.convergence.STEPS_MAX", 30)
     builder, stages = column(2e7, 5), [Stage(name="rest")]
     how = {"step": 1e-2, "dynamic_ratio": 0.0, "max_displacement": 1e-4}
     run = clast.simulate(builder.build(), stages=stages, end=1.0, **how)

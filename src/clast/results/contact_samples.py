@@ -7,17 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.coulomb import largest_forces
 from clast.contact.joints.bonds import strength_lost
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State, contact_keys
 from clast.step.method import StepResult
 
-SLIDES = 1
-"""Mode of a contact that slides."""
-SAME_PLACE = 1e-9
-"""Difference of distances of contacts at one place, fraction of the size of the model."""
 NONE = np.array([0.0, 0.0, *[np.nan] * 6, 0.0])
 """Row of a place or a joint without contacts."""
 
@@ -34,7 +30,7 @@ def contact_rows(model: Model) -> Callable[[StepResult, float, float], tuple[Any
             if joint >= 0:
                 chosen = np.flatnonzero(contacts.joint == joint)
             else:
-                chosen = nearest(model, result, at, SAME_PLACE * size)
+                chosen = nearest(model, result, at, 1e-9 * size)
             if len(chosen):
                 rows[k] = sums(model, result, chosen)
         return result.state.time, *rows.T
@@ -62,7 +58,7 @@ def sums(model: Model, result: StepResult, rows: Ints) -> Floats:
     length = contacts.length[rows]
     weight = length if length.sum() > 0.0 else np.ones(len(rows))
     whole = weight.sum()
-    slides = (response.mode[rows] == SLIDES) & (response.normal_force[rows] > 0.0)
+    slides = (response.mode[rows] == SLIDE) & (response.normal_force[rows] > 0.0)
     movements = [
         value
         for movement in opening_and_slip(model, result.state, contacts, rows)

@@ -16,6 +16,8 @@ from clast.results.schema import FORMAT
 
 ATTEMPTS = 20
 """How often a file is read again that has changed meanwhile, where locks do not prevent it."""
+QUICKLY_CHECKED = 2**28
+"""Size of a file that is checked from end to end in less than half a second, bytes."""
 AGAIN = "run the case again to write a new one"
 
 Answer = TypeVar("Answer")

@@ -15,7 +15,7 @@ from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.results import validate
 from clast.results.frames import VERTICES, FrameStore, absent_in_frame
-from clast.results.open_file import AGAIN, ask, check_ours
+from clast.results.open_file import AGAIN, QUICKLY_CHECKED, ask, check_ours
 from clast.results.recording import Recording
 from clast.results.run_report import main_parameters
 from clast.results.schema import (
@@ -30,8 +30,6 @@ from clast.results.water_record import waters_in
 
 VALUE_MAX = 1e150
 """No place and no force is that large."""
-QUICKLY_CHECKED = 2**28
-"""Size of a file that is checked from end to end in less than half a second, bytes."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

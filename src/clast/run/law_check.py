@@ -18,8 +18,6 @@ from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, has_limits
 from clast.model.model import Bools, Floats
 
-TRIALS = 300
-"""Contacts that a law is tried on; fewer are taken several times."""
 DEPTHS = -8.0, -2.5
 """Powers of ten between which penetrations are drawn, m."""
 CHANGE = 1e-4
@@ -40,7 +38,7 @@ def faults_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
     """Return the faults of a contact law, tried on these contacts."""
     if not len(contacts):
         return ()
-    trial = _trial(law, _spread(contacts, TRIALS))
+    trial = _trial(law, _spread(contacts, 300))
     malformed = tuple(_malformed(trial))
     if malformed:
         return malformed

@@ -27,34 +27,16 @@ if TYPE_CHECKING:
 
 LENGTHS = 1e-6, 0.1
 """Usual max_displacement and critdis, in sizes of the smallest block."""
-REACH_MAX = 0.5
-"""critdis above, in units of a block's thickness, finds contacts behind the block."""
-SINKING_MAX = 0.01
-"""Sinking of blocks into others, in sizes of the smallest block, that is too much."""
 JOINT_STIFFNESS_RATIO = 1e4
 """Stiffnesses of joints, and of blocks by their size, are within this factor as a rule."""
 STIFFNESS_RATIO = 1e3
 """Normal stiffness by E, and shear by normal stiffness, are within this factor as a rule."""
-HOLDING_RATIO = 10.0
-"""Fixed points hold where they are stiffer than contacts and rock by this factor."""
-TOLERANCE_MAX = 1e-3
-"""Tolerances of a process above this are felt in the results."""
-VELOCITY_LOSS_MAX = 0.05
-"""Mass damping is not warned of where it takes a smaller fraction of a velocity."""
-CLOSED_GAP = 1e-3
-"""Joints that are open by less, in units of the smaller block's size, may be meant to be closed."""
 WAVE_LOSS_MAX = 0.05
 """Fraction of their height that waves may lose to the time steps."""
-SLOW_FREQUENCY = 0.1
-"""Frequency, in units of the model's, up to which it follows a motion within 1 %, unswung."""
 STEPS_OF_PERIOD = 20.0
 """Steps a period with which a wave is followed."""
 REVERSING = 2.0
 """Mass damping c with c h above this leaves a velocity of the other sign."""
-FILE_BYTES_MAX = 2e9
-"""Result files above this are said to be large, bytes."""
-FRAME_BYTES = 72, 560
-"""Bytes of a vertex and a block in a frame, with some contacts."""
 
 
 def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[str]:
@@ -92,7 +74,7 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
     _, sides = edges(model.vertices, model.block_start)
     thickness = 2.0 * model.area / np.add.reduceat(sides, model.block_start[:-1])
     thinnest = int(np.argmin(thickness))
-    if REACH_MAX * thickness[thinnest] < method.critdis <= LENGTHS[1] * size:
+    if 0.5 * thickness[thinnest] < method.critdis <= LENGTHS[1] * size:
         yield (
             f"critdis is {method.critdis:g} m, but block {named(model, np.array([thinnest]))} is "
             f"only {thickness[thinnest]:.3g} m thick: contacts would reach through it; lower "
@@ -141,7 +123,7 @@ def open_joint_warnings(model: Model, contacts: Contacts) -> Iterator[str]:
     strong = np.max(model.joint_table.strengths[1:], axis=0) > 0.0
     ends = contacts.vertex_block, contacts.edge_block
     size = np.sqrt(np.minimum(*(model.area[blocks] for blocks in ends)))
-    little = (contacts.gap > ROUNDED_GAP * size) & (contacts.gap <= CLOSED_GAP * size)
+    little = (contacts.gap > ROUNDED_GAP * size) & (contacts.gap <= 1e-3 * size)
     rows = np.flatnonzero(little & strong[contacts.joint] & (contacts.length > 0.0))
     if not len(rows):
         return
@@ -192,7 +174,7 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     sinking = weight_of(model) / normal / max(1, int(model.block_count**0.5))
     share = sinking / size_of_smallest(model)
-    if share > SINKING_MAX:
+    if share > 0.01:
         yield (
             f"normal_stiffness = {normal:.3g} lets blocks sink into each other by some "
             f"{sinking:.2g} m under their weight, {100.0 * share:.2g} % of the smallest block: "
@@ -200,7 +182,7 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     for kind, part in (("process", method.process), ("solver", method.solver)):
         tolerance = getattr(part, "tolerance", 0.0)
-        if tolerance > TOLERANCE_MAX:
+        if tolerance > 1e-3:
             yield (
                 f"tolerance of the {kind} is {tolerance:g}, too loose to solve the steps: leave "
                 "it out"
@@ -236,7 +218,7 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
         )
     hardest = range_of_springs(model, method.contact_law.normal_stiffness)[1]
     stiffest = max(hardest, model.stiffest)
-    if len(model.fixed_points.block) and method.fixed_point_stiffness < HOLDING_RATIO * stiffest:
+    if len(model.fixed_points.block) and method.fixed_point_stiffness < 10.0 * stiffest:
         yield (
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
             f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
@@ -288,7 +270,7 @@ def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Itera
     if not isinstance(damping, Rayleigh):
         return
     gravity = float(np.hypot(*model.gravity))
-    if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > VELOCITY_LOSS_MAX:
+    if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > 0.05:
         yield (
             f"damping.mass = {damping.mass:g} 1/s also slows blocks that fall or slide: none "
             f"exceeds {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks are to "
@@ -318,7 +300,7 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
         last = float(time[-1]) if schedule.stages else min(schedule.end, float(time[-1]))
         length = max(0.0, last - float(time[0]))
         taken = -math.expm1(-loss * circular**2 * step * length)
-        if frequency < SLOW_FREQUENCY * own_frequency(model):
+        if frequency < 0.1 * own_frequency(model):
             continue
         if frequency * step * STEPS_OF_PERIOD > 1.0 + WAVE_LOSS_MAX:
             yield (
@@ -383,7 +365,7 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
             "time.step"
         )
     frames = schedule.end / schedule.every
-    vertex, block = FRAME_BYTES
+    vertex, block = 72, 560  # bytes in a frame, with some contacts
     size = min(frames, schedule.end / schedule.step) * (
         vertex * len(model.vertices) + block * model.block_count
     )
@@ -393,7 +375,7 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
             f"frame is written after every step, {schedule.end / schedule.step:.3g} in all. Raise "
             "it"
         )
-    if size > FILE_BYTES_MAX:
+    if size > 2e9:
         yield (
             f"output.every of {schedule.every:g} s makes a result file of some {size / 1e9:.2g} "
             f"GB: raise it to {schedule.end / 100.0:.2g} s"

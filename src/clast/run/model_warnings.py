@@ -28,26 +28,10 @@ USUAL = {
 }
 """Quantity -> least and largest usual value, SI (loads: in weights of the blocks), outside of which
 it looks like another unit."""
-FRICTION_ANGLE_MAX = 75.0
-"""Friction angles above are steeper than any joint's, degrees."""
-ROUNDING_MAX = 1e-7
-"""Rounding of coordinates that leaves too few digits, in sizes of the smallest block."""
-SIZE_RATIO_MAX = 1e4
-"""Ratio of block sizes above which a system is not simulated well."""
-THICKNESS_MIN = 1e-5
-"""Thickness at a vertex, in extents of the block, below which it is a spike or crack."""
-DRIFT_MAX = 0.1
-"""Drift of the ground after its record that is warned of, in sizes of the smallest block."""
 STEPS_OF_INTERVAL = 2
 """Fewer steps in an interval of a ground motion miss part of it."""
-BOLT_YIELD_MIN = 1e3
-"""Yield forces of bolts below look like kN, N/m."""
 BENDS = np.radians(3.0), np.radians(60.0)
 """Bends of the ground below are none, and above are two faces, rad."""
-DIP_MIN = np.radians(5.0)
-"""Bases that dip less do not slide, rad."""
-BLOCKS_OF_SLIDE_MAX = 20_000
-"""Blocks up to which slides are looked for: more are not a row of slices."""
 NAMED = 5
 """Blocks or rocks that a warning names, at most."""
 
@@ -247,7 +231,7 @@ def _strength_warnings(model: Model) -> Iterator[str]:
                 )
             if USUAL["stress"][1] < value != WELD_STRENGTH:
                 yield f"{where}: {key} is {value:g} Pa, stronger than any rock; the unit is Pa"
-        if joint.friction_angle > FRICTION_ANGLE_MAX:
+        if joint.friction_angle > 75.0:
             yield (
                 f"{where}: friction_angle is {joint.friction_angle:g} degrees, a coefficient of "
                 f"{np.tan(np.radians(joint.friction_angle)):.3g}; joints have 10 to 50"
@@ -265,14 +249,14 @@ def _shape_warnings(model: Model) -> Iterator[str]:
     size = size_of_smallest(model)
     far = float(np.abs(model.vertices + model.origin).max())
     rounding = float(np.spacing(far))
-    if rounding > ROUNDING_MAX * size:
+    if rounding > 1e-7 * size:
         yield (
             f"coordinates of {far:.3g} m are rounded to {rounding:.2g} m, but the smallest block "
             f"is only {size:.3g} m wide: too few digits are left for it. Subtract a common offset "
             "from all coordinates"
         )
     largest = float(np.sqrt(model.area.max()))
-    if largest > SIZE_RATIO_MAX * size:
+    if largest > 1e4 * size:
         smallest, broadest = int(model.area.argmin()), int(model.area.argmax())
         yield (
             f"block {named(model, np.array([smallest]))} is {size:.3g} m wide and block "
@@ -280,7 +264,7 @@ def _shape_warnings(model: Model) -> Iterator[str]:
             "the smallest. Leave it out, or check its coordinates"
         )
     thickness, block = _thickness(model)
-    thin = np.flatnonzero(thickness < THICKNESS_MIN)
+    thin = np.flatnonzero(thickness < 1e-5)
     for vertex in thin[:1].tolist():
         x, y = (model.vertices[vertex] + model.origin).tolist()
         number = vertex - int(model.block_start[block[vertex]]) + 1
@@ -337,7 +321,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
             "moving at 0 s. Let its instants begin at 0"
         )
     drift = float(np.round(np.hypot(*record.velocity(last)), 12))
-    if last < end and drift * (end - last) > DRIFT_MAX * size_of_smallest(model):
+    if last < end and drift * (end - last) > 0.1 * size_of_smallest(model):
         yield (
             f"the ground motion ends at {last:g} s with {drift:.3g} m/s, which the ground keeps "
             f"until {end:g} s: correct the record's base line, or let it end at rest"
@@ -443,7 +427,7 @@ def _bolt_warnings(model: Model) -> Iterator[str]:
             "no effect. Move an end into a block that can move, or leave it out"
         )
     forces = bolts.yield_force[np.isfinite(bolts.yield_force)]
-    if len(forces) and forces.max() < BOLT_YIELD_MIN:
+    if len(forces) and forces.max() < 1e3:
         yield (
             f"bolts yield at {forces.max():g} N/m at most: that looks like kN. Give yield_force in "
             "N per metre of thickness"
@@ -487,7 +471,7 @@ def slide_warnings(model: Model) -> Iterator[str]:
     """
     ground = model.fixed.copy()
     ground[model.fixed_points.block] = True
-    if not ground.any() or ground.all() or model.block_count > BLOCKS_OF_SLIDE_MAX:
+    if not ground.any() or ground.all() or model.block_count > 20_000:
         return
     owner = model.vertex_block
     _, length = edges(model.vertices, model.block_start)
@@ -554,7 +538,7 @@ def _bends(model: Model, first: Floats, second: Floats) -> Floats:
     )
     gravity = model.gravity / max(float(np.hypot(*model.gravity)), 1e-300)
     drop = np.stack([first @ gravity, second @ gravity])
-    level = np.sin(DIP_MIN)
+    level = np.sin(np.radians(5.0))
     same = (drop.prod(axis=0) >= 0.0) | (np.abs(drop).min(axis=0) < level)
     steep = np.abs(drop).max(axis=0) > level
     bent = (np.abs(turn) >= BENDS[0]) & (np.abs(turn) <= BENDS[1])

@@ -26,8 +26,6 @@ from clast.model.state import ContactMemory, Overlap, State
 
 DEPTH_RATIO_MIN = 1.5
 """Depth of an overlap that is reported, in units of the deepest contact of the pair."""
-GRID = 1e-9
-"""Grid of the clipper, as a share of a block's extent."""
 DEPTH_MIN = 0.02
 """The same, in units of critdis."""
 TIP_RADIUS = 0.01
@@ -90,7 +88,7 @@ def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
     loops = _loops(model, vertices, pair)
     one, other = (shapely.make_valid(shapely.Polygon(loop)) for loop in loops)
     # without a grid GEOS takes outlines that touch to the last bit for overlapping
-    shared = shapely.intersection(one, other, grid_size=GRID * np.sqrt(one.area))
+    shared = shapely.intersection(one, other, grid_size=1e-9 * np.sqrt(one.area))
     parts = shapely.get_parts(shared)
     parts = parts[shapely.area(parts) > 0.0]
     radius = TIP_RADIUS * float(np.sqrt(min(one.area, other.area)))

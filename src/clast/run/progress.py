@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 Watch = Callable[["Progress"], None]
 """Called after every accepted step."""
 
-REFRESH = 0.1
-"""Time between updates of the line, s of wall time."""
 PARTS = {
     "compute": "arithmetic of small matrices",
     "model": "geometry checks",
@@ -103,7 +101,7 @@ class ProgressLine:
         """Show where the run is, a few times a second."""
         if self._start is None:
             self._start = working_time(), progress.time
-        if perf_counter() - self._shown < REFRESH:
+        if perf_counter() - self._shown < 0.1:
             return
         self._shown = perf_counter()
         wall = working_time() - self._start[0]

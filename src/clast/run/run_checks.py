@@ -23,22 +23,14 @@ from clast.step import energy_balance
 from clast.step.method import Method, StepResult
 from clast.step.remedies import remedy, stiffnesses_named
 
-CREATED_MAX = 1e-3
-"""Created energy that is accepted, in units of that turned over: a wave brings all there is."""
 ROUNDING = 1e-9
 """Energy gained or lost that is round-off, in units of the stored energy."""
-LIFT = 1e-4
-"""Energy that lifts every block by less, in sizes of the block, is negligible."""
 PENETRATION_MAX = 0.05
 """Penetration above which it is warned of, in units of the thinner block."""
 NUMERICAL_MAX = 0.05
 """Numerical dissipation or gain, likewise, in units of the energy turned over."""
 UNEXPLAINED_MAX = 1e-6
 """Energy that the ledger does not explain, likewise."""
-UNBALANCED_MAX = 1e-3
-"""Unbalanced force at the end of a static run, likewise, in units of the largest force."""
-STRESS_LOSS_MAX = 0.05
-"""Loss of initial stress, likewise, in units of that stress."""
 COUNTED = entries_of(Kind.STORED, Kind.BROUGHT, Kind.LOST, Kind.NUMERICAL)
 """Entries of the ledger whose changes are energy turned over."""
 _entries = attrgetter(*COUNTED)
@@ -195,7 +187,8 @@ class Watch:
         """Return the energy that is negligible whatever is turned over, J/m."""
         size = np.sqrt(self.model.area[~self.model.fixed])
         weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
-        return LIFT * float(weight @ size) + ROUNDING * ledger.stored
+        # what lifts every block by less than 1e-4 of its size
+        return 1e-4 * float(weight @ size) + ROUNDING * ledger.stored
 
     def _of_rest(self, state: State, step: float) -> str:
         """Return a warning where a static run ends while blocks still move, by 2 m d/h2."""
@@ -211,7 +204,7 @@ class Watch:
         reference = max(float(weight[free].max()), float(largest))
         worst = int(np.where(free, force, -1.0).argmax())
         share = float(force[worst]) / reference if reference > 0.0 else 0.0
-        if share <= UNBALANCED_MAX:
+        if share <= 1e-3:
             return ""
         return (
             f"the static run ended while block '{model.block_name[worst]}' still moved by "
@@ -231,7 +224,7 @@ class Watch:
         weight = model.area[stressed] / model.area[stressed].sum()
         mean = [weight @ stress[stressed] for stress in (model.initial_stress, state.stress)]
         lost = float(np.linalg.norm(mean[1] - mean[0]) / np.linalg.norm(mean[0]))
-        if lost <= STRESS_LOSS_MAX:
+        if lost <= 0.05:
             return ""
         texts = [", ".join(f"{value:.3g}" for value in stress) for stress in mean]
         return (
@@ -251,7 +244,7 @@ def reject_created_energy(
         return
     allowed = energy_balance.tolerated(model, state.ledger, first)
     allowed += energy_balance.round_off(model, method, state, len(state.memory))
-    allowed += CREATED_MAX * seen.turned_over
+    allowed += 1e-3 * seen.turned_over
     if created > allowed:
         raise StepRejected(
             StepOutcome.ENERGY_CREATED,

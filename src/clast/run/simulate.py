@@ -45,8 +45,6 @@ STEP_GROWTH = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
 APPROACH_MAX = 0.8
 """Approach of blocks up to which the step grows, in units of max_displacement."""
-STEP_MIN = 2.0**-12
-"""The smallest step tried, in requested ones, unless the schedule names it."""
 TIME_ROUNDING = 1e-9
 """Difference of times that are the same, in steps."""
 
@@ -205,7 +203,7 @@ class Stepping:
             model, method = self.statics.at(now.path, clock)
         else:
             step = min(step, self.schedule.end - state.time)
-        smallest = self.schedule.smallest_step or STEP_MIN * self.schedule.step
+        smallest = self.schedule.smallest_step or 2.0**-12 * self.schedule.step
         while True:
             try:
                 result = method.process.step(model, method, state, step, self.workspace)

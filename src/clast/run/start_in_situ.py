@@ -65,10 +65,6 @@ OPEN_FORCE_MAX = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
 INERTIA = 1e-9
 """Inertia in the static solutions, in units of the stiffness of contacts: nothing floats away."""
-LOOSE_FORCE_MIN = 1e-3
-"""Unbalanced force, in units of all forces on a block, from which it is said to move."""
-FORCE_MIN = 1e-9
-"""Force, in units of the largest one, that is not worth a word."""
 NAMED = 5
 """Blocks that a message names at most."""
 
@@ -372,7 +368,7 @@ def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
     borne = np.hypot(contacts.normal_force, contacts.shear_force)
     np.add.at(presses, contacts.vertex_block, borne)
     np.add.at(presses, contacts.edge_block, borne)
-    loose = force > np.maximum(LOOSE_FORCE_MIN * presses, FORCE_MIN * _largest(model, balance))
+    loose = force > np.maximum(1e-3 * presses, 1e-9 * _largest(model, balance))
     if not loose.any():
         return ()
     worst = np.argsort(-force, kind="stable")[: np.count_nonzero(loose)]

@@ -16,8 +16,6 @@ import numpy as np
 
 from clast.errors import CaseError
 
-DIGITS = 16
-"""Hexadecimal digits of a fingerprint."""
 SHAPE = ("origin", "block_name", "block_start", "block_rock", "fixed", "vertices", "area")
 """Parts of a model that no stage changes: the blocks."""
 
@@ -35,7 +33,7 @@ def digest(value: Any) -> str:
     """Return a fingerprint of anything: of its class, and of its content."""
     checksum = sha256()
     _feed(checksum, value)
-    return checksum.hexdigest()[:DIGITS]
+    return checksum.hexdigest()[:16]
 
 
 def _feed(checksum: Any, value: Any) -> None:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import Recorded, belongs, read_lineage
-from clast.results.open_file import ask, check_ours
+from clast.results.open_file import QUICKLY_CHECKED, ask, check_ours
 from clast.results.output import check_output, claimed, hidden
 from clast.results.schema import (
     BOLT_POINTS,
@@ -31,8 +31,6 @@ from clast.results.schema import (
 )
 
 ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file from there on"
-CHECKED_WHOLE = 2**28
-"""Size of a file that is checked from end to end, bytes."""
 
 
 def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
@@ -67,7 +65,7 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
             remedy=ELSEWHERE,
         )
     try:
-        why = ask(path, misfit, whole=CHECKED_WHOLE)
+        why = ask(path, misfit, whole=QUICKLY_CHECKED)
     except CaseError as error:
         raise CaseError(error.what, where=error.where, remedy=ELSEWHERE) from error
     if why:

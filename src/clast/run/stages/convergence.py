@@ -11,6 +11,17 @@ is that of the blocks that move most, along their movement: what has come to res
 
 Where q is steady, the forces that the movements to come will bring about are known as well: those
 out of balance now, times q + q^2 + ...  The next step anticipates them (Aitken 1926).
+
+A static run that is out of balance fails, or moves on to an equilibrium.  Each step begins at rest
+and moves blocks by w, as a force m w/(theta tau^2) would.  Weighted by the motion, all blocks
+together have in a step the movement and the acceleration
+
+    u = sum m w^2 / sum m w,    a = u/(theta tau^2).
+
+A system that fails is driven on: a stays as it is, or grows.  A system that moves to an
+equilibrium, however far, is driven less and less: where a falls from a1 to a2 on a movement u12, it
+vanishes about a2 u12/(a1 - a2) further on.  So the verdict does not depend on how far a step may
+go.
 """
 
 from __future__ import annotations
@@ -19,7 +30,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from clast.model.model import Bools, Floats
+from clast.model.model import Bools, Floats, Model
+from clast.model.state import State
+from clast.run.stages.balance import mean_movement
 
 COMING_MIN = 2e-3
 """Movement still to come that is none, as a share of that of the stage in the same direction."""
@@ -27,16 +40,24 @@ MOVEMENT_MIN = 1e-5
 """Movement in a step that is none, as a share of the largest of the stage."""
 MOVEMENT_OF_SIZE_MIN = 1e-7
 """The same, in units of the size of the block."""
-MOVING_RATIO = 0.5
-"""Movement, in units of the largest, of the blocks that move most."""
 COSINE_MIN = 0.9
 """Cosine between the movements of two steps from which blocks move on and do not tremble."""
-RATIO_CHANGE_MAX = 0.1
-"""Difference of ratios that are the same, as a share of 1 - q."""
 STEPS_AHEAD_MAX = 50
 """Steps that one may stand for: of ratios of 1 and more the series has no end."""
 STEPS_AHEAD_MIN = 1.5
 """Steps that one must stand for at least."""
+
+FAR_STEPS_MIN = 10
+"""Steps that go far without balance from which a system can have none."""
+MOVEMENT_OF_FAILURE = 0.02
+"""Movement from which blocks are going somewhere, in units of their median size."""
+DISTANCE_MAX = 0.03
+"""Distance of an equilibrium from where blocks were, in units of the size of the model, at most:
+blocks that slide until their water or their slope has become another have failed."""
+IDLE_STEPS_MAX = 200
+"""Steps that go nowhere without balance from which a system has none."""
+STEPS_MAX = 2000
+"""Steps without balance from which a system has none, however they go."""
 
 
 def _no_motion() -> Floats:
@@ -87,7 +108,7 @@ class Convergence:
         """
         far = _sizes(movement)
         most = int(far.argmax())
-        chosen = far >= MOVING_RATIO * far[most]
+        chosen = far >= 0.5 * far[most]
         now = replace(self.restarted(movement, step), known=self.known, ratios=self.ratios)
         ratio, shorter, trembles = self.known, 1.0, False
         if len(self.last):
@@ -124,7 +145,7 @@ class Convergence:
             return 1.0
         before, ratio = (float(one) for one in seen[-2:])
         left = abs(1.0 - ratio)
-        if abs(ratio - before) > RATIO_CHANGE_MAX * max(left, 1.0 / STEPS_AHEAD_MAX):
+        if abs(ratio - before) > 0.1 * max(left, 1.0 / STEPS_AHEAD_MAX):
             return 1.0
         most = (
             float(np.sum(ratio ** np.arange(STEPS_AHEAD_MAX))) if ratio > 1.0 - 1e-3 else 1.0 / left
@@ -147,3 +168,36 @@ def _compared(before: Floats, after: Floats) -> tuple[float, float]:
     if along <= 0.0:
         return (-1.0, 0.0)
     return along / float(np.sqrt(np.sum(before**2) * square)), square / along
+
+
+def goes_from(model: Model) -> float:
+    """Return the movement from which blocks are going somewhere, m."""
+    return MOVEMENT_OF_FAILURE * float(np.sqrt(np.median(model.area)))
+
+
+def driven(model: Model, before: State, after: State, inertia: float) -> Floats:
+    """Return movement, m, and acceleration, m/s2, of a step with M ``inertia``, 1/s2, (1, 2)."""
+    mean = mean_movement(after.vertices - before.vertices, model.block_start)
+    far = np.where(model.fixed, 0.0, np.hypot(*mean.T))
+    momentum = float(np.sum(model.mass * far))
+    movement = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
+    return np.array([[movement, inertia * movement]])
+
+
+def nears(steps: Floats, within: float) -> bool:
+    """Return whether movement and acceleration of steps (k, 2) lead to a balance ``within`` m more.
+
+    The second half of the movement counts, in FAR_STEPS_MIN at least: friction and supports are
+    mobilised in the first, in which the acceleration goes up and down.
+    """
+    gone = np.cumsum(steps[:, 0])
+    first = min(int(np.searchsorted(gone, 0.5 * gone[-1])), len(steps) - FAR_STEPS_MIN)
+    recent = steps[max(0, first) :]
+    movement, acceleration = recent.T
+    middle = np.searchsorted(np.cumsum(movement), 0.5 * movement.sum(), side="right")
+    middle = int(np.clip(middle, 1, len(recent) - 1))
+    before, now = (
+        float(np.average(acceleration[part], weights=movement[part]))
+        for part in (slice(middle), slice(middle, None))
+    )
+    return now < before and 0.5 * now * float(movement.sum()) <= within * (before - now)

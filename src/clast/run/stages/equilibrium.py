@@ -39,18 +39,12 @@ from clast.run.stages.balance import ForceSums, angle_of, forces_of, mean_moveme
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.step.method import Method, StepResult
 
-STRAIGHT = 0.9
-"""Net movement, in units of its path, above which a block moves on and does not tremble."""
-DYING = 0.5
-"""Movement in the second half of the steps, as a share of that in the first, that slows down."""
 CREEPING = 1e-3
 """Speed of a sliding block, as a share of the limit of equilibrium, that counts as rest."""
 CREEPING_FORCE = 1e-5
 """Force that moves a block in a static step, in units of its weight, that is none."""
 QUIET = 1e-3
 """Movement in a static step, in units of max_displacement, in which nothing slides to speak of."""
-STATIC_HOLD = 2
-"""Static steps in a row that must end in equilibrium: one says nothing of what is to come."""
 MODES = {OPEN: "open", SLIDE: "slide", LOCK: "lock"}
 """Modes of contacts in words."""
 
@@ -197,7 +191,7 @@ class EquilibriumCheck:
 
         Static steps that end in balance with next to no mass term have nothing left to wait for.
         """
-        return STATIC_HOLD if self.is_static else self.stage.hold
+        return 2 if self.is_static else self.stage.hold
 
     def under_way(self, state: State) -> str:
         """Return the thing that is still going to change by itself, "" where there is none."""
@@ -331,8 +325,8 @@ class EquilibriumCheck:
         if self.stage.hold < 2:
             return ""
         second = held.path - held.half
-        on = held.sliding & self._free & (second > DYING * held.half)
-        on &= np.hypot(*held.net.T) > STRAIGHT * held.path
+        on = held.sliding & self._free & (second > 0.5 * held.half)
+        on &= np.hypot(*held.net.T) > 0.9 * held.path
         on &= held.path > CREEPING * self._limit * held.time
         return self.model.block_name[int(on.argmax())] if on.any() else ""
 

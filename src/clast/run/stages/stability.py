@@ -41,10 +41,6 @@ ITERATIONS_MAX = 20
 """Lanczos iterations at most."""
 ACCURACY = 1e-3
 """Change of q in two iterations, as a share of it, at which it is known."""
-CLOSED = 1e-3
-"""Gap of contacts that carry as soon as blocks move, in units of max_displacement."""
-SMALL = 1e-6
-"""Displacement by which changes of forces are taken, in units of the median size of blocks."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +103,7 @@ class _Tangent:
         potential, rows, _ = potential_of(context, base, self.contacts, graph, None)
         count, contacts = len(potential.springs), self.contacts
         carries = contacts.normal_force != 0.0
-        carries |= contacts.gap <= CLOSED * method.max_displacement
+        carries |= contacts.gap <= 1e-3 * method.max_displacement
         values = [np.zeros(count) for _ in range(4)]
         if context.springs is not None:
             others = potential.springs.at(potential.springs.gap, potential.springs.slip)
@@ -159,7 +155,7 @@ class _Tangent:
         forces[:, :3] = self._turning.forces(motion)
         if any(len(one.block) and one.stiffness is None for one in self._context.contributions):
             far = np.abs(motion[:, :2]).max() + (np.abs(motion[:, 2]) * np.sqrt(model.area)).max()
-            small = SMALL * float(np.sqrt(np.median(model.area))) / far
+            small = 1e-6 * float(np.sqrt(np.median(model.area))) / far
             forces += (self._loads(small * motion) - self._loads(-small * motion)) / (2.0 * small)
         tension = model.area * (state.stress[:, 0] + state.stress[:, 1])
         forces[:, 2] += np.maximum(0.0, tension) * motion[:, 2]  # K has it (holding_forces.py)

@@ -32,9 +32,6 @@ from clast.run.stages.transition import (
 )
 from clast.step.method import is_stable_for_any_step
 
-UNBALANCED = 0.01
-"""Share of the forces on a block that a static stage may leave unbalanced and not be warned of."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class StageSequence:
@@ -168,7 +165,7 @@ class StageSequence:
 
     def _left_unbalanced(self, stage: Stage, record: StageRecord) -> bool:
         """Return whether a static stage was ended by its time while forces were out of balance."""
-        least = max(UNBALANCED, stage.force_ratio)
+        least = max(0.01, stage.force_ratio)
         is_over = record.outcome == TIME_OVER and record.force_ratio > least
         return is_over and self._dynamic_ratio(stage) == 0.0
 

@@ -20,7 +20,7 @@ and open-close iteration, whose sliding friction is that of the solve before) ha
 length of the schedule, and time that does not wait: with it the mass term stays.
 
 Where step after step moves blocks and their unbalanced force does not become less
-(failure_verdict.py), there is no equilibrium: the system *fails*, and the blocks that have moved
+(convergence.py), there is no equilibrium: the system *fails*, and the blocks that have moved
 are its mechanism.
 """
 
@@ -38,7 +38,7 @@ from clast.model.stage_records import Mechanism, Mover
 from clast.model.stages import EQUILIBRIUM, HOLD, Stage, has_bonds, with_bonds_held
 from clast.model.state import State
 from clast.run.schedule import Schedule
-from clast.run.stages import failure_verdict
+from clast.run.stages import convergence
 from clast.run.stages.balance import angle_of, mean_movement, out_of_balance
 from clast.run.stages.convergence import Convergence
 from clast.run.stages.equilibrium import EquilibriumCheck
@@ -52,24 +52,18 @@ from clast.step.method import Method, StepResult, is_stable_for_any_step
 FIRST_FALL = 5.0
 """Fall of a free block in the first step of a stage, in units of max_displacement: with a mass term
 that carries little, and two cuts from where nothing carries."""
-RESTING_FALL = 0.1
-"""The same in balance, where longer steps only let blocks without support drift."""
 STEP_MAX = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
 GROWTH_MAX = 10.0
 """Growth of the pseudo time step from step to step at most."""
 GROWTH_AFTER_CUT = 1.5
 """The same after a step that was rejected."""
-COMFORT = 0.8
-"""Movement to which the pseudo time step is chosen, in units of max_displacement."""
 FAR_TRAVEL = 0.2
 """Movement in a step, in units of max_displacement, that is as far as it lets blocks go."""
 INCREMENTS = (1.0, 0.125, 0.03125)
 """Share of the imbalance that comes on at once: where bonds break the next is tried."""
 SLOW = "If an equilibrium is farther away than that, raise time.max_displacement"
 """Message where so many steps went not far enough."""
-TOGETHER = 0.5
-"""Movement, in units of the largest, of the blocks that a mechanism is made of."""
 
 
 def _no_motion() -> Floats:
@@ -244,19 +238,19 @@ class StaticPath:
         if judged is None:
             judged = self.judge_of(now).after(Position(), before, result, taken[0]).judged
         pushed = np.asarray(judged.left.any(axis=1))
-        convergence = self._converging(now, before, result, taken[0], pushed)
-        judged = self._with_more_to_come(judged, convergence)
+        movements = self._converging(now, before, result, taken[0], pushed)
+        judged = self._with_more_to_come(judged, movements)
         movement, restarts = self._movement(before, result.state)[:, :2], now.begins
         moved = movement if restarts else now.moved + movement
         driven, far = (_no_motion(), 0) if restarts else (now.driven, now.far)
         if result.travel > FAR_TRAVEL * self.method.max_displacement:
             inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
-            last = failure_verdict.driven(self.model, before, result.state, inertia)
+            last = convergence.driven(self.model, before, result.state, inertia)
             driven, far = np.concatenate([driven, last]), far + 1
         steps = 1 + (0 if restarts else now.steps)
         after = replace(
             now,
-            convergence=convergence,
+            convergence=movements,
             ahead=_no_forces(),
             clock=min(self.schedule.step, max(now.clock, GROWTH_AFTER_CUT * taken[1])),
             growth=min(GROWTH_MAX, GROWTH_AFTER_CUT * now.growth),
@@ -328,16 +322,16 @@ class StaticPath:
 
     def _is_lost(self, now: OnPath) -> bool:
         """Return whether there is no balance to come."""
-        if self._grows and now.steps - now.far >= failure_verdict.MOST_STEPS:
+        if self._grows and now.steps - now.far >= convergence.IDLE_STEPS_MAX:
             return True
-        if now.steps >= failure_verdict.PATIENCE and now.far:
+        if now.steps >= convergence.STEPS_MAX and now.far:
             return True
-        if now.far < failure_verdict.FAR_STEPS:
+        if now.far < convergence.FAR_STEPS_MIN:
             return False
         moved = float(self._distances(now).max(initial=0.0))
-        within = failure_verdict.WITHIN * float(np.ptp(self.model.vertices, axis=0).max())
-        goes = moved > failure_verdict.goes_from(self.model)
-        return goes and not failure_verdict.nears(now.driven, within - moved)
+        within = convergence.DISTANCE_MAX * float(np.ptp(self.model.vertices, axis=0).max())
+        goes = moved > convergence.goes_from(self.model)
+        return goes and not convergence.nears(now.driven, within - moved)
 
     def _loaded(self, now: OnPath) -> OnPath:
         """Return the path where an increment of load is in balance."""
@@ -367,11 +361,11 @@ class StaticPath:
                 return taken
             # longer ones would only let what nothing supports drift, a free body under loads that
             # balance each other, for one
-            return min(taken, float(np.sqrt(RESTING_FALL)) * self._falls)
+            return min(taken, float(np.sqrt(0.1)) * self._falls)
         growth = now.growth
         if result.approach > 0.0:
-            comfort = COMFORT * self.method.max_displacement
-            growth = min(growth, float(np.sqrt(comfort / result.approach)))
+            wanted = 0.8 * self.method.max_displacement
+            growth = min(growth, float(np.sqrt(wanted / result.approach)))
         return min(STEP_MAX * self._falls, growth * taken)
 
     @property
@@ -395,7 +389,7 @@ class StaticPath:
         """Return the blocks that move where there is no balance."""
         far = self._distances(now)
         order = np.argsort(-far, kind="stable")
-        chosen = order[far[order] >= TOGETHER * far[order[0]]] if far[order[0]] > 0.0 else order[:0]
+        chosen = order[far[order] >= 0.5 * far[order[0]]] if far[order[0]] > 0.0 else order[:0]
         names = self.model.block_name
         mover = now.judged.mover
         if len(chosen):
@@ -408,7 +402,7 @@ class StaticPath:
             steps=now.steps,
             load=now.load,
             hindrance=now.judged.hindrance,
-            advice=SLOW if now.steps >= failure_verdict.PATIENCE else "",
+            advice=SLOW if now.steps >= convergence.STEPS_MAX else "",
         )
 
     def _distances(self, now: OnPath) -> Floats:

@@ -11,7 +11,7 @@ from clast.model.stages import Stage
 from clast.pictures.study import figures
 from clast.results import read_results
 from clast.rockmass.drawings.blocks_out import write_blocks_dxf
-from clast.run.stages.failure_verdict import goes_from
+from clast.run.stages.convergence import goes_from
 from clast.study.collapsing.collapse import Collapse, ends, listed, undecided
 from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.report_page import Page

@@ -30,7 +30,7 @@ from clast.results import Run, RunRecorder
 from clast.results.frame_samples import bolt_states
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.run.stages.failure_verdict import goes_from
+from clast.run.stages.convergence import goes_from
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.collapsing.search import FAILED, STANDS, UNDECIDED, Trial
