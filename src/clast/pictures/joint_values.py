@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clast.contact.contacts import SLIDE
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.fields import ColourScale, Field, scale_of
 from clast.pictures.strokes import following, partners, visible
 from clast.results import FrameContacts, Recording
-from clast.results.contact_samples import SLIDES
 from clast.results.frames import absent_in_frame
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _friction_angle(shear: Floats, normal: Floats) -> Floats:
 
 def _sliding(contacts: FrameContacts) -> tuple[Floats, Floats]:
     pressure = np.maximum(0.0, contacts.normal_force)
-    return pressure * (contacts.mode == SLIDES), pressure
+    return pressure * (contacts.mode == SLIDE), pressure
 
 
 def _stress(results: Recording, frame: int, force: str) -> Faces:
