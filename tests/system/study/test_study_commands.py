@@ -137,7 +137,7 @@ OF_SAMPLES = {
     f"--correlate {PHI},joint.plane.cohesion,0.3": "does not vary",
     "--array 3/2": "is not part of an array",
     "--array x": "is not part of an array",
-    "--scheduler tcp://127.0.0.1:1 --array 1/2": "leave one of them out",
+    "--scheduler tcp://127.0.0.1:1 --array 1/2": "exclude each other",
     "--workers 0": "--workers",
     f"{VARY}": "given twice",
     "--measure u": "is not understood",
