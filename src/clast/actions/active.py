@@ -163,7 +163,7 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
         actions.append(Supports(fixed_point_stiffness))
     if len(model.viscous_edges):
         actions.append(BoundaryDashpots(fixed_point_stiffness))
-    if model.openings or model.absent.any() or model.lined.any():
+    if model.openings or model.drawpoints or model.absent.any() or model.lined.any():
         actions.append(Relaxation())
     return *actions, *model.actions
 

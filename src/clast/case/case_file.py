@@ -26,6 +26,7 @@ from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Share, Table
 from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusals
+from clast.inputs.drawpoints import DrawpointTable
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
@@ -150,6 +151,8 @@ class Case(BaseModel):
     """Contacts recorded every step."""
     measured_reaction: list[MeasuredReaction] = []
     """Reactions of supports recorded every step, beside the totals."""
+    drawpoint: list[DrawpointTable] = []
+    """Lines past which blocks leave while the run goes on."""
     reference: list[Reference] = []
     """Known displacements; clast run and clast compare print the error."""
     stage: list[StageTable] = []

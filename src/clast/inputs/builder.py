@@ -38,6 +38,7 @@ from clast.inputs.declaring.values import (
     check_point_names,
     check_title,
 )
+from clast.inputs.drawpoints import DrawpointTable, drawpoints_in
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, Overburden
 from clast.inputs.linings import linings as place_linings
@@ -165,6 +166,8 @@ class InputBuilder(Inputs):
     """Record forces, opening and slip at a place or of a joint: ``[[measured_contact]]``."""
     measured_reaction = gives("measured_reaction", MeasuredReaction, "name")
     """Record a reaction beside the totals, every step: ``[[measured_reaction]]``."""
+    drawpoint = gives("drawpoint", DrawpointTable, "name", "line", "rate")
+    """Take out blocks that pass a line while the run goes on: ``[[drawpoint]]``."""
     motion = gives("motion", Motion)
     """Prescribe the motion of blocks: ``[[motion]]``."""
     link = gives("link", Link, "at")
@@ -337,6 +340,7 @@ class InputBuilder(Inputs):
             measured_contacts=contacts_measured(self.all(MeasuredContact), table, outlines.origin),
             ground_motion=self.ground_motion,
             actions=actions,
+            drawpoints=drawpoints_in(self.all(DrawpointTable), outlines.origin),
             reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings,
             absent=waits,

@@ -21,6 +21,7 @@ from clast.model.arrays import Floats as Floats
 from clast.model.arrays import Ints as Ints
 from clast.model.arrays import following, no_floats, no_ints, owners
 from clast.model.bodies import Outlines, joined_outlines
+from clast.model.drawpoints import Drawpoint
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joints import JointTable
@@ -259,6 +260,8 @@ class Model:
     """Number of the table by which gravity is multiplied; NO_FACTOR: it is constant."""
     reactions: Reactions = field(default_factory=Reactions)
     """Reactions of supports that are recorded."""
+    drawpoints: tuple[Drawpoint, ...] = ()
+    """Lines past which blocks leave while the run goes on."""
     begun: tuple[tuple[str, float], ...] = ()
     """Name of each stage that has begun, and when, s."""
     actions: tuple[Any, ...] = ()

@@ -137,9 +137,17 @@ class Event:
     """Name of the thing that it happened to."""
     text: str
     """The event, in words."""
+    block: int = -1
+    """Block that left the model; -1: none."""
+    mass: float = 0.0
+    """Its mass, kg/m."""
 
     def __str__(self) -> str:
         return f"{self.time:.6g} s: {self.text}"
+
+
+DRAWN = "drawn"
+"""Kind of the event of a block that leaves at a drawpoint."""
 
 
 def counted_from(records: Sequence[StageRecord], point: int, time: float) -> tuple[float, float]:

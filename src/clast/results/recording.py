@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast import spelling, thumbnails
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.model.stage_records import Event, StageRecord
+from clast.model.stage_records import DRAWN, Event, StageRecord
 from clast.model.state import State
 from clast.model.supports import LiningJoints, LinkLines
 from clast.model.water import Water
@@ -163,6 +163,21 @@ class Recording:
     def events(self) -> tuple[Event, ...]:
         """The events of the run; none are known where it did not end."""
         return self.report.events if self.report else ()
+
+    def drawn(self, drawpoint: str) -> tuple[Floats, Floats]:
+        """Return when blocks left at a drawpoint, s, and all mass drawn by then, kg/m, (k,) each.
+
+        Raises CaseError for a name at which nothing left.
+        """
+        those = [one for one in self.events if one.kind == DRAWN]
+        some = [one for one in those if one.what == drawpoint]
+        if not some:
+            raise CaseError(
+                f"nothing has left at a drawpoint '{shortened(drawpoint)}'",
+                where=self.name,
+                remedy=spelling.advice(drawpoint, {one.what for one in those}, kind="drawpoint"),
+            )
+        return np.array([one.time for one in some]), np.cumsum([one.mass for one in some])
 
     @property
     def frame_stages(self) -> tuple[str, ...]:

@@ -12,6 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.parallel import threads_worth
 from clast.contact.contacts import Contacts
@@ -25,7 +27,9 @@ from clast.results import Report, Run, RunRecorder
 from clast.results.run_report import about_method
 from clast.run import law_check
 from clast.run.checkpointing import Checkpointing
+from clast.run.drawing import drawn
 from clast.run.events import Listener, bonds_break
+from clast.run.excavation import excavated
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
@@ -362,8 +366,23 @@ class _March:
             reject_created_energy(
                 stepping.model, stepping.method, self.now.state, self.now.first, self.now.seen
             )
+            if stepping.model.drawpoints and stepping.statics is None:
+                stepping = self._draw()
             if self.keep:
                 self.keep(self.now)
+
+    def _draw(self) -> Stepping:
+        """Take out the blocks that have passed a drawpoint; return how the run goes on."""
+        now, stepping, model = self.now, self.stepping, self.setting.model
+        events = drawn(model, now.state, now.events, stepping.listener.stage)
+        if events:
+            blocks = np.array([one.block for one in events])
+            model, state = excavated(model, self.setting.method, now.state, blocks)
+            self.setting = replace(self.setting, model=model)
+            stage = stepping.judge.stage if stepping.judge is not None else None
+            self.stepping = Stepping.of(self.setting, stepping.workspace, stage)
+            self.now = replace(now, state=state, events=(*now.events, *events))
+        return self.stepping
 
     def _enter(self) -> None:
         now, course = self.now, self.course

@@ -166,6 +166,7 @@ def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
     bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
     waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]
     waiting += [("viscous boundary", name) for name in dict.fromkeys(model.viscous_edges.stage)]
+    waiting += [(f"drawpoint '{shortened(one.name)}'", one.stage) for one in model.drawpoints]
     waiting += [pair for action in model.actions for pair in getattr(action, "waits", ())]
     for what, name in waiting:
         if name and name not in names:

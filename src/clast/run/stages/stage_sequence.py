@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from clast.actions.damping import Undamped
+from clast.errors import ModelError
 from clast.model.stage_records import (
     BROKEN_OFF,
     FAILS,
@@ -19,6 +20,7 @@ from clast.model.stage_records import (
 )
 from clast.model.stages import EQUILIBRIUM, TIME, Stage
 from clast.model.state import State, here
+from clast.run.excavation import as_in
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
@@ -55,12 +57,28 @@ class StageSequence:
     def first(self) -> Setting:
         """The setting with which a run begins.  Raises ModelError for stages that are none."""
         check_stages(self.stages, self.base.model)
+        self._check_drawpoints()
         return before_all(self.base) if self.stages else self.base
+
+    def _check_drawpoints(self) -> None:
+        """Refuse drawpoints where nothing moves: all steps are static."""
+        ratios = (
+            map(self._dynamic_ratio, self.stages)
+            if self.stages
+            else [self.base.method.dynamic_ratio]
+        )
+        points = self.base.model.drawpoints
+        if points and not any(ratios):
+            raise ModelError(
+                "no block comes past it: all steps are static",
+                where=f"drawpoint '{points[0].name}'",
+                remedy="give time.dynamic_ratio = 1.0, or a stage with dynamic_ratio = 1.0",
+            )
 
     def setting_at(self, position: Position | None, state: State) -> Setting:
         """Return the setting of a run that goes on from a position."""
         if position is None or not position.starts:
-            return self.first
+            return replace(self.first, model=as_in(self.first.model, state))
         return entered_again(self.base, state, position.starts)
 
     def is_done(self, position: Position) -> bool:
