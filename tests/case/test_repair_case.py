@@ -188,3 +188,91 @@ def test_blocks_that_no_repair_makes_sound():
         put_together(bow, "x.csv")
     with pytest.raises(ModelError, match=r"x.csv: --tolerance: "):
         put_together(bow, "x.csv", tolerance=5.0)
+
+
+TURN, SHIFT = np.radians(28.0), np.array([300.0, -70.0])
+PLACES = {
+    "measured point 'A'": (0.8, 2.0),
+    "point load 1": (1.6, 2.0),
+    "line load 1": [(0.4, 2.0), (0.9, 2.0)],
+    "fixed point 1": (0.0, 0.0),
+}
+
+
+def snapped(gap: float, turned: bool, tolerance: float | None = None, named: bool = False):
+    """Return a model whose places lie ``gap`` beside their blocks, and its blocks by place."""
+
+    def at(points) -> list:
+        given = np.asarray(points, float)
+        if not turned:
+            return given.tolist()
+        c, s = np.cos(TURN), np.sin(TURN)
+        return (given @ np.array([[c, s], [-s, c]]) + SHIFT).tolist()
+
+    up = np.array([0.0, gap])
+    ups = np.array([[0.0, gap], [0.0, 0.0]])
+    repair = None if tolerance is None else BlockRepair(tolerance=tolerance)
+    builder = InputBuilder(repair=repair)
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    for name, low, high in (("floor", (0, 0), (2, 1)), ("1", (0.3, 1), (1.3, 2))):
+        corners = [low, (high[0], low[1]), high, (low[0], high[1])]
+        builder.block(name=name, vertices=at(corners), fixed=False)
+    builder.block(name="2", vertices=at([(1.3, 1), (2, 1), (2, 2), (1.3, 2)]))
+    block = {"block": "1"} if named else {}
+    builder.measured_point("A", at(PLACES["measured point 'A'"] + up), **block)
+    builder.point_load(at(PLACES["point load 1"] + up), (0.0, -1e3))
+    builder.line_load(*at(np.array(PLACES["line load 1"]) + up), (0.0, -1e3))
+    builder.fixed_point(at(PLACES["fixed point 1"] - up))
+    builder.pressure(*at(np.array([(0.3, 2.0), (1.3, 2.0)]) + up), 1e3)
+    builder.add_bolt_kind("bar", stiffness=1e8)
+    builder.bolt(*at(np.array([(0.5, 2.0), (0.5, 0.2)]) + ups), kind="bar", anchorage="ends")
+    builder.bolt(*at(np.array([(0.7, 2.0), (0.7, 0.2)]) + ups), kind="bar")
+    return builder.build()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("gap", "tolerance"), [(0.7e-3, None), (4e-3, 5e-3)])
+@pytest.mark.parametrize("named", [False, True])
+def test_places_beside_a_block_belong_to_it(gap, tolerance, turned, named):
+    model = snapped(gap, turned, tolerance, named)
+    exact = snapped(0.0, turned, tolerance, named)
+    assert not any("beside" in one for one in exact.notes)
+    for one, other in (
+        (model.measured_points.block, exact.measured_points.block),
+        (model.point_loads.block, exact.point_loads.block),
+        (model.line_loads.block, exact.line_loads.block),
+        (model.fixed_points.block, exact.fixed_points.block),
+        (model.pressures.edge, exact.pressures.edge),
+        (model.bolts.block, exact.bolts.block),
+    ):
+        np.testing.assert_array_equal(one, other)
+    # the place stays where it was given: only the block that carries it is chosen
+    moved = model.measured_points.at - exact.measured_points.at
+    assert np.hypot(*moved[0]) == pytest.approx(gap, rel=1e-6)
+    places, pressure = (one for one in model.notes if "beside" in one)
+    if "pressure" in places:
+        places, pressure = pressure, places
+    assert places.startswith("6 places lie beside a block")
+    assert "measured point 'A', " in places and "block 2 '1'" in places
+    assert f"{gap:.2g} m beside edges" in pressure
+
+
+def test_places_beside_two_blocks():
+    """Where two blocks are as near as that, one must be named, and is taken."""
+    builder = InputBuilder()
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder.block(vertices=[(1.001, 0), (2.001, 0), (2.001, 1), (1.001, 1)])
+    for name, x, block in (("A", 1.0003, "2"), ("B", 1.0003, "1"), ("C", 1.0, None)):
+        builder.measured_point(name, (x, 0.5), block=block)
+    assert builder.build().measured_points.block.tolist() == [1, 0, 0]
+    builder.measured_point("D", (1.0003, 0.5))
+    with pytest.raises(ModelError, match="common boundary of block 1, block 2"):
+        builder.build()
+
+
+def test_places_too_far_from_a_block_are_refused():
+    with pytest.raises(ModelError, match=r"outside every block; the nearest is .* m away"):
+        snapped(1.1e-3 * np.sqrt(2.0), turned=False, tolerance=None)
+    with pytest.raises(ModelError, match="nearest is"):
+        snapped(6e-3, turned=False, tolerance=5e-3)

@@ -53,6 +53,7 @@ from clast.inputs.loads import (
     line_loads_in,
     measured_points_in,
     point_loads_in,
+    points_placed,
     pressed_edges,
 )
 from clast.inputs.materials import joint_table, joints_of_edges
@@ -65,7 +66,7 @@ from clast.inputs.measurements import (
     reactions_in,
 )
 from clast.inputs.placing.bolt_lines import Ground
-from clast.inputs.placing.bolts import idle_note, placed_bolts
+from clast.inputs.placing.bolts import ends_of, idle_note, placed_bolts
 from clast.inputs.placing.place_blocks import BlockArrays, Names, Vector, rocks_of
 from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
 from clast.inputs.supports.links import Link, Moment
@@ -272,6 +273,7 @@ class InputBuilder(Inputs):
             outlines=outlines,
             tree=shapely.STRtree(polygons),
             moved=repaired.moved,
+            tolerance=repaired.tolerance,
             factors=tuple(one.factor(name) for name, one in self.named(Amplitude).items()),
             fixed=held,
         )
@@ -351,6 +353,9 @@ class InputBuilder(Inputs):
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
                 *idle_note(bolts),
+                *everything.beside_note(
+                    (*points_placed((fixed, measured, points, lines)), *ends_of(bolts))
+                ),
                 *wet,
                 *ending_note(self.ground_motion),
             ),

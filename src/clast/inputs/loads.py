@@ -18,7 +18,7 @@ from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.measurements import MeasuredPoint
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
-from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, locate, point_text
+from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, beside_reach, locate, point_text
 from clast.model.factors import Factor
 from clast.model.model import (
     EdgePressures,
@@ -169,7 +169,7 @@ def _placed(records: Iterable[tuple[str, Any]], ground: Ground) -> tuple[Ints, F
         return f"{labels[k]} at {point_text(at[k, 0] + origin)}"
 
     outlines, tree = ground.outlines, ground.tree
-    block = locate(np.array(shapes), np.array(named), where, outlines, tree, ground.moved)
+    block = locate(np.array(shapes), np.array(named), where, outlines, tree, ground.tolerance)
     return block, at
 
 
@@ -214,6 +214,24 @@ def line_loads_in(records: Sequence[LineLoad], ground: Ground) -> LineLoads:
     )
 
 
+def points_placed(
+    kinds: Iterable[MaterialPoints | LineLoads],
+) -> Iterator[tuple[str, int, Floats]]:
+    """Give the label, the block and the points (e, 2), m, of each place of several kinds."""
+    called = {
+        MeasuredPoints: "measured point",
+        PointLoads: "point load",
+        LineLoads: "line load",
+    }
+    for one in kinds:
+        kind = called.get(type(one), "fixed point")
+        ends = (one.start, one.end) if isinstance(one, LineLoads) else (one.at,)
+        named = one.name if isinstance(one, MeasuredPoints) else ()
+        for k, at in enumerate(np.stack(ends, axis=1)):
+            label = f"'{shortened(named[k])}'" if named else str(k + 1)
+            yield f"{kind} {label}", int(one.block[k]), at
+
+
 def _factors(named: Iterable[tuple[str, Load]], ground: Ground) -> Ints:
     """Return the number of the amplitude of each load, NO_FACTOR where it has none, (k,)."""
     return np.array(
@@ -251,10 +269,13 @@ def pressed_edges(
         if one.block is not None:
             edges = edges[outlines.owner == ground.block(one.block, f"{label}, block")]
         factor = ground.amplitude(one.amplitude, f"{label}, amplitude")
-        edge, share, place = _parts(line, edges, outlines)
+        edge, share, place = _parts(line, edges, outlines, ground.tolerance)
         if len(edge) == 0:
             _refuse_no_edge(label, line, edges, outlines)
         _refuse_two_blocks(label, line, edge, np.sort(place, axis=1), outlines)
+        away = np.abs(line.measured(outlines.vertices[edge])[1])
+        if (away > _reach(outlines, edge)).any():
+            notes.append(f"{label} lies {away.max():.2g} m beside edges, and acts on them")
         pressed = float(np.abs(np.diff(place, axis=1)).sum())
         if pressed < (1.0 - OVERLAP_TOLERANCE) * line.length:
             notes.append(
@@ -282,10 +303,13 @@ def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
     return np.asarray(OVERLAP_TOLERANCE * np.sqrt(np.abs(outlines.area)))[outlines.owner[edges]]
 
 
-def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Floats, Floats]:
+def _parts(
+    line: _Line, edges: Ints, outlines: BlockOutlines, tolerance: float
+) -> tuple[Ints, Floats, Floats]:
     """Return the edges along a line, the shares of them, and where these are on the line.
 
-    Shapes (k,), (k, 2), -, in the direction of the edge, and (k, 2), m.
+    Shapes (k,), (k, 2), -, in the direction of the edge, and (k, 2), m.  Where no edge lies along
+    the line, those within the ``tolerance`` beside it do, m.
     """
     reach = _reach(outlines, edges)
     first = line.measured(outlines.vertices[edges])
@@ -298,6 +322,8 @@ def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Flo
     share = np.sort(share, axis=1)
     beside = np.abs(first[1][long, None] + share * side[:, None]).max(axis=1)
     near = beside <= reach[long]
+    if not near.any():
+        near = beside <= beside_reach(outlines, tolerance)[outlines.owner[edges[long]]]
     chosen, share = long[near], share[near]
     # what ends at a corner ends there to the last digit
     close = reach[chosen, None] / np.abs(run[near, None])

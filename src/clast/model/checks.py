@@ -28,6 +28,8 @@ ROUND_OFF = 1e-9
 """Distances and areas below this fraction of a block's extent, or its square, are none."""
 OVERLAP_TOLERANCE = 1e-6
 """Overlaps and distances below this share of the block's size are round-off."""
+BESIDE_SHARE = 1e-3
+"""Places so far beside a block belong to it, as a share of its size."""
 PENETRATION_MAX = 0.05
 """Overlaps above this share of the narrower block's width are not contact penetration."""
 BLOCK_WIDTH_MIN = 1e-9
@@ -129,6 +131,8 @@ class RepairedBlocks:
     """The repairs."""
     moved: float = 0.0
     """How far a vertex moved at most, m."""
+    tolerance: float = 0.0
+    """Distance within which things are meant to touch, m."""
 
 
 def point_text(at: Sequence[float] | Floats) -> str:
@@ -348,23 +352,27 @@ def locate(
     where: Callable[[int], str],
     outlines: BlockOutlines,
     tree: shapely.STRtree,
-    moved: float = 0.0,
+    tolerance: float = 0.0,
 ) -> Ints:
     """Return the block that carries each point or line, shape (k,).
 
     ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the label
-    of a shape for messages; ``tree`` is that of the blocks' polygons.  Where vertices have
-    ``moved`` by so much, m, since they were drawn, points that no block carries may be so far
-    outside.
+    of a shape for messages; ``tree`` is that of the blocks' polygons.  What no block carries
+    belongs to the one that lies within the ``tolerance`` of it, m, or BESIDE_SHARE of the block if
+    that is more.
     """
     reach = OVERLAP_TOLERANCE * np.sqrt(np.abs(outlines.area))
     carrying = _carrying(shapes, reach, tree)
-    lacking = [k for k, blocks in enumerate(carrying) if len(blocks) == 0]
-    lacking += [k for k, blocks in enumerate(carrying) if named[k] >= 0 and named[k] not in blocks]
-    if moved > 0.0 and lacking:
-        some = np.unique(lacking)
-        for k, blocks in zip(some, _carrying(shapes[some], reach + moved, tree), strict=True):
-            carrying[k] = blocks
+    lacking = [
+        k
+        for k, blocks in enumerate(carrying)
+        if len(blocks) == 0 or (named[k] >= 0 and named[k] not in blocks)
+    ]
+    if lacking:
+        wide = beside_reach(outlines, tolerance)
+        for k, blocks in zip(lacking, _carrying(shapes[lacking], wide, tree), strict=True):
+            if named[k] < 0 or named[k] in blocks:
+                carrying[k] = blocks
     return np.array(
         [
             _carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree)
@@ -372,6 +380,11 @@ def locate(
         ],
         dtype=np.int64,
     )
+
+
+def beside_reach(outlines: BlockOutlines, tolerance: float) -> Floats:
+    """Return how far beside each block places belong to it, m, shape (n,)."""
+    return np.maximum(tolerance, BESIDE_SHARE * np.sqrt(np.abs(outlines.area)))
 
 
 def _carrying(shapes: Geometries, reach: Floats, tree: shapely.STRtree) -> list[Ints]:

@@ -209,6 +209,7 @@ class BlockRepair:
             outlines=replace(outlines, start=blocks.start, vertices=vertices),
             edge=blocks.edge,
             moved=blocks.report.largest_movement,
+            tolerance=self.tolerance,
             repairs=repairs_of(blocks.report, tuple(outlines.origin.tolist())),
         )
 

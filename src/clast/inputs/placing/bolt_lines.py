@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -12,9 +12,18 @@ import shapely
 
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
-from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, locate, point_text
+from clast.model.checks import (
+    OVERLAP_TOLERANCE,
+    BlockOutlines,
+    beside_reach,
+    locate,
+    point_text,
+)
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.model import Bools, Floats, Ints, MaterialPoints
+
+BESIDE_NAMED_MAX = 5
+"""Most places beside blocks that a note names."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +48,8 @@ class Ground:
     """shapely.STRtree of their polygons."""
     moved: float = 0.0
     """How far vertices may have moved since they were drawn, m."""
+    tolerance: float = 0.0
+    """Distance beside a block within which places belong to it, m."""
     factors: tuple[Factor, ...] = ()
     """Tables of time."""
     fixed: Bools = field(default_factory=lambda: np.zeros(0, np.bool_))
@@ -82,6 +93,28 @@ class Ground:
         """Return a point (2,) about the origin as messages write it."""
         return point_text(at + self.outlines.origin)
 
+    def beside_note(self, places: Iterable[tuple[str, int, Floats]]) -> Iterator[str]:
+        """Yield the note on places that lie beside their block.
+
+        A place is its label, its block and its points about the origin, m, (e, 2).
+        """
+        said = []
+        for label, block, at in places:
+            away = float(shapely.distance(shapely.points(at), self.tree.geometries[block]).max())
+            if away > OVERLAP_TOLERANCE * np.sqrt(abs(self._area[block])):
+                said.append(f"{label}, {away:.2g} m from {self.outlines.label(block)}")
+        if said:
+            count = "1 place lies" if len(said) == 1 else f"{len(said)} places lie"
+            more = "; ..." if len(said) > BESIDE_NAMED_MAX else ""
+            yield (
+                f"{count} beside a block, and moves with it where it is: "
+                f"{'; '.join(said[:BESIDE_NAMED_MAX])}{more}"
+            )
+
+    @cached_property
+    def _area(self) -> Floats:
+        return self.outlines.area
+
     def blocks_of_ends(self, label: str, line: Floats, blocks: tuple[str, str] | None) -> list[int]:
         """Return the blocks that carry both ends of a line (2, 2) about the origin, m.
 
@@ -97,7 +130,7 @@ class Ground:
 
         shapes = np.array(shapely.points(line))
         try:
-            blocks_there = locate(shapes, named, where, self.outlines, self.tree, self.moved)
+            blocks_there = locate(shapes, named, where, self.outlines, self.tree, self.tolerance)
         except ModelError as error:
             if "common boundary" not in error.what:
                 raise
@@ -143,8 +176,9 @@ def joints_between(
     """Refuse a grouted line that begins or ends in no block, leaves rock, or runs along a joint."""
     length = float(np.hypot(*(line[1] - line[0])))
     close = OVERLAP_TOLERANCE * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
+    beside = beside_reach(ground.outlines, ground.tolerance)
     for k, (name, gap) in enumerate(_outside(pieces, length)):
-        if gap > close + ground.moved:
+        if gap > close + (beside[pieces.block[-k]] if len(pieces) else 0.0):
             what = f"its {name} lies outside every block; {_nearest(line[k], ground)}"
             remedy = "move it into a block or onto its boundary"
             raise ModelError(what, where=f"{label} at {ground.text(line[k])}", remedy=remedy)

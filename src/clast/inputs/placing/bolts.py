@@ -225,6 +225,13 @@ def idle_note(bolts: Bolts) -> Iterator[str]:
         yield f"{len(idle)} of {len(bolts)} bolts cross no joint and carry nothing: {names}"
 
 
+def ends_of(bolts: Bolts) -> Iterator[tuple[str, int, Floats]]:
+    """Give the label, the block and the place (1, 2), m, of head and toe of each bolt."""
+    for k, name in enumerate(bolts.name):
+        for point in np.flatnonzero(bolts.bolt == k)[[0, -1]]:
+            yield f"bolt '{shortened(name)}'", int(bolts.block[point]), bolts.at[[point]]
+
+
 def _with_springs(
     bolts: Bolts, named: Sequence[tuple[str, Bolt]], kinds: Sequence[BoltKind]
 ) -> Bolts:
