@@ -35,6 +35,7 @@ from clast.inputs.loads import Amplitude, FixedPoint, LineLoad, PointLoad, Press
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import (
     MeasuredContact,
+    MeasuredConvergence,
     MeasuredPoint,
     MeasuredReaction,
     Reference,
@@ -147,6 +148,8 @@ class Case(BaseModel):
     """Earthquake or shaking table."""
     measured_point: list[MeasuredPoint] = []
     """Points recorded every step."""
+    measured_convergence: list[MeasuredConvergence] = []
+    """Pairs of measured points whose approach is recorded every step."""
     measured_contact: list[MeasuredContact] = []
     """Contacts recorded every step."""
     measured_reaction: list[MeasuredReaction] = []
@@ -172,7 +175,7 @@ class Case(BaseModel):
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
-        faults = list(point_faults(self.measured_point, self.reference))
+        faults = list(point_faults(self.measured_point, self.reference, self.measured_convergence))
         if faults:
             raise refusals(faults)
         return self

@@ -23,7 +23,7 @@ from clast.cli.options import (
     words,
 )
 from clast.cli.terminal import print_json, print_table, progress_bar, tell, two_columns
-from clast.cli.terminal_tables import print_points, print_stages
+from clast.cli.terminal_tables import print_measured, print_points, print_stages
 from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
@@ -70,6 +70,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     print_table(two_columns(content["title"], rows))
     print_stages(results.stages)
     print_points(content["measured_points"])
+    print_measured(content)
 
 
 def _lining(extremes: dict[str, float | None]) -> str:
@@ -125,8 +126,8 @@ HistoryNames = Annotated[
     str,
     typer.Option(
         metavar="A,B",
-        help="Draw histories over time: of points, bolts, contacts, reactions, links, linings, "
-        "energy, steps.",
+        help="Draw histories over time: of points, convergences, bolts, contacts, reactions, "
+        "links, linings, energy, steps.",
     ),
 ]
 Abscissa = Annotated[str, typer.Option(metavar="NAME", help="Abscissa of histories: time, or A:x.")]
@@ -339,8 +340,8 @@ def export(
         str,
         typer.Option(
             metavar="NAME,...",
-            help="Only these of blocks, vertices, contacts, histories, measured_contacts, linings, "
-            "links, reactions, bolts, energy, steps, stages, events.",
+            help="Only these of blocks, vertices, contacts, histories, convergences, "
+            "measured_contacts, linings, links, reactions, bolts, energy, steps, stages, events.",
         ),
     ] = "",
 ) -> None:
@@ -384,6 +385,7 @@ def _write_csv(
         "links": results.link_name,
         "linings": results.lining_joint_name,
         "measured_contacts": results.measured_contact_name,
+        "convergences": results.convergence_name,
         "stages": results.frame_stages,
         "events": results.events,
     }

@@ -124,6 +124,24 @@ def print_points(points: dict[str, dict[str, Any]]) -> None:
         print_table(table_of("measured points at the end", headings, rows))
 
 
+def print_measured(content: dict[str, Any]) -> None:
+    """Print convergences and reactions at the end, from the summary of a result file."""
+    pairs = [
+        (name, f"{one['convergence']:.5g}", f"{100.0 * one['convergence'] / one['distance']:.3g}")
+        for name, one in content["convergences"].items()
+    ]
+    if pairs:
+        heads = ("convergence", "m", "% of the distance")
+        print_table(table_of("convergences at the end", heads, pairs))
+    supports = [
+        (name, *(f"{1e-3 * part:.5g}" for part in (*one["force"], one["moment"])))
+        for name, one in content["reactions"].items()
+    ]
+    if supports:
+        heads = ("support", "x, kN/m", "y, kN/m", "moment, kN m/m")
+        print_table(table_of("reactions at the end", heads, supports))
+
+
 def print_stages(stages: Sequence[StageRecord]) -> None:
     """Print how the stages went, if there are any: verdicts first."""
     rows = [

@@ -59,10 +59,12 @@ from clast.inputs.loads import (
 from clast.inputs.materials import joint_table, joints_of_edges
 from clast.inputs.measurements import (
     MeasuredContact,
+    MeasuredConvergence,
     MeasuredPoint,
     MeasuredReaction,
     Supported,
     contacts_measured,
+    convergences_in,
     reactions_in,
 )
 from clast.inputs.placing.bolt_lines import Ground
@@ -163,6 +165,8 @@ class InputBuilder(Inputs):
     """Press on the edges along a line: ``[[pressure]]``."""
     measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
+    measured_convergence = gives("measured_convergence", MeasuredConvergence, "name", "of")
+    """Record the approach of two measured points, every step: ``[[measured_convergence]]``."""
     measured_contact = gives("measured_contact", MeasuredContact, "name", "at")
     """Record forces, opening and slip at a place or of a joint: ``[[measured_contact]]``."""
     measured_reaction = gives("measured_reaction", MeasuredReaction, "name")
@@ -311,7 +315,7 @@ class InputBuilder(Inputs):
         # links may let blocks overlap
         apart = {pair for one in actions for pair in map(tuple, getattr(one, "apart", ()))}
         overlaps = model_checks.check_overlaps(outlines, there, apart)
-        supports = Supported(ground, len(viscous), actions)
+        supports = Supported(ground, viscous.edge, actions)
         return Model(
             title=self.title,
             plane=self.plane,
@@ -340,6 +344,7 @@ class InputBuilder(Inputs):
             factors=ground.factors,
             measured_points=measured,
             measured_contacts=contacts_measured(self.all(MeasuredContact), table, outlines.origin),
+            convergences=convergences_in(self.all(MeasuredConvergence), measured),
             ground_motion=self.ground_motion,
             actions=actions,
             drawpoints=drawpoints_in(self.all(DrawpointTable), outlines.origin),

@@ -1,4 +1,4 @@
-"""[[measured_point]], [[measured_contact]], [[measured_reaction]], [[reference]]."""
+"""[[measured_point]], [[measured_contact]], [[measured_reaction]] and others, [[reference]]."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ from clast.errors import ModelError, shortened
 from clast.inputs.declaring.table import Point, Positive, Table
 from clast.inputs.declaring.validation_messages import Fault, check_one
 from clast.inputs.declaring.values import number_of
+from clast.inputs.in_situ import Side
 from clast.inputs.placing.bolt_lines import Ground
+from clast.model.edges import outline_edges
 from clast.model.joints import JointTable
-from clast.model.model import Floats, Ints, MeasuredContacts
+from clast.model.model import Convergences, Floats, Ints, MeasuredContacts, MeasuredPoints
 from clast.model.ranges import check_names
 from clast.model.supports import Reactions
 
@@ -32,6 +34,19 @@ class MeasuredPoint(Table):
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
+
+
+class MeasuredConvergence(Table):
+    """The approach of two measured points, recorded every step: positive where they close in.
+
+    It is their relative displacement along the line between them at the start, since then or since
+    a stage has reset it.
+    """
+
+    name: StrictStr
+    """Name."""
+    of: tuple[StrictStr, StrictStr]
+    """Two [[measured_point]]s, e.g. ["left wall", "right wall"]."""
 
 
 class MeasuredContact(Table):
@@ -55,6 +70,8 @@ class MeasuredReaction(Table):
 
     name: StrictStr
     """Name."""
+    side: Side | None = None
+    """Side of the box around all blocks: its fixed blocks, fixed points and viscous edges."""
     block: StrictStr | None = None
     """Block, fixed or moved."""
     blocks: list[StrictStr] | None = None
@@ -66,8 +83,8 @@ class MeasuredReaction(Table):
 
     @model_validator(mode="after")
     def _names_something(self) -> Self:
-        remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
-        check_one(self, ("block", "blocks", "fixed_point"), remedy)
+        remedy = 'give one of block = "1", blocks = ["1", "2"], fixed_point = [x, y], side = "left"'
+        check_one(self, ("block", "blocks", "fixed_point", "side"), remedy)
         return self
 
 
@@ -85,7 +102,9 @@ class Reference(Table):
 
 
 def point_faults(
-    points: Sequence[MeasuredPoint], references: Sequence[Reference]
+    points: Sequence[MeasuredPoint],
+    references: Sequence[Reference],
+    convergences: Sequence[MeasuredConvergence],
 ) -> Iterator[Fault]:
     """Yield faults of points in a case file: names with a slash, references to none."""
     for number, point in enumerate(points):
@@ -96,13 +115,31 @@ def point_faults(
                 ("measured_point", number, "name"),
             )
     names = [point.name for point in points]
-    for number, reference in enumerate(references):
-        if reference.point not in names:
+    named = [(one.point, ("reference", k, "point")) for k, one in enumerate(references)]
+    for k, pair in enumerate(convergences):
+        named += [(end, ("measured_convergence", k, "of")) for end in dict.fromkeys(pair.of)]
+    for name, place in named:
+        if name not in names:
             yield Fault(
-                f"there is no measured point '{reference.point}'",
-                spelling.advice(reference.point, names, kind="measured point"),
-                ("reference", number, "point"),
+                f"there is no measured point '{shortened(name)}'",
+                spelling.advice(name, names, kind="measured point"),
+                place,
             )
+
+
+def convergences_in(given: Sequence[MeasuredConvergence], points: MeasuredPoints) -> Convergences:
+    """Return the convergences to be recorded; raises ModelError for pairs without a distance."""
+    check_names("measured convergence", [one.name for one in given])
+    number = {name: k for k, name in enumerate(points.name)}
+    pairs = np.zeros((len(given), 2), np.int64)
+    for k, one in enumerate(given):
+        where = f"measured convergence '{shortened(one.name)}', of"
+        pairs[k] = [number_of(end, number, "measured point", where) for end in one.of]
+        if not np.ptp(points.at[pairs[k]], axis=0).any():
+            first, second = map(shortened, one.of)
+            what = f"'{first}' and '{second}' are at one place: no line joins them"
+            raise ModelError(what, where=where, remedy="name two points that lie apart")
+    return Convergences(name=tuple(one.name for one in given), point=pairs)
 
 
 def contacts_measured(
@@ -132,8 +169,8 @@ class Supported:
 
     ground: Ground
     """The blocks."""
-    viscous_edges: int
-    """How many viscous edges there are."""
+    viscous_edges: Ints
+    """First vertices of the viscous edges, shape (v,)."""
     actions: tuple[Any, ...]
     """Actions on the blocks."""
 
@@ -151,6 +188,10 @@ class Supported:
 
 
 NONE = np.zeros(0, np.int64)
+SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
+"""Axis of each side, and whether it is the low or the high end."""
+ON_SIDE = 1e-6
+"""Distance from a side at which a fixed point is on it, as a share of the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,9 +241,9 @@ def _totals(supports: Supported) -> Iterable[_Part]:
     points = np.arange(len(supports.ground.points.block))
     if len(points):
         yield _Part("fixed points", _middle(supports, NONE, points), fixed_points=points)
-    if supports.viscous_edges:
+    if len(supports.viscous_edges):
         about = _middle(supports, np.arange(len(ground.fixed)), NONE)
-        yield _Part("viscous edges", about, viscous_edges=np.arange(supports.viscous_edges))
+        yield _Part("viscous edges", about, viscous_edges=np.arange(len(supports.viscous_edges)))
     for name, one in supports.motions.items():
         point = NONE if one.point is None else np.array([one.point])
         yield _Part(name, _middle(supports, one.block, point), one.block, point)
@@ -212,8 +253,10 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
     """Return a reaction that is asked for; raises ModelError where nothing is held or moved."""
     ground = supports.ground
     where = f"measured reaction '{shortened(one.name)}'"
-    blocks, points = NONE, NONE
-    if one.fixed_point is not None:
+    blocks, points, edges = NONE, NONE, NONE
+    if one.side is not None:
+        blocks, points, edges = _on_side(one.side, supports, where)
+    elif one.fixed_point is not None:
         points = ground.fixed_point(one.fixed_point, where)
     else:
         key, names = ("blocks", one.blocks) if one.block is None else ("block", [one.block])
@@ -224,15 +267,35 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
             what = f"block '{said}' is neither fixed nor moved" if loose else "names no block"
             remedy = "name blocks with fixed = true or a [[motion]], or give a fixed_point"
             raise ModelError(what, where=f"{where}, {key}", remedy=remedy)
-    about = _middle(supports, blocks, points)
+    about = _middle(supports, blocks, points, edges)
     if one.about is not None:
         about = np.array(one.about) - ground.outlines.origin
-    return _Part(one.name, about, blocks, points)
+    return _Part(one.name, about, blocks, points, edges)
 
 
-def _middle(supports: Supported, blocks: Ints, points: Ints) -> Floats:
-    """Return the mean of centroids of blocks and of fixed points, m, shape (2,)."""
+def _on_side(side: Side, supports: Supported, where: str) -> tuple[Ints, Ints, Ints]:
+    """Return the fixed blocks, fixed points and viscous edges on a side of the model."""
+    ground = supports.ground
+    outlines, at = ground.outlines, ground.points.at
+    edges = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
+    owner = np.unique(outlines.owner[edges])
+    blocks = owner[ground.fixed[owner] & ~np.isin(owner, supports.moved)]
+    low, high = outlines.vertices.min(axis=0), outlines.vertices.max(axis=0)
+    axis, end = SIDES[side]
+    beside = np.abs(at[:, axis] - (low, high)[end][axis]) <= ON_SIDE * float(np.hypot(*high - low))
+    points, viscous = np.flatnonzero(beside), np.isin(supports.viscous_edges, edges).nonzero()[0]
+    if not len(blocks) + len(points) + len(viscous):
+        what = f"no fixed block, fixed point or viscous edge is on the {side} side"
+        remedy = "name another side, a block or a fixed_point; links have histories of their own"
+        raise ModelError(what, where=f"{where}, side", remedy=remedy)
+    return blocks, points, viscous
+
+
+def _middle(supports: Supported, blocks: Ints, points: Ints, edges: Ints = NONE) -> Floats:
+    """Return the mean of centroids of blocks, fixed points and viscous edges, m, shape (2,)."""
     outlines = supports.ground.outlines
     _, centroid, _ = polygon.moments(outlines.vertices, outlines.start)
-    at = [centroid[blocks], supports.ground.points.at[points]]
+    first = supports.viscous_edges[edges]
+    ends = outlines.vertices[first], outlines.vertices[outlines.following[first]]
+    at = [centroid[blocks], supports.ground.points.at[points], 0.5 * (ends[0] + ends[1])]
     return np.asarray(np.concatenate(at).mean(axis=0))

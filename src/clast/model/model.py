@@ -182,6 +182,16 @@ class MeasuredContacts:
     """Joint whose contacts are recorded together: index into those of the model; -1, (k,)."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Convergences:
+    """Pairs of measured points whose approach is recorded every step; k of them."""
+
+    name: tuple[str, ...] = ()
+    """Name of each."""
+    point: Ints = no_ints(2)
+    """Its two measured points, by their numbers, shape (k, 2)."""
+
+
 @dataclass(frozen=True)
 class PointSlices:
     """Rows of ``Model.material_points``, and of ``State.points``, by kind."""
@@ -247,6 +257,7 @@ class Model:
     measured_points: MeasuredPoints
     """Points recorded every step."""
     measured_contacts: MeasuredContacts = field(default_factory=MeasuredContacts)
+    convergences: Convergences = field(default_factory=Convergences)
     """Contacts recorded every step."""
     pressures: EdgePressures = field(default_factory=EdgePressures)
     """Pressures on edges."""

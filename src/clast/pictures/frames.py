@@ -18,7 +18,7 @@ from clast.pictures.draw_water import (
     waters_of,
     with_levels,
 )
-from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, scale_of
+from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, prefixed, scale_of
 from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
 from clast.pictures.layers import LAYERS
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, edges_by_joint, handles_of
@@ -138,6 +138,7 @@ class FrameDrawing:
         draw_links(axes, results, frame)
         if field == "block":
             draw_blocks.draw_names(axes, results, here, absent)
+        _draw_convergences(axes, results, self._points[frame], frame)
         _draw_points(axes, results.point_name, self._points[frame])
         return coloured, label
 
@@ -192,6 +193,19 @@ def _draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
         }
         text = canvas.literal(text)
         canvas.write(axes, text, at, 7, textcoords="offset points", **beside)
+
+
+def _draw_convergences(axes: Axes, results: Recording, places: Floats, frame: int) -> None:
+    """Join the two points of each convergence by a dashed line, with its value in the frame."""
+    names, pairs = results.convergence_name, results.convergence_points
+    for name, pair in list(zip(names, pairs, strict=True))[:POINT_NAMES_MAX]:
+        ends = places[pair]
+        axes.plot(*ends.T, ls="--", lw=0.9, color=INK, zorder=5)
+        rows = results.convergence(name)
+        value = float(rows.convergence[results.rows_at(rows.time, frame)])
+        factor, unit = prefixed(abs(value), "m")
+        text = canvas.literal(f"{name} {factor * value:.3g} {unit}")
+        canvas.write(axes, text, ends.mean(axis=0), 7, ha="center", va="center")
 
 
 def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:

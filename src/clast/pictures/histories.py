@@ -59,6 +59,12 @@ def _of_point(results: Recording, name: str) -> Iterator[History]:
         yield History(title, panel, unit, point.time, {"x": x, "y": y})
 
 
+def _of_convergence(results: Recording, name: str) -> Iterator[History]:
+    rows = results.convergence(name)
+    lines = {"": rows.convergence}
+    yield History(f"Convergence {name}", "Convergence", "m", rows.time, lines)
+
+
 def _of_contact(results: Recording, name: str) -> Iterator[History]:
     rows = results.measured_contact(name)
     for quantity, unit, columns in (
@@ -122,6 +128,7 @@ KINDS: dict[
     str, tuple[Callable[[Recording], Sequence[str]], Callable[[Recording, str], Iterator[History]]]
 ] = {
     "point": (lambda results: results.point_name, _of_point),
+    "convergence": (lambda results: results.convergence_name, _of_convergence),
     "bolt": (lambda results: results.bolt_name, _of_bolt),
     "contact": (lambda results: results.measured_contact_name, _of_contact),
     "reaction": (lambda results: results.reaction_name, _of_reaction),
@@ -145,10 +152,10 @@ def plot_histories(
 ) -> Path:
     """Draw histories over the same abscissa, a panel for each quantity; return the path.
 
-    ``names`` are measured points, bolts, measured contacts, reactions, links, linings, "energy" or
-    "steps": everything that is called so, or one kind of it, as "lining:crown".  ``against`` is
-    "time", or a displacement of a measured point: "crown:y".  Raises CaseError for names that do
-    not exist.
+    ``names`` are measured points, convergences, bolts, measured contacts, reactions, links,
+    linings, "energy" or "steps": everything that is called so, or one kind of it, as
+    "lining:crown".  ``against`` is "time", or a displacement of a measured point: "crown:y".
+    Raises CaseError for names that do not exist.
     """
     panels: dict[tuple[str, str], list[Curve]] = {}
     label, abscissa = _abscissa(results, against)

@@ -201,6 +201,16 @@ def _displacements(results: Recording, figures: _Figures) -> Iterator[str]:
         rows.append((name, *map(float, last), 1e3 * float(size.max())))
     if rows:
         yield _table(("point", "x, mm", "y, mm", "largest in the run, mm"), rows)
+    rows = []
+    for name in results.convergence_name:
+        approach = 1e3 * np.asarray(results.convergence(name).convergence)
+        rows.append((name, float(approach[-1]), float(approach[np.abs(approach).argmax()])))
+    if rows:
+        yield _table(("convergence", "at the end, mm", "largest in the run, mm"), rows)
+        yield figures.of(
+            "Convergences over time.",
+            partial(plot_histories, results, names=[f"convergence:{one[0]}" for one in rows]),
+        )
     for name in results.point_name[:CURVES_MAX]:
         yield figures.of(
             f"Point {name} over time.", partial(plot_histories, results, names=[f"point:{name}"])

@@ -155,6 +155,21 @@ def point_rows(model: Model, reference: ReferenceState | None) -> RowOf:
     return row
 
 
+def convergence_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time and the approach (k,) of the points of each convergence."""
+    points, slices = model.measured_points, model.point_slices
+    start = points.at if reference is None else reference.points[slices.measured]
+    first, second = model.convergences.point.T
+    way = points.at[second] - points.at[first]
+    way /= np.hypot(*way.T)[:, None]
+
+    def row(state: State) -> tuple[Any, ...]:
+        moved = state.points[slices.measured] - start
+        return state.time, np.add.reduce((moved[first] - moved[second]) * way, axis=1)
+
+    return row
+
+
 ACROSS = np.array([1.0, -1.0])
 """Signs of (y, x) of a vector that is turned by a quarter, clockwise."""
 
@@ -212,6 +227,7 @@ ROWS: dict[str, Callable[[Model, ReferenceState | None], RowOf]] = {
     "reactions": reaction_rows,
     "links": link_rows,
     "linings": lining_rows,
+    "convergences": convergence_rows,
 }
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 

@@ -26,6 +26,7 @@ from clast.results.result_tables import (
     BoltHistory,
     Columns,
     ContactHistory,
+    ConvergenceHistory,
     FrameBolts,
     FrameContacts,
     LiningHistory,
@@ -37,6 +38,7 @@ from clast.results.schema import (
     BOLT_TABLE,
     COMPONENTS,
     CONTACT_TABLE,
+    CONVERGENCE_TABLE,
     ENERGY,
     HISTORY,
     LINING_TABLE,
@@ -110,6 +112,9 @@ class Recording:
     """Joint index of the edge from each vertex to the next, (nv,); -1: none, its contacts take that
     of their blocks or rocks, or the default."""
     measured_contact_name: tuple[str, ...] = ()
+    convergence_name: tuple[str, ...] = ()
+    convergence_points: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """The two measured points of each convergence, by their numbers, shape (k, 2)."""
     bolt_name: tuple[str, ...] = ()
     bolt_of_point: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Bolt of each of the points that bolts lie along, shape (q,)."""
@@ -312,6 +317,15 @@ class Recording:
         """Return the history of the measured contact ``name``, a row per step, as a table."""
         return ContactHistory(self._rows_called(CONTACT_TABLE, name), CONTACT_TABLE, name)
 
+    def convergence(self, name: str) -> ConvergenceHistory:
+        """Return the convergence ``name`` of two points, m, a row per instant, as a table.
+
+        It is positive where they approach along the line between them at the start.
+        """
+        return ConvergenceHistory(
+            self._rows_called(CONVERGENCE_TABLE, name), CONVERGENCE_TABLE, name
+        )
+
     def reaction(self, name: str) -> ReactionHistory:
         """Return a reaction of supports, a row per instant, as a table."""
         return ReactionHistory(self._rows_called(REACTION_TABLE, name), REACTION_TABLE, name)
@@ -452,6 +466,8 @@ def parts_of(model: Model) -> dict[str, Any]:
         "joint_name": tuple(one.name for one in joints),
         "edge_joint": model.edge_joint,
         "measured_contact_name": model.measured_contacts.name,
+        "convergence_name": model.convergences.name,
+        "convergence_points": model.convergences.point,
         "bolt_name": model.bolts.name,
         "bolt_of_point": model.bolts.bolt,
         "reaction_name": model.reactions.name,

@@ -220,6 +220,20 @@ def summary(results: Results) -> dict[str, Any]:
                 results.point_name, map(results.history, results.point_name), strict=True
             )
         },
+        "convergences": {
+            name: {
+                "convergence": float(results.convergence(name).convergence[-1]),
+                "distance": float(np.hypot(*np.diff(results.point_start[pair], axis=0)[0])),
+            }
+            for name, pair in zip(results.convergence_name, results.convergence_points, strict=True)
+        },
+        "reactions": {
+            name: {
+                "force": results.reaction(name).force[-1].tolist(),
+                "moment": float(results.reaction(name).moment[-1]),
+            }
+            for name in results.reaction_name
+        },
         "energy": {name: float(values[-1]) for name, values in results.energy.items()},
         "report": report.as_dict() if report else None,
     }

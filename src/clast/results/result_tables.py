@@ -239,6 +239,13 @@ class ContactHistory(Columns):
     sliding: Floats
 
 
+class ConvergenceHistory(Columns):
+    """Approach of two measured points, m, a row at the start and after every step; t rows."""
+
+    time: Floats
+    convergence: Floats
+
+
 class ReactionHistory(Columns):
     """Reaction of a support, a row at the start, which is zero, and after every step; t rows."""
 

@@ -305,7 +305,7 @@ def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name has characters that no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
     texts += [*model.bolts.name, *model.bolts.kind, *model.reactions.name, *model.links]
-    texts += model.lining_joints.name
+    texts += [*model.lining_joints.name, *model.convergences.name]
     rocks, joints = model.rocks, model.joint_table.joints
     texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
     for text in texts:

@@ -126,6 +126,7 @@ LINING_JOINTS = Things("lining_joint", "joint of a lining", lambda m: m.lining_j
 MEASURED_CONTACTS = Things(
     "measured_contact", "measured contact", lambda m: m.measured_contacts.name
 )
+CONVERGENCES = Things("convergence", "convergence", lambda m: m.convergences.name)
 TIME = Column("time", "s", "time")
 
 
@@ -363,9 +364,25 @@ CONTACT_TABLE = TableSchema(
         Column("sliding", "", "share of the length that slides, 0 to 1"),
     ),
 )
+CONVERGENCE_TABLE = TableSchema(
+    name="convergences",
+    meaning="Convergences: in each row those of all pairs of measured points.",
+    per=Per.INSTANT,
+    of=CONVERGENCES,
+    without="no convergences are measured",
+    drawn=("convergence",),
+    columns=(
+        Column(
+            "convergence",
+            "m",
+            "approach of the two points along the line between them at the start, since then or a "
+            "reset; negative where they move apart",
+        ),
+    ),
+)
 
 TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, LINING_TABLE)
-TABLES = (*TABLES, CONTACT_TABLE, HISTORY)
+TABLES = (*TABLES, CONTACT_TABLE, CONVERGENCE_TABLE, HISTORY)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
@@ -521,6 +538,15 @@ MODEL = (
         kind="i",
     ),
     _names(MEASURED_CONTACTS),
+    _names(CONVERGENCES),
+    OfModel(
+        "convergence_points",
+        "convergences.point",
+        "the two measured points of each convergence, by their numbers",
+        CONVERGENCES,
+        "iu",
+        (2,),
+    ),
     _names(BOLTS),
     OfModel("bolt_kind", "bolts.kind", "kind of each bolt", BOLTS),
     _names(REACTIONS),

@@ -21,6 +21,7 @@ from clast.results.open_file import MalformedError
 from clast.results.run_report import Report, about_in, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
+    CONVERGENCES,
     FRAME_ROW,
     FRAME_STAGE,
     KIND_FIELDS,
@@ -52,6 +53,10 @@ def parts_of_model(file: Any, frames: int) -> Parts:
     for things in (MEASURED_CONTACTS, REACTIONS, LINKS):
         parts[f"{things.name}_name"] = _names_of(file, things)
     parts["lining_joints"] = _lining_joints(file, corners)
+    if pairs := _names_of(file, CONVERGENCES):
+        point = _indices(file, "convergence_points", (len(parts["point_name"]),) * 2)
+        _require(len(point) == len(pairs), "/model/convergence_points has not two of each")
+        parts |= {"convergence_name": pairs, "convergence_points": point}
     return {**parts, **_supports(file, blocks, len(parts["reaction_name"]), parts["link_name"])}
 
 

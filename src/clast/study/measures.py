@@ -141,6 +141,12 @@ class Measure:
     """Its value, of the results of a run and the arguments."""
 
 
+def _convergence(of: RunResults, name: str, time: str = "") -> Floats:
+    """Approach of two measured points, m, over time or at a time."""
+    history = of.run.convergence(name)
+    return _at(history.time, history.convergence, time)
+
+
 MOTION = ("point or block", "part", "time")
 MEASURES: dict[str, Measure] = {
     "displacement": Measure("m", MOTION, _vectors("displacement")),
@@ -148,6 +154,8 @@ MEASURES: dict[str, Measure] = {
     "rotation": Measure(
         "degrees", MOTION[:1], lambda of, name: np.degrees(of.history(name).rotation)
     ),
+    # positive where the points approach
+    "convergence": Measure("m", ("convergence", "time"), _convergence),
     # tension positive
     "bolt_force": Measure("N/m", ("bolt",), lambda of, name: of.run.bolt_history(name).force),
     "bolt_yields": Measure(
@@ -230,6 +238,7 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
         "link": model.links,
         "support": model.reactions.name,
         "lining": model.lining_joints.linings,
+        "convergence": model.convergences.name,
         "measured contact": model.measured_contacts.name,
         "quantity": tuple(QUANTITIES),
         "joint": tuple(one.name for one in model.joint_table.joints),

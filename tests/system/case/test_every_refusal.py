@@ -183,6 +183,13 @@ stage = "later"
 name = "A"
 at = [1.0, 2.0]
 block = "wall"
+[[measured_point]]
+name = "foot"
+at = [1.0, 0.0]
+block = "wall"
+[[measured_convergence]]
+name = "closing"
+of = ["A", "foot"]
 [[measured_contact]]
 name = "C"
 at = [0.0, 0.0]
@@ -515,6 +522,9 @@ SETTINGS: dict[str, list[str]] = {
     "measured in the air": ["measured_point.1.at=[9, 9]"],
     "measured of no block": ["measured_point.1.block=wal"],
     "measured by a path": ["measured_point.1.name='a/b'"],
+    "convergence of one point": ["measured_convergence.1.of=['A']"],
+    "convergence of no points": ["measured_convergence.1.of=['a', 'b']"],
+    "convergence of a point with itself": ["measured_convergence.1.of=['A', 'A']"],
     "contact nowhere": ["measured_contact.1={name='C'}"],
     "contact at both": ["measured_contact.1.joint=default"],
     "contact of no joint": ["measured_contact.2.joint=defualt"],
@@ -684,6 +694,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "line_load": first("line_load", name="p"),
     "pressure": first("pressure", name="p"),
     "measured_point": first("measured_point"),
+    "measured_convergence": first("measured_convergence"),
     "measured_contact": first("measured_contact"),
     "measured_reaction": first("measured_reaction"),
     "link": first("link"),
@@ -880,6 +891,7 @@ def written() -> Iterator[str]:
     yield f"written, all tables: {digest(clast.Case.from_text(BASE, 'x'))}"
     yield f"written, rock mass: {digest(clast.Case.from_text(ROCK_MASS, 'x'))}"
     builder = scene()
+    builder.measured_point(**CONTENT["measured_point"][1])
     for method, keys in CALLS.items():
         getattr(builder, method)(**keys)
     builder.in_situ = clast.Overburden(**WEIGHT)

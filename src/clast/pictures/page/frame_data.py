@@ -289,10 +289,11 @@ def _points(about: _About) -> list[dict[str, Any]]:
 
 
 def supports_of(results: Recording) -> dict[str, Any]:
-    """Return names, colours and vertices of links, reactions and linings, which stay the same."""
+    """Return names, colours, points and vertices of supports and pairs, which stay the same."""
     links = results.link_lines
     looks = [(link_label(state), LINK_COLOURS[state]) for state in LINK_STATES]
     return {
+        "convergences": results.convergence_points.tolist(),
         "link_looks": looks,
         "link_holds": links.holds.tolist() if links.name else [],
         "reaction_colour": REACTION_COLOUR,

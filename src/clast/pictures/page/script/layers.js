@@ -415,6 +415,8 @@ function legendOfBolts({ run, frame }) {
 }
 
 function drawPoints(pen, { run, view, frame, theme }) {
+  const joined = run.scene.supports.convergences.map((pair) => pair.flatMap((k) => [view.screenX(run.points[k].x[frame]), view.screenY(run.points[k].y[frame])]));
+  pen.lines(joined, theme.ink, 1, [5, 4]);
   run.points.forEach(({ name, x: xs, y: ys }) => {
     const [x, y] = [xs[frame], ys[frame]];
     pen.circle(view.screenX(x), view.screenY(y), 4, theme.paper, theme.ink);
