@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
+    from clast.study.distributions import Between as Between
     from clast.study.distributions import Numbered as Numbered
     from clast.study.distributions import Range as Range
     from clast.study.distributions import Times as Times
@@ -78,6 +79,8 @@ if TYPE_CHECKING:
     from clast.study.fitting.observations import FitSettings as FitSettings
     from clast.study.study_api import HowMade as HowMade
     from clast.study.study_api import Study as Study
+    from clast.study.targeting.target import Target as Target
+    from clast.study.targeting.target import target as target
 
     __version__: str
 
@@ -108,7 +111,8 @@ NAMES = {
     "clast.study.fitting.fit": "fit",
     "clast.study.collapsing.collapse": "Collapse collapse_load factor_of_safety",
     "clast.model.distributions": "Beta Discrete Lognormal Normal Triangular Uniform Values",
-    "clast.study.distributions": "Numbered Range Times",
+    "clast.study.targeting.target": "Target target",
+    "clast.study.distributions": "Between Numbered Range Times",
 }
 """Module -> public names that it defines."""
 HOME = {name: module for module, names in NAMES.items() for name in names.split()}

@@ -1,4 +1,4 @@
-"""The commands of clast study: fos, sweep, montecarlo, fit, resume, collect."""
+"""The commands of clast study: fos, target, sweep, montecarlo, fit, resume, collect."""
 
 from __future__ import annotations
 
@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
-from clast.cli.study_tables import print_collapse, print_collected, print_fit, print_trial
+from clast.cli.study_tables import (
+    print_collapse,
+    print_collected,
+    print_fit,
+    print_target,
+    print_target_run,
+    print_trial,
+)
 from clast.cli.terminal import status, tell, warn
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
@@ -117,6 +124,47 @@ def fos(
 
         result = collapse(loaded, how, folder, watch)
     print_collapse(result, as_json, quiet)
+
+
+@app.command()
+def target(
+    case: CaseFile,
+    reach: Annotated[
+        str,
+        typer.Option(metavar="CONDITION", help='Target, e.g. "factor_of_safety() >= 1.3".'),
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATH=between(A, B)", help="The parameter, and its range."),
+    ] = None,
+    measure: Measure = None,
+    tolerance: Annotated[
+        float, typer.Option(metavar="SHARE", help="Width of the final bracket, of the range.")
+    ] = 0.002,
+    settings: Settings = None,
+    output: Out = None,
+    by: FactorOf = "strength",
+    joints: Joints = "",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the value of a parameter with which a factor of safety or a measure meets a target."""
+    from clast.case.case_file import Case
+    from clast.study.collapsing.search import FactorSettings
+    from clast.study.folder import StudyFolder
+    from clast.study.targeting.goal import TargetSettings
+    from clast.study.targeting.target import described
+
+    loaded = Case.from_toml(case, settings or ())
+    study = described(
+        loaded,
+        dict(_pairs("--vary", vary, "bolt_kind.anchor.pretension=between(0, 500e3)")),
+        TargetSettings(reach=reach, tolerance=tolerance),
+        dict(_pairs("--measure", measure, "crest=displacement(A)")),
+        FactorSettings(by=by, joints=tuple(words(joints))),
+    )
+    warn(loaded.examine().warnings)
+    _go_on_to_target(StudyFolder.made(_folder(case, output), loaded, study), as_json, quiet)
 
 
 @app.command()
@@ -239,7 +287,7 @@ def resume(
 ) -> None:
     """Continue a study: make the runs that are still missing."""
     from clast.study.collapsing import collapse
-    from clast.study.description import COLLAPSE, FIT
+    from clast.study.description import COLLAPSE, FIT, TARGET
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
@@ -250,6 +298,8 @@ def resume(
         print_collapse(result, as_json, quiet)
     elif there.study.kind == FIT:
         _go_on_fitting(there, how, as_json, quiet)
+    elif there.study.kind == TARGET:
+        _go_on_to_target(there, as_json, quiet)
     else:
         _go_on(there, how, as_json, quiet)
 
@@ -262,11 +312,11 @@ def collect(
     quiet: Quiet = False,
 ) -> None:
     """Write table and report of the finished runs of a study."""
-    from clast.study.description import COLLAPSE, FIT
+    from clast.study.description import SEARCHES
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
-    if there.study.kind in (COLLAPSE, FIT):
+    if there.study.kind in SEARCHES:
         raise CaseError(
             "is a search, in which each run depends on the one before: there is no report until "
             "it has finished",
@@ -380,6 +430,15 @@ def _go_on_fitting(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool)
     with heard(), status() as show:
         result = go_on(there, how, lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"))
     print_fit(result, write_fit(there, result), as_json, quiet)
+
+
+def _go_on_to_target(there: StudyFolder, as_json: bool, quiet: bool) -> None:
+    """Make the remaining runs of a search for a target; print its result."""
+    from clast.study.targeting.target import go_on
+
+    with heard(), status():
+        result = go_on(there, None if quiet or as_json else print_target_run)
+    print_target(there, result, as_json, quiet)
 
 
 def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from clast.study.fitting.fitting import Fit
     from clast.study.folder import StudyFolder
     from clast.study.statistics import Sensitivities, StudyResults
+    from clast.study.targeting.target import Target, TargetRun
 
 
 def print_trial(number: int, trial: Trial) -> None:
@@ -50,17 +51,44 @@ def print_fit(result: Fit, report: Path, as_json: bool, quiet: bool) -> None:
     tell(f"report: {report}")
 
 
+def print_target_run(run: TargetRun) -> None:
+    """Print a line for a run of a search for a target."""
+    from clast.study.distributions import value_text
+
+    word = {True: "reached", False: "not reached", None: "undecided"}[run.reached]
+    numbers = "".join(f"  {name} = {value_text(one)}" for name, one in run.measures.items())
+    tell(
+        f"{run.number:4d}  {value_text(run.value):<12s} {word:<12s}{numbers}  {run.reason}".rstrip()
+    )
+
+
+def print_target(there: StudyFolder, result: Target, as_json: bool, quiet: bool) -> None:
+    """Write the report of a search for a target; print its result."""
+    from clast.study.targeting.target_report import write_target
+
+    report = write_target(there, result)
+    if as_json:
+        print_json(result.as_dict())
+    elif not quiet:
+        tell(result.sentence)
+        tell(f"report: {report}")
+    if not result.is_settled:
+        say(f"warning: {result.sentence}")
+        raise typer.Exit(MISSED)
+
+
 def _print_results(columns: StudyResults, rows: int) -> None:
     """Print the result of a sweep or a Monte Carlo study."""
     from clast.study import statistics
     from clast.study.description import SWEEP
+    from clast.study.distributions import value_text
 
     lines: list[Sequence[str]] = []
     if columns.study.kind == SWEEP:
         heads = ["measure", "extreme", "value", "in run", *(one.name for one in columns.study.vary)]
         for name, values in columns.measures.items():
             for word, one in (statistics.extremes(columns, values) or {}).items():
-                where = [_short(value) for value in one.parameters.values()]
+                where = [value_text(value) for value in one.parameters.values()]
                 lines.append((name, word, f"{one.value:.5g}", str(one.run), *where))
     else:
         heads = ["measure", *statistics.Spread.HEADS]
@@ -79,11 +107,6 @@ def _print_results(columns: StudyResults, rows: int) -> None:
         tell(sentence)
     for reason, count in columns.reasons.items():
         tell(f"{count} without a result: {reason}")
-
-
-def _short(value: Any) -> str:
-    """Return a value of a parameter."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:

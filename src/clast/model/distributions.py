@@ -20,8 +20,8 @@ import numpy as np
 from clast.errors import CaseError, shortened
 from clast.model.model import Floats
 
-Value = float | int | str | bool
-"""A value that a key of a case may be set to."""
+Value = float | int | str | bool | tuple[float, ...]
+"""A value that a key of a case may be set to; a tuple is a place (x, y) or another vector."""
 VALUES_MAX = 1_000_000
 """Values of a list or a range, at most."""
 QUADRATURE_POINTS = 4000
@@ -344,11 +344,12 @@ class Listed(Distribution):
 
     CONTINUOUS: ClassVar[bool] = False
     values: Sequence[Value]
-    """The values: numbers, texts, or true and false."""
+    """The values: numbers, texts, true and false, or places (x, y)."""
 
     def __post_init__(self) -> None:
         if _is_list(self.values):
-            object.__setattr__(self, "values", tuple(self.values))
+            listed = tuple(tuple(one) if _is_list(one) else one for one in self.values)
+            object.__setattr__(self, "values", listed)
 
     def validate(self) -> None:
         """Raise CaseError for what is not a list of numbers and texts, or an empty one."""
@@ -357,9 +358,9 @@ class Listed(Distribution):
         if not 0 < len(self.values) <= VALUES_MAX:
             raise fault(self, f"has {len(self.values)} values", "give 1 to 1,000,000 of them")
         for value in self.values:
-            if not isinstance(value, str | bool) and not is_number(value):
-                what = f"has {shortened(repr(value))} among its values"
-                raise fault(self, what, "give numbers or texts")
+            if not isinstance(value, str | bool) and not is_number(value) and not is_place(value):
+                what = f"has {shortened(_text(value))} among its values"
+                raise fault(self, what, "give numbers, texts or places [x, y]")
 
     def __len__(self) -> int:
         return len(self.values)
@@ -453,6 +454,11 @@ def is_number(value: Any) -> bool:
     """Return whether a value is a finite real number, no bool."""
     is_real = isinstance(value, int | float | np.floating | np.integer)
     return is_real and not isinstance(value, bool) and math.isfinite(value)
+
+
+def is_place(value: Any) -> bool:
+    """Return whether a value is a tuple of finite numbers: a place or another vector."""
+    return isinstance(value, tuple) and len(value) > 1 and all(map(is_number, value))
 
 
 def fault(one: Distribution, what: str, remedy: str) -> CaseError:

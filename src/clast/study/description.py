@@ -41,15 +41,18 @@ from clast.model.model import Floats
 from clast.spelling import advice, require_known
 from clast.study import sampling as samplings
 from clast.study.collapsing.search import FactorSettings
-from clast.study.distributions import Numbered, Range, parsed
+from clast.study.distributions import Between, Numbered, Range, parsed
 from clast.study.expressions import Expression, read
 from clast.study.fitting.observations import FitSettings, Observation, of_rows
 from clast.study.measures import CONDITIONS, MEASURES, unit_of
 from clast.study.parameters import Parameter
 from clast.study.sampling import SAMPLINGS, LatinHypercube, PointEstimate, Sampling
+from clast.study.targeting.goal import TargetSettings
 
-SWEEP, MONTECARLO, COLLAPSE, FIT = "sweep", "montecarlo", "fos", "fit"
-KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT)
+SWEEP, MONTECARLO, COLLAPSE, FIT, TARGET = "sweep", "montecarlo", "fos", "fit", "target"
+KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT, TARGET)
+SEARCHES = (COLLAPSE, FIT, TARGET)
+"""Studies in which each run depends on those before."""
 KEEPS = ("none", "failed", "all", "worst N")
 """Of which runs the result files are kept."""
 WORST = re.compile(r"worst [1-9][0-9]{0,4}")
@@ -64,7 +67,7 @@ class Description:
     """A study, but for its case; m parameters."""
 
     kind: str
-    """"sweep", "montecarlo", "fos" or "fit"."""
+    """"sweep", "montecarlo", "fos", "fit" or "target"."""
     case: str = ""
     """Case file, beside study.toml."""
     vary: tuple[Parameter, ...] = ()
@@ -84,17 +87,18 @@ class Description:
     """Of which runs the result files are kept: "none", "failed", "worst N" or "all"."""
     observe: tuple[Observation, ...] = ()
     fit: FitSettings | None = None
+    target: TargetSettings | None = None
 
     # Runs ----------------------------------------------------------------------------------------
 
     def values(self, run: int) -> tuple[Value, ...]:
         """Return the parameters of a run, from 1, in their order.
 
-        Of a back-analysis the medians: its search asks for runs as it goes.
+        Of a back-analysis the medians, of a target the middle: they ask for runs as they go.
         """
         if self.kind == SWEEP:
             return self._listed(run - 1)
-        if self.kind == FIT:
+        if self.kind in (FIT, TARGET):
             return tuple(one.drawn.quantile(0.5) for one in self.vary)
         if isinstance(self.sampling, PointEstimate):
             signs = self.sampling.signs(run - 1, len(self._drawn)).tolist()
@@ -186,6 +190,11 @@ class Description:
         return condition
 
     @property
+    def how_of_factor(self) -> FactorSettings:
+        """How factors are looked for."""
+        return self.factor or FactorSettings()
+
+    @property
     def expressions(self) -> list[Expression]:
         """The measures and the failure condition."""
         return [*self.measures.values(), *([] if self.condition is None else [self.condition])]
@@ -196,7 +205,7 @@ class Description:
     def text(self) -> str:
         """The file ``study.toml``."""
         content: dict[str, Any] = {"schema": 1, "kind": self.kind, "case": self.case}
-        if self.kind not in (COLLAPSE, FIT):
+        if self.kind not in SEARCHES:
             content["n"] = self.n
         if self.kind == MONTECARLO:
             content |= {"sampling": type(self.sampling).WORD, **vars(self.sampling)}
@@ -214,6 +223,8 @@ class Description:
         if self.fit is not None:
             content["fit"] = vars(self.fit)
             content["observe"] = [one.row() for one in self.observe]
+        if self.target is not None:
+            content["target"] = vars(self.target)
         empty: tuple[Any, ...] = ("", {}, [])
         return case_text.to_toml({key: one for key, one in content.items() if one not in empty})
 
@@ -255,7 +266,19 @@ class Description:
         self._check_correlations(names)
         if self.kind == FIT:
             return replace(self, n=(self.fit or FitSettings()).checked().most_runs(len(names)))
+        if self.kind == TARGET:
+            return replace(self, n=self._checked_target())
         return self._counted_sweep() if self.kind == SWEEP else self._counted()
+
+    def _checked_target(self) -> int:
+        """Return the most runs of a search for a target; raises CaseError for an invalid one."""
+        if len(self.vary) > 1 or not isinstance(self.vary[0].drawn, Between):
+            raise CaseError(
+                "a target is sought over the range of one parameter",
+                where="vary",
+                remedy='write PATH="between(0, 500e3)", or NAME: PATH, PATH for several keys',
+            )
+        return (self.target or TargetSettings()).checked().most_runs
 
     def _counted_sweep(self) -> Description:
         """Return a sweep with its number of runs."""
@@ -280,6 +303,9 @@ class Description:
             )
         for one in self.vary:
             where, is_number = f"vary {shortened(one.name)}", isinstance(one.drawn, Numbered)
+            if isinstance(one.drawn, Between):
+                what, remedy = f"'{one.name}' has a range, no distribution", "e.g. uniform(20, 40)"
+                raise CaseError(what, where=where, remedy=remedy)
             if one.drawn.LISTED:
                 raise CaseError(
                     f"'{one.name}' is a list of values, not a distribution",
@@ -372,7 +398,7 @@ KINDS_OF_KEYS = {
     int: ("schema", "n", "seed", "replicates"),
     str: ("kind", "case", "sampling", "keep", "fail"),
     bool: ("together",),
-    dict: ("measure", "factor", "fit"),
+    dict: ("measure", "factor", "fit", "target"),
     list: ("vary", "correlate", "observe"),
 }
 KEYS = {key: kind for kind, keys in KINDS_OF_KEYS.items() for key in keys}
@@ -426,6 +452,7 @@ def described(text: str, file: str) -> Description:
             else None,
             observe=of_rows(content.get("observe", [])),
             fit=FitSettings(**content["fit"]) if "fit" in content else None,
+            target=TargetSettings(**content["target"]) if "target" in content else None,
             **plain,
         ).checked()
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar
 
+import numpy as np
+
 from clast.errors import CaseError, shortened
 from clast.model.distributions import (
     VALUES_MAX,
@@ -23,8 +25,11 @@ from clast.model.distributions import (
     Normal,
     Triangular,
     Uniform,
+    Value,
     Values,
     fault,
+    is_number,
+    is_place,
 )
 from clast.spelling import require_known
 
@@ -90,13 +95,59 @@ class Times(Distribution):
         self.factor.validate()
 
 
+@dataclass(frozen=True)
+class Between(Distribution):
+    """The range in which a target is sought: numbers, or places on the line between two."""
+
+    WORD: ClassVar[str] = "between"
+    CONTINUOUS: ClassVar[bool] = False
+    first: Any
+    """Number, or place (x, y)."""
+    last: Any
+    """Number, or place (x, y)."""
+
+    def __post_init__(self) -> None:
+        for name in ("first", "last"):
+            value = getattr(self, name)
+            value = value.tolist() if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, tuple(value) if isinstance(value, list) else value)
+
+    def validate(self) -> None:
+        """Raise CaseError where the ends are neither two numbers nor two places, or the same."""
+        ends = (self.first, self.last)
+        if not (
+            all(map(is_number, ends)) or (all(map(is_place, ends)) and len({*map(len, ends)}) == 1)
+        ):
+            remedy = "e.g. between(0, 500e3), or between([14, 16], [17, 16])"
+            raise fault(self, "needs two numbers, or two places [x, y]", remedy)
+        if self.first == self.last:
+            raise fault(self, f"goes from {self.first} to itself", "give two different ends")
+
+    def quantile(self, p: float) -> Value:
+        """Return the value at a share of the way, 0 <= p <= 1."""
+
+        def at(first: float, last: float) -> float:
+            return float(f"{(1.0 - p) * first + p * last:.12g}")
+
+        if is_place(self.first):
+            return tuple(map(at, self.first, self.last))
+        return at(self.first, self.last)
+
+
 KINDS: dict[str, type[Any]] = {
     one.WORD: one
     for one in (
         *(Normal, Lognormal, Uniform, Triangular, Beta, Exponential, Discrete),
-        *(Values, Range, Numbered, Times),
+        *(Values, Range, Numbered, Times, Between),
     )
 }
+
+
+def value_text(value: Any) -> str:
+    """Return a value of a parameter as text: 6 digits, of a place both."""
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(value_text, value))}]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def parsed(text: str, where: str) -> Distribution:

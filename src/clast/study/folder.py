@@ -5,7 +5,8 @@
     out/runs/0012/00123456/case.toml    the case of a run, for clast run
     out/runs/0012/00123456/result.json  what came of it; it names the study
     out/results.csv                     all results, in the order of their numbers
-    out/asked.jsonl                     of a back-analysis: the parameters of its runs
+    out/asked.jsonl                     of a back-analysis: the parameters of its runs; of a
+                                        target: their shares of the range
 
 A run is made in a folder of its own beside its place, which takes its name when all is written: a
 run is there as a whole or not at all, and a run that is made twice does no harm.  Runs lie by ten
@@ -41,7 +42,7 @@ from clast.results import locks
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.results.output import fresh
-from clast.study.description import COLLAPSE, FIT, Description, described
+from clast.study.description import COLLAPSE, FIT, TARGET, Description, described
 from clast.study.parameters import content_of
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
@@ -179,16 +180,18 @@ class StudyFolder:
         return self.path / RUNS / f"{run // RUNS_PER_FOLDER:04d}" / f"{run:08d}"
 
     def values(self, run: int) -> tuple[Value, ...]:
-        """Return the parameters of a run, from 1; of a back-analysis as its search asks for it."""
+        """Return the parameters of a run, from 1; of a search as it asks for it."""
+        if self.study.kind == TARGET:
+            return tuple(one.drawn.quantile(self.asked()[run - 1][0]) for one in self.study.vary)
         return self.asked()[run - 1] if self.study.kind == FIT else self.study.values(run)
 
     @property
     def asked_file(self) -> Path:
-        """The file with the parameters of the runs of a back-analysis, a line for each."""
+        """The file with what a search has asked for, a line for each run."""
         return self.path / ASKED
 
     def asked(self) -> list[tuple[float, ...]]:
-        """Return the parameters of the runs that a back-analysis has asked for, from run 1 on.
+        """Return the parameters, or shares of a range, that a search has asked for, from run 1 on.
 
         Those behind a damaged line are not among them: the search asks for them again.
         """
@@ -447,6 +450,9 @@ def _is_same(value: Any, planned: Value) -> bool:
     """Return whether a parameter in a file is that of the study."""
     if isinstance(value, float) and isinstance(planned, float):
         return math.isclose(value, planned, rel_tol=1e-9)  # machines may round otherwise
+    if isinstance(planned, tuple):
+        same = isinstance(value, list) and len(value) == len(planned)
+        return same and all(map(_is_same, value, planned))
     return type(value) is type(planned) and value == planned
 
 

@@ -34,7 +34,8 @@ MAY_LACK = ("part", "time")
 """Arguments that may be left out."""
 LATE_RELATIVE = 1e-6
 """By how much a time may be later than the end of a run, as a fraction of that."""
-FOS = "factor_of_safety"
+FOS, STANDS_WITH = "factor_of_safety", "stands"
+"""Measures that are found by trials, not by the run."""
 
 
 @dataclass(frozen=True)
@@ -209,6 +210,8 @@ MEASURES: dict[str, Measure] = {
     "end": Measure("s", (), lambda of: float(of.run.state.time)),
     "steps": Measure("", (), lambda of: of.run.report.steps),
     FOS: Measure("", (), lambda of: of.factor),
+    # whether the blocks stand with a factor: one trial in place of the ten of a factor
+    STANDS_WITH: Measure("", ("factor",), lambda of, factor: of.stands(factor)),
 }
 """Functions of measures by name; histories of points and blocks are over time."""
 
@@ -220,7 +223,7 @@ def unit_of(function: str, given: Sequence[str]) -> str:
     return MEASURES[function].unit
 
 
-CONDITIONS = ("fails", "bolt_yields")
+CONDITIONS = ("fails", "bolt_yields", STANDS_WITH)
 """Functions of measures that are true or false."""
 
 
@@ -266,8 +269,21 @@ def check(
         for kind, one in zip(wanted, given, strict=False):
             if kind == "time":
                 _check_time(one, expression.where, end)
+            elif kind == "factor":
+                _check_factor(one, expression.where)
             else:
                 require_known(one, known[kind], kind=kind, where=expression.where)
+
+
+def _check_factor(text: str, where: str) -> None:
+    """Raise CaseError for a factor that is not a positive number."""
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = math.nan
+    if not (math.isfinite(factor) and factor > 0.0):
+        what = f"there is no factor '{shortened(text)}'"
+        raise CaseError(what, where=where, remedy="give a positive number, e.g. stands(1.3)")
 
 
 def _check_time(text: str, where: str, end: float) -> float:

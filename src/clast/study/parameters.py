@@ -209,6 +209,7 @@ class ParameterPlaces:
         for one, places, value in zip(self.parameters, self.places, values, strict=True):
             for keys in places:
                 product = _times(value_at(content, keys), value) if one.multiplies else value
+                product = list(product) if isinstance(product, tuple) else product
                 content = _with_value(content, keys, product)
         return content
 

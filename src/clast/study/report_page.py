@@ -17,6 +17,7 @@ from clast.errors import CaseError
 from clast.pictures.page.document import page_text, write_html
 from clast.pictures.page.scene import scene_of
 from clast.study.description import Description
+from clast.study.distributions import value_text
 from clast.study.folder import StudyFolder, make_folder
 
 PAGE_BYTES = 6e6
@@ -139,6 +140,8 @@ def file_stem(name: str) -> str:
 def _cell(value: Any) -> str:
     if isinstance(value, str):
         return f'<td class="text">{escape(value)}</td>'
+    if isinstance(value, tuple | list):
+        return f"<td>{escape(value_text(tuple(value)))}</td>"
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "<td>-</td>"
     number = f"{value:.5g}" if isinstance(value, float) else str(value).lower()  # true and false

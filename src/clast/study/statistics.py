@@ -56,7 +56,7 @@ class StudyResults:
     run: Floats
     """Number of each run, shape (k,)."""
     parameters: Mapping[str, Floats]
-    """Parameter -> values, shape (k,); those that are texts are left out."""
+    """Parameter -> values, shape (k,); those that are texts or places are left out."""
     measures: Mapping[str, Floats]
     """Measure -> values, shape (k,)."""
     fails: Floats
@@ -121,7 +121,7 @@ def columns_of(folder: StudyFolder) -> StudyResults:
         parameters={
             name: np.array(values, np.float64)
             for name, values in parameters.items()
-            if values and not any(isinstance(one, str) for one in values)
+            if values and not any(isinstance(one, str | list) for one in values)
         },
         measures={name: np.array(values) for name, values in measures.items()},
         fails=np.array(fails, np.float64),

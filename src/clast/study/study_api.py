@@ -21,8 +21,8 @@ from clast.errors import CaseError, shortened
 from clast.study import trial_table
 from clast.study.collapsing.search import FactorSettings
 from clast.study.description import (
-    COLLAPSE,
     MONTECARLO,
+    SEARCHES,
     SWEEP,
     Description,
     parameters_of,
@@ -172,10 +172,9 @@ def go_on(folder: StudyFolder, how: HowMade = USUAL) -> TrialTable:
 def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
     """Make the runs of a study that are not done."""
     study = folder.study
-    if study.kind == COLLAPSE:
-        raise CaseError(
-            "is a study of collapse", where=str(folder.path), remedy="use clast study resume"
-        )
+    if study.kind in SEARCHES:
+        what = "is a search, in which each run depends on those before"
+        raise CaseError(what, where=str(folder.path), remedy="use clast study resume")
     if how.array is not None:
         first, count = how.array
 

@@ -70,7 +70,7 @@ def write_parquet(folder: StudyFolder, path: Path) -> int:
     texts = {
         one.name
         for one in study.vary
-        if any(isinstance(value, str) for value in getattr(one.drawn, "values", ()))
+        if any(isinstance(value, str | tuple) for value in getattr(one.drawn, "values", ()))
     }
     kinds = {"run": pyarrow.int64(), "fails": pyarrow.bool_()}
     kinds |= dict.fromkeys(("status", "reason", *texts), pyarrow.string())

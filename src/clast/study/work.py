@@ -25,12 +25,15 @@ from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.study import statistics
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import (
+    STANDS,
+    UNDECIDED,
     FactorBracket,
     FactorSettings,
+    Trial,
     bracket_of,
     search_factor,
 )
-from clast.study.collapsing.trial import run_trial, settle_standing
+from clast.study.collapsing.trial import Settled, run_trial, settle_standing
 from clast.study.description import WORST, Description
 from clast.study.folder import (
     CASE,
@@ -43,7 +46,7 @@ from clast.study.folder import (
     write_whole,
     writing,
 )
-from clast.study.measures import FOS, MEASURES, RunResults, check, known_names
+from clast.study.measures import FOS, MEASURES, STANDS_WITH, RunResults, check, known_names
 from clast.study.parameters import ParameterPlaces, changed, content_of
 from clast.study.statistics import StudyResults
 
@@ -84,8 +87,8 @@ def check_study(case: Case, study: Description) -> None:
     end = math.inf if first.stage else first.time.end
     for expression in study.expressions:
         check(expression, known, end)
-    if any(name == FOS for one in study.expressions for name, _ in one.calls()):
-        how = study.factor or FactorSettings()
+    if any(name in (FOS, STANDS_WITH) for one in study.expressions for name, _ in one.calls()):
+        how = study.how_of_factor
         by = reduction(how.by, how.joints)
         by.check(content_of(first))
         how.of(by)
@@ -133,7 +136,7 @@ class Bench:
         """
         try:
             with writing(self.folder.path):
-                how = self.folder.study.factor or FactorSettings()
+                how = self.folder.study.how_of_factor
                 return self._measured(One(changed(self.folder.base, content), output, how))
         except ResultsLost:
             raise
@@ -179,6 +182,8 @@ class Bench:
         def function(name: str) -> Callable[..., Any]:
             if name == FOS:
                 return lambda: getattr(one.factor, end)
+            if name == STANDS_WITH:
+                return lambda factor: one.stands(float(factor))
             return lambda *given: MEASURES[name].value(one.measured, *given)
 
         functions = {name: function(name) for name in MEASURES}
@@ -211,9 +216,7 @@ class One:
         Raises CaseError where every trial is undecided: nothing is known of it.
         """
         by = self.by
-        by.check(content_of(self.case))
-        start = settle_standing(self.case, by)
-        trials = search_factor(self.how.of(by), lambda _, factor: run_trial(start, by, factor))
+        trials = search_factor(self.how.of(by), lambda _, factor: self.trial(factor))
         bracket = bracket_of(trials)
         if bracket.low == 0.0 and math.isinf(bracket.high):
             raise CaseError(
@@ -222,6 +225,24 @@ class One:
                 remedy="run clast study fos on the case of this run for the curves",
             )
         return bracket
+
+    @cached_property
+    def start(self) -> Settled:
+        """The state from which the trials of its factor begin."""
+        self.by.check(content_of(self.case))
+        return settle_standing(self.case, self.by)
+
+    def trial(self, factor: float, output: Path | None = None) -> Trial:
+        """Return the trial with a factor."""
+        return run_trial(self.start, self.by, factor, output)
+
+    def stands(self, factor: float) -> bool:
+        """Return whether the blocks stand with a factor; raises CaseError where it is undecided."""
+        trial = self.trial(factor)
+        if trial.verdict == UNDECIDED:
+            what = f"the trial with {self.by.SYMBOL} = {factor:g} is undecided: {trial.reason}"
+            raise CaseError(what, where=STANDS_WITH)
+        return trial.verdict == STANDS
 
     @property
     def is_open(self) -> bool:

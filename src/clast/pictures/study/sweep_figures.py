@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clast.model.distributions import Value
 from clast.model.model import Floats
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, INK, LEGEND, SMALL, SMALL_SIZE, TEXT, TEXT_SIZE, literal
@@ -53,14 +54,14 @@ class SweepAxis:
     """A parameter of a sweep; k values."""
 
     label: str
-    values: tuple[float | int | str | bool, ...]
+    values: tuple[Value, ...]
     """Its values, in the order of the list."""
     unit: str = ""
 
     @property
     def is_numeric(self) -> bool:
-        """Whether its values are numbers, not texts or true and false."""
-        return not any(isinstance(one, str | bool) for one in self.values)
+        """Whether its values are numbers, not texts, places, or true and false."""
+        return not any(isinstance(one, str | bool | tuple) for one in self.values)
 
     @property
     def title(self) -> str:
@@ -78,6 +79,8 @@ class SweepAxis:
         value = self.values[position]
         if isinstance(value, bool):
             return str(value).lower()
+        if isinstance(value, tuple):
+            return f"({', '.join(f'{one:.4g}' for one in value)})"
         if isinstance(value, str):
             return (
                 value if len(value) <= VALUE_LETTERS_MAX else value[: VALUE_LETTERS_MAX - 1] + "…"
@@ -98,6 +101,8 @@ class SweepGrid:
     fails: Flags
     lost: Flags
     """Where a run was made that has no result."""
+    words: tuple[str, str] = ("stands", "fails")
+    """What runs do that do not fail, and those that do."""
 
 
 def is_by_logarithms(values: Floats) -> bool:
@@ -136,14 +141,15 @@ def draw_curve(grid: SweepGrid, path: Path) -> Path:
     y, fails, lost = grid.values[order], grid.fails[order], grid.lost[order]
     axes.plot(x, y, color=FAINT, lw=0.9, zorder=1)
     size = 5.5 if len(x) <= LARGE_MARKS_MAX else 2.5
-    for alike, mark, colour, label in ((~fails, "o", BLUE, "stands"), (fails, "X", RED, "fails")):
+    stand, fail = grid.words
+    for alike, mark, colour, label in ((~fails, "o", BLUE, stand), (fails, "X", RED, fail)):
         axes.plot(x[alike], y[alike], mark, color=colour, ms=size, label=label)
     if is_wide(y[np.isfinite(y)]):
         axes.set_yscale("log")
     bottom = np.full(int(lost.sum()), 0.03)
     edge = axes.get_xaxis_transform()
     axes.plot(x[lost], bottom, "x", color=INK, ms=6, transform=edge, label="no result")
-    there = {"stands": fails.any(), "fails": fails.any(), "no result": lost.any()}
+    there = {stand: fails.any(), fail: fails.any(), "no result": lost.any()}
     marks = [one for one in axes.get_lines() if there.get(str(one.get_label()))]
     if marks:
         place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.99), "ncols": 3}

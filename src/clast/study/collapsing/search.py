@@ -163,9 +163,16 @@ def next_factor(search: FactorSettings, trials: Sequence[Trial]) -> float | None
         # the steps down grow: a limit may be anywhere below
         factor = min(tried) / growth ** (1 + sum(one < start for one in tried))
         return factor if factor >= FACTOR_RATIO_MIN * start else None
-    enough = search.tolerance * bracket.high
     ends = [bracket.low, *bracket.undecided, bracket.high]
-    # the gaps that touch what stands and what fails; between undecided ones nothing is to be known
+    return next_between(ends, search.tolerance * bracket.high)
+
+
+def next_between(ends: Sequence[float], enough: float) -> float | None:
+    """Return the middle of the wider end of a bracket; None where both are narrow enough.
+
+    ``ends`` are its two ends and the undecided values between them, ascending: only the gaps that
+    touch an end tell anything.
+    """
     gaps = [(ends[1] - ends[0], ends[0], ends[1]), (ends[-1] - ends[-2], ends[-2], ends[-1])]
     width, below, above = max(gaps)
     return 0.5 * (below + above) if width > enough else None

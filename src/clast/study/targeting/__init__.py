@@ -1,0 +1,1 @@
+"""The value of a parameter with which a target is met."""
