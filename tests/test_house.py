@@ -24,6 +24,7 @@ MOST_ARGUMENTS = 8
 """Arguments of a function, self and cls not counted."""
 
 COMMANDS = {"film", "fit", "fos", "import_", "montecarlo", "plot", "resume", "run", "sweep"}
+COMMANDS |= {"target"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",

@@ -348,7 +348,8 @@ class Listed(Distribution):
 
     def __post_init__(self) -> None:
         if _is_list(self.values):
-            listed = tuple(tuple(one) if _is_list(one) else one for one in self.values)
+            listed: Any = self.values
+            listed = tuple(tuple(one) if _is_list(one) else one for one in listed)
             object.__setattr__(self, "values", listed)
 
     def validate(self) -> None:

@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 
 import pytest
-from test_anchored_blocks import JACKED, WEIGHT, anchored, exact
 
 import clast
+from scenes.anchored import JACKED, WEIGHT, anchored, exact
 from scenes.command_line import clast_command, good
 
 FORCE = "bolt_kind.anchor.pretension"

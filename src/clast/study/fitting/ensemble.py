@@ -92,7 +92,7 @@ def values_of(parameters: Sequence[Parameter], scores: Floats) -> list[float]:
     """Return the parameters at normal scores (m,)."""
     chances = np.clip(special.ndtr(scores), 1e-12, 1.0 - 1e-12)
     return [
-        float(one.drawn.quantile(chance))
+        float(one.drawn.quantile(chance))  # type: ignore[arg-type]
         for one, chance in zip(parameters, chances.tolist(), strict=True)
     ]
 

@@ -83,8 +83,8 @@ class ParameterScale:
                 remedy="give e.g. uniform(1e8, 1e10)",
             )
         return cls(
-            low=float(drawn.quantile(TAIL_PROBABILITY)),
-            high=float(drawn.quantile(1.0 - TAIL_PROBABILITY)),
+            low=float(drawn.quantile(TAIL_PROBABILITY)),  # type: ignore[arg-type]
+            high=float(drawn.quantile(1.0 - TAIL_PROBABILITY)),  # type: ignore[arg-type]
         )
 
     @property
