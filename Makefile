@@ -151,7 +151,8 @@ docs-serve: docs
 reference: env
 	@$(BIN)/python tools/case_reference.py
 	@$(BIN)/python tools/result_reference.py
-	@echo "Wrote docs/reference/case-file.md and docs/reference/result-file.md"
+	@$(BIN)/python tools/script_stub.py
+	@echo "Wrote docs/reference/case-file.md and docs/reference/result-file.md, src/clast/case/script.pyi"
 
 # --- testing and checking ------------------------------------------------------------------
 

@@ -137,7 +137,7 @@ def begun(
     gravity: Sequence[float] = (0.0, -9.8),
 ) -> clast.ModelBuilder:
     """Return a builder with one rock and a default joint."""
-    builder = clast.ModelBuilder(gravity=tuple(gravity))
+    builder = clast.ModelBuilder(gravity=[*gravity])
     builder.add_rock("rock", young=young, poisson=poisson, density=2500.0)
     builder.add_joint(friction_angle=friction_angle)
     return builder

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import clast
+from clast.case.api import ModelBuilder
 from clast.verification.problems.friction import tilt_table
 from clast.verification.problems.masonry import arch_push, wall_push
 
@@ -58,7 +59,7 @@ def _arch(arch: arch_push.Arch) -> PushCase:
         f"arch of {arch.embrace:g}°, t/R {arch.share:g}, {arch.voussoirs} voussoirs, "
         f"φ {arch.friction_angle:g}°"
     )
-    builder = clast.ModelBuilder(title=f"Push on an {words}", gravity=(0.0, -arch_push.GRAVITY))
+    builder = ModelBuilder(title=f"Push on an {words}", gravity=(0.0, -arch_push.GRAVITY))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=arch_push.DENSITY)
     builder.add_joint("default", friction_angle=arch.friction_angle)
     arch_push.add_arch(builder, arch)
@@ -67,7 +68,7 @@ def _arch(arch: arch_push.Arch) -> PushCase:
 
 def _wall(wall: wall_push.Wall) -> PushCase:
     words = f"wall of {wall.bricks} bricks × {wall.courses} courses, φ 40°, smooth head joints"
-    builder = clast.ModelBuilder(title=f"Push on a {words}", gravity=(0.0, -wall_push.GRAVITY))
+    builder = ModelBuilder(title=f"Push on a {words}", gravity=(0.0, -wall_push.GRAVITY))
     wall_push.add_wall(builder, wall)
     return _case(f"wall-{wall.bricks}x{wall.courses}", words, wall_push.exact_push(wall), builder)
 
@@ -75,12 +76,12 @@ def _wall(wall: wall_push.Wall) -> PushCase:
 def _column(width: float) -> PushCase:
     exact = math.tan(math.radians(tilt_table.exact_angle(width)))
     words = f"column of {width:g} m × 1 m, φ 25°"
-    builder = clast.ModelBuilder(title=f"Push on a {words}", gravity=(0.0, -tilt_table.GRAVITY))
+    builder = ModelBuilder(title=f"Push on a {words}", gravity=(0.0, -tilt_table.GRAVITY))
     tilt_table.add_block(builder, width)
     return _case(f"column-{width:g}".replace(".", "p"), words, exact, builder)
 
 
-def _case(name: str, words: str, exact: float, builder: clast.ModelBuilder) -> PushCase:
+def _case(name: str, words: str, exact: float, builder: ModelBuilder) -> PushCase:
     head = f"# {words[0].upper()}{words[1:]}; written by tools/push_cases.py.\n"
     head += f"# clast study fos cases/push/{name}.toml --by pga: {exact:.4f}\n\n"
     text = head + builder.to_toml(step=0.02, end=6.0)

@@ -24,12 +24,13 @@ if TYPE_CHECKING:
     from clast.actions.damping import Kinetic as Kinetic
     from clast.actions.damping import Rayleigh as Rayleigh
     from clast.actions.damping import Undamped as Undamped
-    from clast.case.api import ModelBuilder as ModelBuilder
-    from clast.case.api import simulate as simulate
     from clast.case.case_file import Case as Case
     from clast.case.case_file import load as load
     from clast.case.law_trials import check_law as check_law
     from clast.case.resume import resume as resume
+    from clast.case.script import ModelBuilder as ModelBuilder
+    from clast.case.script import Stage as Stage
+    from clast.case.script import simulate as simulate
     from clast.errors import CaseError as CaseError
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
     from clast.model.model import PlaneStrain as PlaneStrain
     from clast.model.model import PlaneStress as PlaneStress
     from clast.model.model import Rock as Rock
-    from clast.model.stages import Stage as Stage
     from clast.model.state import State as State
     from clast.model.surroundings import InSituStress as InSituStress
     from clast.pictures.figure_options import Look as Look
@@ -97,13 +97,12 @@ NAMES = {
     "clast.inputs.in_situ": "Overburden",
     "clast.model.joints": "Joint",
     "clast.model.model": "Model PlaneStrain PlaneStress Rock",
-    "clast.case.api": "ModelBuilder simulate",
+    "clast.case.script": "ModelBuilder Stage simulate",
     "clast.pictures.figure_options": "Look",
     "clast.pictures.plot": "plot_bolt_history plot_history plot_results",
     "clast.pictures.linings": "plot_interaction",
     "clast.results": "Run RunRecorder read read_results",
     "clast.run.schedule": "Schedule",
-    "clast.model.stages": "Stage",
     "clast.model.state": "State",
     "clast.study.study_api": "HowMade Study",
     "clast.study.fitting.fitting": "Fit",

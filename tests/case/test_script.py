@@ -257,10 +257,12 @@ def test_bad_blocks_are_answered_by_the_case_too():
         builder.add_rock("brick", young=1e9, poisson=0.2, density=1000.0)
 
 
-def test_only_models_are_simulated():
-    for wrong in (two_bricks().case(), "incline.toml", None):
-        with pytest.raises(CaseError, match="is not a model"):
+def test_only_cases_and_models_are_simulated():
+    for wrong in ([two_bricks()], None, clast.Case):
+        with pytest.raises(CaseError, match="is neither a case nor a model"):
             clast.simulate(wrong)
+    with pytest.raises(CaseError, match="there is no such file"):
+        clast.simulate("none.toml")
 
 
 def test_what_no_file_can_hold_is_refused_but_runs():

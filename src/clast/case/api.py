@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,16 +27,16 @@ import numpy as np
 
 from clast import spelling
 from clast.case.case_file import Case
-from clast.errors import CaseError
+from clast.errors import CaseError, ModelError, shortened
 from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.builder_methods import singles, with_keys
-from clast.inputs.declaring.table import Table, as_plain, table_of, unwritable
+from clast.inputs.declaring.table import Inputs, Table, as_plain, table_of, unwritable
 from clast.inputs.declaring.validation_messages import table_in
 from clast.inputs.linings.linings import Lining
 from clast.inputs.materials import Joint
-from clast.inputs.method import MethodTable, OutputTable, TimeTable
+from clast.inputs.method import Damping, MethodTable, OutputTable, TimeTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.model.model import PLANES, Model
 from clast.model.stages import Stage
@@ -53,13 +54,21 @@ END_S = 1.0
 RUN_MODEL = "run the model itself: clast.simulate(builder.build())"
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
 """Tables whose keys a script gives without saying where they belong."""
-WHOLE = ("damping",)
-"""Tables that a script gives as a whole."""
+WHOLE = {"damping": Damping}
+"""Tables that a script gives as a whole, with their types."""
 takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
 """Decorator of functions that take these keys:  ``help`` shows them."""
 
 
-class ModelBuilder(model_builder.InputBuilder):
+class ShowsOwnNames(type):
+    """Class of a class that lists what users call: neither machinery nor private names."""
+
+    def __dir__(cls) -> list[str]:
+        hidden = {*vars(Inputs), "add_block", "opening_outlines"} - {*vars(object)}
+        return sorted(name for name in super().__dir__() if name not in hidden)
+
+
+class ModelBuilder(model_builder.InputBuilder, metaclass=ShowsOwnNames):
     """Collects the parts of a system of blocks, and makes the Model or a case of it.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
@@ -67,6 +76,43 @@ class ModelBuilder(model_builder.InputBuilder):
     Its methods take the keys of a case file's tables; how things fit together is judged by
     ``build``, ``case`` and ``to_toml``.
     """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set an attribute; refuse names that builders do not have."""
+        known = model_builder.InputBuilder.__dataclass_fields__
+        if type(self) is ModelBuilder and name not in known:
+            if callable(getattr(type(self), name, None)):
+                remedy = f"call it: builder.{name}(...)"
+                raise ModelError(f"'{name}' is a method of the builder", remedy=remedy)
+            shown = [one for one in known if not one.startswith("_")]
+            what = f"a builder has no attribute '{shortened(name)}'"
+            raise ModelError(what, remedy=spelling.advice(name, shown, kind="attribute"))
+        super().__setattr__(name, value)
+
+    def __dir__(self) -> list[str]:
+        return dir(type(self))
+
+    def __repr__(self) -> str:
+        parts = []
+        for key, entry in Case.model_fields.items():
+            kind: Any = table_in(entry.annotation)
+            if kind is BlockTable:
+                count = self.count(kind)
+            else:
+                count = len({**self._named, **self._listed}.get(kind, ()))
+            if count or kind is BlockTable:
+                parts.append(f"{count} {key.replace('_', ' ')}{'s' if count != 1 else ''}")
+        return f"ModelBuilder('{self.title}': {', '.join(parts)}; plane {self.plane.name})"
+
+    def build(self) -> Model:
+        """Check everything and return the Model; raise ModelError with the remedy otherwise."""
+        model = super().build()
+        made_by = copy(self)
+        made_by._entries, made_by.actions = [*self._entries], [*self.actions]
+        made_by._listed = {kind: [*listed] for kind, listed in self._listed.items()}
+        made_by._named = {kind: {**named} for kind, named in self._named.items()}
+        vars(model)["made_by"] = made_by
+        return model
 
     @takes_keys
     def case(self, *, stages: Sequence[Stage] = (), **keys: Any) -> Case:
@@ -78,8 +124,8 @@ class ModelBuilder(model_builder.InputBuilder):
         """
         # what cannot be built is not a case either, be it two rocks of one name
         tables = _with_time(_tables(keys), self.build())
-        parts = {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
-        return Case.validated({**self._content(), **tables, **parts}, "script")
+        content = {**self._content(), **tables, **_stages_of_case(stages)}
+        return Case.validated(content, "script")
 
     @takes_keys
     def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Any) -> str:
@@ -184,7 +230,7 @@ def _values(entry: BlockArrays) -> Iterator[dict[str, Any]]:
 
 @takes_keys
 def simulate(
-    model: Model | model_builder.InputBuilder,
+    model: str | Path | Case | model_builder.InputBuilder | Model,
     method: Method | None = None,
     schedule: Schedule | None = None,
     *,
@@ -196,9 +242,11 @@ def simulate(
 ) -> Run:
     """Return the run of a model from rest, or its initial velocities, to the end.
 
-    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``:  ``keys`` are those
-    of [time], [method] and [output] of a case file; defaults follow from the model (the step, 1 s
-    for the end).  ``method`` and ``schedule`` are in the place of these keys where they are given.
+    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``:  ``model`` is a
+    builder or its model, a case or the name of its file.  ``keys`` are those of [time], [method]
+    and [output] of a case file; they replace those of a case, and else defaults follow from the
+    model (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys
+    where they are given.
     ``output`` is the result file to write (.vtkhdf); without it frames are kept in memory.
     ``progress`` is True for a line on the terminal, or a function to call after every step.
     ``stages`` are the parts of the run, one after the other.  Warnings of the run are Python
@@ -207,19 +255,19 @@ def simulate(
     Raises CaseError and ModelError for input that cannot be simulated, RunStopped where the run
     cannot go on, with the partial results in its ``run``.
     """
+    tables = _tables(keys)
+    _check_given_once(tables, method, schedule)
+    if isinstance(model, str | Path | Case):
+        case = case_of(model).with_(**tables, **_stages_of_case(stages))
+        if (method, schedule, recorder) == (None, None, None):
+            return case.run(output=output, progress=progress)
+        # the case gives what is not given as an object
+        model, stages = case.model(), stages or case.schedule().stages
+        method, schedule = method or case.method(model), schedule or case.schedule()
+        tables = {}
     model = model.build() if isinstance(model, model_builder.InputBuilder) else model
     if not isinstance(model, Model):
-        remedy = "give builder.build(); a case runs by itself: clast.load(file).run()"
-        raise CaseError(f"a {type(model).__name__} is not a model", remedy=remedy)
-    tables = _tables(keys)
-    for name, given in {"method": method, "damping": method, "time": schedule}.items():
-        if given is not None and tables.get(name):
-            keys_given, kind = (
-                name if name in WHOLE else ", ".join(tables[name]),
-                type(given).__name__,
-            )
-            remedy = f"give the keys, or put them into the {kind}"
-            raise CaseError(f"{keys_given} and a {kind} are both given", remedy=remedy)
+        raise not_one(model)
     # a bad model is refused before anything slow is loaded
     from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, Source
     from clast.results.checkpoints.fingerprints import fingerprints
@@ -256,6 +304,50 @@ def simulate(
         ),
         progress,
     )
+
+
+def _check_given_once(
+    tables: dict[str, Any], method: Method | None, schedule: Schedule | None
+) -> None:
+    """Raise CaseError for keys beside the object that has them."""
+    for name, given in {"method": method, "damping": method, "time": schedule}.items():
+        if given is not None and tables.get(name):
+            keys_given, kind = (
+                name if name in WHOLE else ", ".join(tables[name]),
+                type(given).__name__,
+            )
+            remedy = f"give the keys, or put them into the {kind}"
+            raise CaseError(f"{keys_given} and a {kind} are both given", remedy=remedy)
+
+
+def _stages_of_case(stages: Sequence[Stage]) -> dict[str, Any]:
+    """Return the stages of a script as a table of a case, nothing where there are none."""
+    return {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
+
+
+def case_of(given: Any) -> Case:
+    """Return the case of a file, of a builder, or of the model that one has made.
+
+    Raises CaseError for anything else.
+    """
+    if isinstance(given, str | Path):
+        return Case.from_toml(Path(given))
+    if isinstance(given, Model):
+        if given.made_by is None:
+            what = "no case is known of a model that a script has changed or made of arrays"
+            raise CaseError(what, remedy="give the builder, or builder.case(...)")
+        given = given.made_by
+    if isinstance(given, ModelBuilder):
+        return given.case()
+    if isinstance(given, Case):
+        return given
+    raise not_one(given)
+
+
+def not_one(given: Any) -> CaseError:
+    """Return the error of an object that is neither a case nor a model."""
+    remedy = "give the name of a case file, clast.load(file), a ModelBuilder or builder.build()"
+    return CaseError(f"{shortened(repr(given))} is neither a case nor a model", remedy=remedy)
 
 
 def usual_step(model: Model) -> float:

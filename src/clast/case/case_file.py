@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, get_origin
 
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
@@ -25,7 +25,13 @@ from clast.inputs.declaring import table as case_writing
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Share, Table
-from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusals
+from clast.inputs.declaring.validation_messages import (
+    Fault,
+    error_of,
+    faults_of,
+    refusals,
+    table_in,
+)
 from clast.inputs.drawpoints import DrawpointTable
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
@@ -268,10 +274,25 @@ class Case(BaseModel):
         ``case.with_method(process="convex", contact_law={"name": "penalty"})``.  An object of a
         script, ``contact_law=MyLaw()``, may be in the place of a name; only a file cannot hold it.
         """
+        return self.with_(method=choices)
+
+    def with_(self, **tables: Any) -> Case:
+        """Return the case with other values: ``case.with_(time={"end": 2.0}, plane="strain")``.
+
+        Keys of a table that are not given stay, as do rocks, joints and the like of other names;
+        lists are replaced.  References go where the system of blocks changes.  Raises CaseError.
+        """
         content = self.model_dump(by_alias=True, exclude_unset=True)
-        content["method"] = {**content.get("method", {}), **choices}
+        kinds = {one.alias or key: one.annotation for key, one in Case.model_fields.items()}
+        for key, value in tables.items():
+            named = get_origin(kinds.get(key)) is dict
+            depth = 0 if table_in(kinds.get(key)) is None else 1 + named
+            content[key] = _merged(content.get(key), case_writing.as_plain(value), depth)
+        if tables.keys() - SAME_SYSTEM and "reference" not in tables:
+            content.pop("reference", None)
         changed = self.validated(content, self._file)
-        changed._cut = self._cut
+        if changed._rock_mass == self._rock_mass:
+            changed._cut = self._cut
         return changed
 
     @property
@@ -307,7 +328,9 @@ class Case(BaseModel):
                 cut = self.cut()
                 cut.check_room(self.block)
                 cut.add_to(builder)
-            return builder.build()
+            model = builder.build()
+        vars(model)["made_by"] = self
+        return model
 
     def cut(self) -> CutCase:
         """Return the blocks that [domain] is cut into, the same ones every time."""
@@ -537,6 +560,13 @@ class Case(BaseModel):
         )
 
     __str__ = __repr__
+
+
+def _merged(old: Any, new: Any, depth: int) -> Any:
+    """Return a value with the keys of another, so many tables deep."""
+    if not (depth and isinstance(old, dict) and isinstance(new, dict)):
+        return new
+    return {**old, **{key: _merged(old.get(key), one, depth - 1) for key, one in new.items()}}
 
 
 def load(path: str | Path) -> Case:

@@ -192,6 +192,13 @@ class BoltPattern(Anchorage):
         return self.opening if isinstance(self.opening, str) else self.label(number)
 
 
+class Directions(Table):
+    """Directions of a pattern in a script, where ``from`` is no name."""
+
+    angles: tuple[Degrees, Degrees] = (0.0, 360.0)
+    """First and last direction, degrees, counter-clockwise from +x."""
+
+
 def with_directions(keys: dict[str, Any]) -> dict[str, Any]:
     """Return the keys of a pattern of a script: ``angles`` are the first and the last direction."""
     if "angles" not in keys:

@@ -29,7 +29,7 @@ import shapely
 from clast.errors import ModelError, shortened
 from clast.inputs import materials
 from clast.inputs.blocks import BlockTable, RepairTable
-from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
+from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, Directions, with_directions
 from clast.inputs.declaring.builder_methods import PlaneOfBuilder, gives, gives_named, single
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.values import (
@@ -75,6 +75,7 @@ from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
 from clast.inputs.viscous_boundaries import (
     ViscousBoundary,
+    Where,
     check_incoming,
     viscous_edges,
     with_where,
@@ -96,29 +97,31 @@ class InputBuilder(Inputs):
     """Collects the parts of a system of blocks; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
-    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``plane`` is "stress", "strain" or an
-    object with their method, e.g. ``clast.PlaneStrain()``.  ``actions`` are objects of one's own
-    that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
-    ``gravity_amplitude`` names the amplitude of gravity over time, ``seismic_coefficient`` is a
-    push on all blocks that lasts, as a share (x, y) of their weight.  ``ground_motion`` is an
-    earthquake or the motion of a shaking table: the keys of ``[ground_motion]`` or an object, e.g.
-    ``clast.MovingBase``.  ``in_situ`` is the stress in the rock before anything is dug: the keys of
-    ``[in_situ]``, ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints of
-    lines, whether or not these become edges of blocks; ``notes`` list earlier changes to the
-    blocks; ``repair`` puts them together where they are drawn a little apart: the keys of
-    ``[repair]``, or ``clast.rockmass.BlockRepair``.
+    yy, xy), angles in degrees, velocities in m/s and rad/s.
     """
 
     title: str = ""
+    """Title."""
     plane: Any = PlaneOfBuilder()
+    """Plane assumption: "stress", "strain" or an object, e.g. ``clast.PlaneStrain()``."""
     gravity: Vector = (0.0, -9.8)
+    """Acceleration of gravity [x, y], m/s2."""
     gravity_amplitude: str | None = None
+    """Name of the amplitude of gravity over time."""
     seismic_coefficient: Vector = (0.0, 0.0)
+    """Push on all blocks that lasts, as a share [x, y] of their weight."""
     ground_motion: Any = single("ground_motion", GroundMotionTable, Still())
+    """Earthquake or shaking table: the keys of [ground_motion], or e.g. ``clast.MovingBase``."""
     in_situ: Any = single("in_situ", InSituTable)
+    """Stress in the rock before anything is dug: the keys of [in_situ], ``clast.InSituStress`` or
+    ``clast.Overburden``."""
     actions: list[Any] = field(default_factory=list)
+    """Objects of one's own that act on blocks (clast.actions.action)."""
     line_joints: list[str] = field(default_factory=list)
+    """Joints of lines, whether or not these become edges of blocks."""
     repair: Any = single("repair", RepairTable)
+    """Repair of blocks that are drawn a little apart: the keys of [repair], or
+    ``clast.rockmass.BlockRepair``."""
     _entries: list[BlockArrays] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
@@ -141,9 +144,11 @@ class InputBuilder(Inputs):
     """Add a block by its counter-clockwise vertices, ``[[block]]``, and return its name."""
     bolt = gives("bolt", Bolt, "start", "end")
     """Set a bolt from its head ``start`` to ``end``: ``[[bolt]]``."""
-    bolt_pattern = gives("bolt_pattern", BoltPattern, "opening", turned=with_directions)
+    bolt_pattern = gives(
+        "bolt_pattern", BoltPattern, "opening", turned=with_directions, also=Directions
+    )
     """Set bolts round an opening, ``[[bolt_pattern]]``; ``angles`` are first and last direction."""
-    viscous_boundary = gives("viscous_boundary", ViscousBoundary, turned=with_where)
+    viscous_boundary = gives("viscous_boundary", ViscousBoundary, turned=with_where, also=Where)
     """Let waves leave, ``[[viscous_boundary]]``: on a ``side``, on ``edges``, in a ``polygon``."""
     opening = gives("opening", OpeningTable, "name", "blocks", "weld", turned=of_blocks)
     """Let stages excavate ``blocks`` together under a name: ``[[opening]]``.

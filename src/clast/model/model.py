@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -218,6 +218,8 @@ class StartOverlaps:
 class Model:
     """A system of blocks with its materials, supports and loads."""
 
+    made_by: ClassVar[Any] = None
+    """Builder or case of a script that has made this very object; None: none is known."""
     title: str
     """Title of the case."""
     plane: Plane

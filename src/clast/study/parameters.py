@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -308,19 +307,6 @@ def with_units(names: Iterable[str], units: Mapping[str, str]) -> list[str]:
 
 
 Content = Mapping[str, Any]
-
-
-def given_case(case: Any) -> Case:
-    """Return a case that is given as one, or by its file; raises CaseError for anything else."""
-    if isinstance(case, Case):
-        return case
-    if isinstance(case, str | Path):
-        return Case.from_toml(Path(case))
-    raise CaseError(
-        f"a {type(case).__name__} is not a case",
-        where="case",
-        remedy='give the name of a case file, clast.load("case.toml") or builder.case(...)',
-    )
 
 
 def content_of(case: Case) -> dict[str, Any]:

@@ -17,8 +17,10 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from clast.case.api import case_of
 from clast.errors import CaseError, shortened
 from clast.study import trial_table
+from clast.study.collapsing.collapse import Given
 from clast.study.collapsing.search import FactorSettings
 from clast.study.description import (
     MONTECARLO,
@@ -30,7 +32,6 @@ from clast.study.description import (
 )
 from clast.study.executors import Driver, ThisProcess, Watch, workers_of
 from clast.study.folder import StudyFolder, writing
-from clast.study.parameters import given_case
 from clast.study.statistics import columns_of
 from clast.study.trial_table import TrialTable
 from clast.study.work import Bench, check_study, keep_worst
@@ -94,15 +95,22 @@ USUAL = HowMade()
 class Study:
     """A case whose runs differ in some of its keys, and the measures of its runs.
 
-    ``vary`` has paths -> distributions (``clast.Normal(35, 5)``), lists, or texts as in case files;
-    where all are lists it is a sweep.  ``correlate`` are pairs of them with the correlation of
-    their normal scores.  ``measure`` has names -> expressions, ``fail`` is one that is true where a
-    run fails.  Raises CaseError for invalid ones.
+    It is a sweep where ``vary`` has lists alone.  Raises CaseError for invalid arguments.
+
+    Args:
+        case: Name of a case file, ``clast.load(file)``, a ModelBuilder or ``builder.build()``.
+        vary: Paths -> distributions (``clast.Normal(35, 5)``), lists, or texts as in case files.
+        correlate: Pairs of paths with the correlation of their normal scores, -1 to 1.
+        measure: Names -> expressions, e.g. {"crest": "displacement(A)"}.
+        fail: Expression that is true where a run fails, e.g. "crest > 0.05".
+        factor: How the factor of safety of each run is looked for; None: no factor.
+        keep: Runs whose results are kept: "none", "all" or "worst N".
+        together: True: the lists of a sweep are gone through side by side.
     """
 
     def __init__(
         self,
-        case: Any,
+        case: Given,
         *,
         vary: Mapping[str, Any],
         correlate: Sequence[tuple[str, str, float]] = (),
@@ -112,7 +120,7 @@ class Study:
         keep: str = "none",
         together: bool = False,
     ) -> None:
-        self.case = given_case(case)
+        self.case = case_of(case)
         parameters = parameters_of(vary)
         listed = bool(parameters) and all(one.drawn.LISTED for one in parameters)
         self._description = Description(

@@ -226,7 +226,7 @@ def test_what_cannot_be_looked_for_is_refused(slab):
     ]:
         with pytest.raises(CaseError, match=what):
             clast.collapse_load(slab.file, by)
-    with pytest.raises(CaseError, match="is not a case"):
+    with pytest.raises(CaseError, match="is neither a case nor a model"):
         clast.factor_of_safety(3)
 
 

@@ -14,16 +14,21 @@ object that has their place in a model.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from inspect import Parameter, Signature, signature
-from keyword import iskeyword
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from clast.errors import ModelError, shortened
+from clast.inputs.declaring.arguments import (
+    arguments_of,
+    meanings_of,
+    type_text,
+    with_arguments,
+)
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Inputs, Table, as_plain
 from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
@@ -35,31 +40,63 @@ F = TypeVar("F", bound=Callable[..., Any])
 Keys = dict[str, Any]
 
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
+NAME = Parameter("name", POSITIONAL, annotation="str")
 HERE = Path()
 """Where files are that a script names: the working directory."""
 
 
+class BuilderMethod:
+    """A method of a builder; its arguments are explained when it is first looked at."""
+
+    def __init__(self, method: Any, key: str, kind: type[Table], also: tuple[type[Table], ...]):
+        self.method = method
+        """The function."""
+        self.kinds = (kind, *also)
+        """Tables whose keys are arguments."""
+        self.is_explained = False
+        """Whether the docstring of the function lists its arguments."""
+        method.__name__ = method.__qualname__ = key
+
+    def __get__(self, builder: Inputs | None, owner: type | None = None) -> Any:
+        """Return the method of a builder, or the function itself."""
+        if not self.is_explained:
+            self.is_explained = True
+            shown = signature(self.method).parameters
+            meanings = {"name": "Name by which others refer to it.", **meanings_of(*self.kinds)}
+            own = {key: meanings[key] for key in shown if key in meanings}
+            self.method.__doc__ = with_arguments(self.kinds[0].__doc__, own)
+        return self.method.__get__(builder, owner)
+
+
 def gives(
-    key: str, kind: type[Table], *places: str, turned: Callable[[Keys], Keys] = dict
-) -> Callable[..., Any]:
+    key: str,
+    kind: type[Table],
+    *places: str,
+    turned: Callable[[Keys], Keys] = dict,
+    also: type[Table] | None = None,
+) -> Any:
     """Return the method of a builder that adds a record, ``[[key]]`` of a case file.
 
     ``places`` are keys that may be given by their place; ``turned`` makes keys of the file of those
-    of a script where these differ.  Raises ModelError for an invalid record.
+    of a script where these differ, which are those of ``also``.  Raises ModelError for an invalid
+    record.
     """
 
     def method(self: Inputs, *values: Any, **keys: Any) -> str | None:
         keys = turned(_by_name(key, places, values, keys))
         return record_of(kind, keys, (key, self.count(kind))).add_to(self, key, HERE)
 
-    return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
+    extra = () if also is None else (also,)
+    shown = {name: one for each in (kind, *extra) for name, one in arguments_of(each).items()}
+    inner = [name for name, one in kind.model_fields.items() if one.annotation in extra]
+    shown = {name: one for name, one in shown.items() if name not in inner}
+    returned = "str" if signature(kind.add_to).return_annotation == "str" else "None"
+    _sign(method, shown, places, returned)
+    return BuilderMethod(method, key, kind, extra)
 
 
-def gives_named(
-    key: str, kind: type[Table], *places: str, usual: str | None = None
-) -> Callable[..., str]:
+def gives_named(key: str, kind: type[Table], *places: str, usual: str | None = None) -> Any:
     """Return the method ``add_...`` of a builder that adds a record by its name and returns it."""
-    default: Any = Parameter.empty if usual is None else usual
 
     def method(self: Inputs, name: Any = usual, *values: Any, **keys: Any) -> str:
         keys = _by_name(key, places, values, keys)
@@ -71,7 +108,17 @@ def gives_named(
         record_of(kind, keys, (key, Own(name))).add_to(self, name, HERE)
         return str(name)
 
-    return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
+    own = NAME if usual is None else NAME.replace(default=usual)
+    _sign(method, {"name": own, **arguments_of(kind)}, ("name", *places), "str")
+    return BuilderMethod(method, f"add_{key}", kind, ())
+
+
+def _sign(method: Any, shown: dict[str, Parameter], places: Sequence[str], returned: str) -> None:
+    """Give a method its signature; ``places`` are arguments that may be given by their place."""
+    first = [shown[name].replace(kind=POSITIONAL) for name in places]
+    rest = [one for name, one in shown.items() if name not in places]
+    own = [Parameter("self", POSITIONAL), *first, *rest]
+    method.__signature__ = Signature(own, return_annotation=returned)
 
 
 class Single:
@@ -163,10 +210,16 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ..
         raise error_of([first], content={str(place[0]): tables}, kind=ModelError) from None
 
 
-def with_keys(*kinds: type[Table], whole: tuple[str, ...] = ()) -> Callable[[F], F]:
-    """Return the decorator of a function that takes the keys of tables, for its signature."""
-    keys = [one.alias or key for kind in kinds for key, one in kind.model_fields.items()]
-    shown = [Parameter(key, Parameter.KEYWORD_ONLY, default=...) for key in (*keys, *whole)]
+def with_keys(*kinds: type[Table], whole: Mapping[str, Any]) -> Callable[[F], F]:
+    """Return the decorator of a function that takes the keys of tables, for its signature.
+
+    ``whole`` has the types of keys that are tables themselves.
+    """
+    shown = [one for kind in kinds for one in arguments_of(kind, usual=...).values()]
+    for key, kind in whole.items():
+        shown.append(
+            Parameter(key, Parameter.KEYWORD_ONLY, default=..., annotation=type_text(kind))
+        )
 
     def decorated(function: F) -> F:
         own = signature(function)
@@ -175,21 +228,3 @@ def with_keys(*kinds: type[Table], whole: tuple[str, ...] = ()) -> Callable[[F],
         return function
 
     return decorated
-
-
-def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:
-    """Return a method with the name, the arguments and the words of its record."""
-    placed = {one.name for one in first}
-    rest = [
-        Parameter(
-            one.alias or key,
-            Parameter.KEYWORD_ONLY,
-            default=Parameter.empty if one.is_required() else one.default,
-        )
-        for key, one in kind.model_fields.items()
-        if key not in placed and not iskeyword(one.alias or key)
-    ]
-    method.__name__ = method.__qualname__ = name
-    method.__doc__ = kind.__doc__
-    method.__signature__ = Signature([Parameter("self", POSITIONAL), *first, *rest])
-    return method

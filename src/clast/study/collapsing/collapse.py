@@ -13,8 +13,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from clast.case.api import case_of
 from clast.case.case_file import Case
+from clast.case.script import ModelBuilder
 from clast.errors import CaseError
+from clast.model.model import Model
 from clast.rockmass.drawings.drawing_files import write_rows
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import (
@@ -31,12 +34,14 @@ from clast.study.collapsing.search import (
 from clast.study.collapsing.trial import Settled, run_trial, settle_standing, trial_content
 from clast.study.description import COLLAPSE, Description
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
-from clast.study.parameters import content_of, given_case
+from clast.study.parameters import content_of
 
 REFINED_RANGE = 5.0
 """How far more trials reach on both sides of the bracket, in units of the tolerance."""
 
 Watch = Callable[[int, Trial], None]
+Given = str | Path | Case | ModelBuilder | Model
+"""Types that a script may give for a case."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,41 +100,57 @@ class Collapse(FactorBracket):
 
 
 def factor_of_safety(
-    case: Any,
+    case: Given,
     *,
     joints: Sequence[str] = (),
     tolerance: float = 0.01,
     folder: str | Path | None = None,
     watch: Watch | None = None,
-    **how: Any,
+    start: float | None = None,
+    growth: float | None = None,
+    refine: int = 0,
 ) -> Collapse:
     """Return the factor by which the strengths of joints may be divided until blocks fail.
 
-    Cohesion, tensile strength and tan(phi) of all joints, or of ``joints``.  ``case`` is a file or
-    a Case; ``folder`` keeps all trials, and goes on with those that are there.  ``how`` may have
-    ``start``, ``growth`` and ``refine``.  Raises CaseError for a case that cannot be used, and
-    where its blocks do not come to rest.
+    Cohesion, tensile strength and tan(phi) of all joints, or of ``joints``.  ``case`` is a file, a
+    case, a builder or its model.  Raises CaseError for a case that cannot be used, and where its
+    blocks do not come to rest.
+
+    Args:
+        case: Name of a case file, ``clast.load(file)``, a ModelBuilder or ``builder.build()``.
+        joints: Names of the joints whose strength is reduced; none: all.
+        tolerance: Relative width of the final bracket.
+        folder: Keeps all trials, and goes on with those that are there.
+        watch: Called with the number and the result of each trial.
+        start: First factor; None: 1.
+        growth: By how much the next ones grow until one fails; None: 1.25.
+        refine: More trials at equal distances near the bracket, for the curve of displacements.
     """
-    given = FactorSettings(joints=_names(joints), tolerance=tolerance, **how)
-    return collapse(given_case(case), given, folder, watch)
+    given = FactorSettings(
+        joints=_names(joints), tolerance=tolerance, start=start, growth=growth, refine=refine
+    )
+    return collapse(case_of(case), given, folder, watch)
 
 
 def collapse_load(
-    case: Any,
+    case: Given,
     by: str,
     *,
     tolerance: float = 0.01,
     folder: str | Path | None = None,
     watch: Watch | None = None,
-    **how: Any,
+    start: float | None = None,
+    growth: float | None = None,
+    refine: int = 0,
 ) -> Collapse:
     """Return the factor of gravity, of a load, or of a push on all blocks, with which blocks fail.
 
     ``by`` is "gravity", "load NAME", "pga" (a push to the right of so much of the weight) or "pga
-    left"; all else as in ``factor_of_safety``.
+    left"; all else as in ``factor_of_safety``, but for ``start`` (1, of pga 0.1) and ``growth``
+    (2), None by default.
     """
-    given = FactorSettings(by=by, tolerance=tolerance, **how)
-    return collapse(given_case(case), given, folder, watch)
+    given = FactorSettings(by=by, tolerance=tolerance, start=start, growth=growth, refine=refine)
+    return collapse(case_of(case), given, folder, watch)
 
 
 def collapse(

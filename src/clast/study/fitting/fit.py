@@ -24,9 +24,11 @@ from typing import Any
 import numpy as np
 from scipy import optimize, stats
 
+from clast.case.api import case_of
 from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError, ResultsLost
 from clast.study import trial_table
+from clast.study.collapsing.collapse import Given
 from clast.study.description import FIT, Description, parameters_of
 from clast.study.executors import workers_of
 from clast.study.fitting.ensemble import smooth
@@ -39,14 +41,14 @@ from clast.study.fitting.observations import (
     read_observations,
 )
 from clast.study.folder import DONE, StudyFolder, write_whole
-from clast.study.parameters import ParameterPlaces, content_of, given_case
+from clast.study.parameters import ParameterPlaces, content_of
 from clast.study.statistics import CONFIDENCE
 from clast.study.study_api import USUAL, HowMade
 from clast.study.work import check_study
 
 
 def fit(
-    case: Any,
+    case: Given,
     observe: Path | str | Sequence[Observation],
     vary: Mapping[str, Any],
     *,
@@ -63,7 +65,7 @@ def fit(
     makes them: fields of ``HowMade``, e.g. ``workers``.  Raises CaseError for invalid input, and
     where a run cannot go on.
     """
-    loaded = given_case(case)
+    loaded = case_of(case)
     study = described(loaded, observe, vary, how or FitSettings())
     check_study(loaded, study)
     with ExitStack() as stack:

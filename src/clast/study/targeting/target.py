@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from clast.case.api import case_of
 from clast.case.case_file import Case
 from clast.model.distributions import Value
 from clast.study import trial_table
@@ -27,7 +28,7 @@ from clast.study.collapsing.search import FactorSettings, next_between
 from clast.study.description import TARGET, Description, parameters_of
 from clast.study.distributions import Between, value_text
 from clast.study.folder import DONE, StudyFolder, write_whole
-from clast.study.parameters import given_case, units_of
+from clast.study.parameters import units_of
 from clast.study.targeting.goal import REACHED, TargetSettings, measures_of
 from clast.study.work import Bench, check_study
 
@@ -168,7 +169,7 @@ def target(
     further columns, ``factor`` how factors are looked for: ``by``, ``joints``.  ``folder`` keeps
     all runs, and goes on with those that are there.  Raises CaseError for invalid input.
     """
-    loaded = given_case(case)
+    loaded = case_of(case)
     how = TargetSettings(reach=reach, tolerance=tolerance)
     how_factor = FactorSettings(**{**factor, "joints": tuple(factor.get("joints", ()))})
     study = described(loaded, vary, how, measure or {}, how_factor)
