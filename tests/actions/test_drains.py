@@ -88,3 +88,26 @@ def test_joints_are_divided_at_drains_within_them():
     assert part.tolist() == [0, 0, 0, 1]
     np.testing.assert_allclose(share, [[0, 0.25], [0.25, 0.75], [0.75, 1], [0, 1]])
     np.testing.assert_allclose(distances(ends, np.array([[2.0, 0.5], [5.0, 4.0]])), [0.5, 2**0.5])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_drains_take_water_or_have_no_pressure(seed: int):
+    """A wall of drains beside a grid: water leaves where it presses, and none comes in (by hand).
+
+    Each drain takes water and has no pressure, or takes none and would have a suction.
+    """
+    rng = np.random.default_rng(seed)
+    x, y = np.cumsum(rng.uniform(0.5, 2.0, 5)), np.cumsum(rng.uniform(0.5, 2.0, 9))
+    joints = [(x[i], y[j], x[i + 1], y[j]) for i in range(4) for j in range(1, 8)]
+    joints += [(x[i], y[j], x[i], y[j + 1]) for i in range(1, 4) for j in range(8)]
+    wall = [(float(x[0]), float(y[j])) for j in range(1, 8)]
+    level = float(y[-1]) + 1.0
+    found = lowered(joints, level, wall)
+    ends = np.array(joints).reshape(-1, 2, 2)
+    pressure = level - ends[..., 1] - found
+    flow = (found[:, 0] - found[:, 1]) / np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    on_wall = ends[:, 0, 0] == x[0]
+    assert on_wall.sum() == 7
+    assert (pressure[on_wall, 0] < 1e-9).all() and (flow[on_wall] > -1e-9).all()
+    assert (np.abs(pressure[on_wall, 0] * flow[on_wall]) < 1e-9).all()
+    assert (flow[on_wall] > 1e-3).any()

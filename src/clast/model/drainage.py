@@ -42,8 +42,10 @@ class Network:
     """Unit vector from its first to its last end, shape (k, 2)."""
     depth: Floats
     """Depth of its ends below the water level, m, negative above it, shape (k, 2)."""
+    at_drain: Bools
+    """True for nodes at drains, shape (m,)."""
     drained: Bools
-    """True for nodes that are drained, shape (m,)."""
+    """True for those that take water, shape (m,)."""
 
     @property
     def wet(self) -> Ints:
@@ -122,14 +124,17 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
     network = _network(ends, near, surface, drains)
     fixed = network.drained | _fed(network)
     level = _solved(network, fixed, network.drained)
-    # a drain takes water: one that would have to give it lies above what the others leave
+    # a drain takes water, or lies above what the others leave and has no pressure: by turns, which
+    # ends for equations like these (Hintermueller, Ito & Kunisch 2002)
     for _ in range(len(drains)):
-        none = FLOW_MIN * float(level.max()) / float(network.length.min())
-        idle = network.drained & (_outflow(network, level) < -none)
-        if not idle.any():
+        none = FLOW_MIN * float(level.max())
+        takes = _outflow(network, level) >= -none / float(network.length.min())
+        presses = network.deep - level > none
+        drained = network.at_drain & np.where(network.drained, takes, presses)
+        if (drained == network.drained).all():
             break
-        network = replace(network, drained=network.drained & ~idle)
-        level = _solved(network, network.drained | _fed(network), network.drained)
+        network = replace(network, drained=drained)
+        level = _solved(network, drained | _fed(network), drained)
     lowered = level[network.node]
     for dry in (0, 1):  # a joint that the level cuts: no pressure there
         cut = (network.depth[:, dry] <= 0.0) & (network.depth[:, 1 - dry] > 0.0)
@@ -166,6 +171,7 @@ def _network(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Net
         length=length,
         along=line / length[:, None],
         depth=surface_at(surface, ends[..., 0]) - ends[..., 1],
+        at_drain=drained,
         drained=drained,
     )
 
@@ -182,7 +188,7 @@ def _fed(network: Network) -> Bools:
             meeting.setdefault(node, []).append(joint)
     for joint in cut.tolist():
         fed[_foot(network, joint, meeting)] = True
-    return np.asarray(fed & ~network.drained)
+    return np.asarray(fed & ~network.at_drain)
 
 
 def _foot(network: Network, joint: int, meeting: dict[int, list[int]]) -> int:
@@ -191,7 +197,7 @@ def _foot(network: Network, joint: int, meeting: dict[int, list[int]]) -> int:
     while True:
         node = int(network.node[joint, side])
         others = [one for one in meeting[node] if one != joint]
-        if network.drained[node] or len(others) != 1:
+        if network.at_drain[node] or len(others) != 1:
             return node
         ahead = network.along[joint] if side else -network.along[joint]
         joint = others[0]
