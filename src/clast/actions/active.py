@@ -42,29 +42,6 @@ def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer
         ) from error
 
 
-def checked_contribution(action: Action, contribution: Any, start: StepStart) -> Contribution:
-    """Return a contribution that kernels can count on; raises ActionFault naming the action."""
-    for fault in _faults_of(contribution, start.model.block_count):
-        raise ActionFault(f"contribution() gives {fault}", where=_name(action), remedy=HELP)
-    checked: Contribution = contribution
-    return checked
-
-
-def checked_result(action: Action, done: Any) -> ActionResult:
-    """Return the result of an action; raises ActionFault where it is not an ActionResult."""
-    if not isinstance(done, ActionResult):
-        fault = f"a {type(done).__name__}, not an ActionResult"
-    elif not _is_number(done.work):
-        fault = f"work = {done.work!r:.40}, which is not a finite number"
-    elif not isinstance(done.ledger, Ledger):
-        fault = f"a {type(done.ledger).__name__} as its ledger, not a Ledger"
-    elif not all(map(_is_number, vars(done.ledger).values())):
-        fault = "a ledger with an entry that is not a finite number"
-    else:
-        return done
-    raise ActionFault(f"finish() gives {fault}", where=_name(action), remedy=HELP)
-
-
 def _name(action: Action) -> str:
     return f"action {type(action).__name__}"
 
@@ -199,7 +176,11 @@ def contributions_of(
             contributions.append(action.contribution(start, mine))
         else:  # of a script
             one = answer(action, action.contribution, start, mine)
-            contributions.append(checked_contribution(action, one, start))
+            # A contribution that kernels can count on; raises ActionFault naming the action.
+            for fault in _faults_of(one, start.model.block_count):
+                raise ActionFault(f"contribution() gives {fault}", where=_name(action), remedy=HELP)
+            checked: Contribution = one
+            contributions.append(checked)
     return tuple(contributions)
 
 
@@ -209,9 +190,19 @@ def result_of(
     """Return the result of an action in a step, checked for an action of a script."""
     if action.__class__.__module__.startswith("clast."):
         return action.finish(start, state, contribution, solution)
-    return checked_result(
-        action, answer(action, action.finish, start, state, contribution, solution)
-    )
+    # The result of an action; raises ActionFault where it is not an ActionResult.
+    done = answer(action, action.finish, start, state, contribution, solution)
+    if not isinstance(done, ActionResult):
+        fault = f"a {type(done).__name__}, not an ActionResult"
+    elif not _is_number(done.work):
+        fault = f"work = {done.work!r:.40}, which is not a finite number"
+    elif not isinstance(done.ledger, Ledger):
+        fault = f"a {type(done.ledger).__name__} as its ledger, not a Ledger"
+    elif not all(map(_is_number, vars(done.ledger).values())):
+        fault = "a ledger with an entry that is not a finite number"
+    else:
+        return done
+    raise ActionFault(f"finish() gives {fault}", where=_name(action), remedy=HELP)
 
 
 def acceleration_of(contributions: Sequence[Contribution]) -> Floats:

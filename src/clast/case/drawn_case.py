@@ -73,9 +73,16 @@ def case_text(drawing: Drawing) -> str:
     Changes to the drawing and omissions stand in comments.  Keys that a drawing cannot know have
     the value "to be given".
     """
+    # The single values at the top of the file.
+    gravity = _gravity(drawing.analysis)
+    top: dict[str, Any] = {"schema": 1, "title": spelling.visible(Path(drawing.file).stem[:200])}
+    if drawing.analysis.plane is not None:
+        top["plane"] = drawing.analysis.plane
+    if gravity is not None:
+        top["gravity"] = [0.0, -gravity]
     parts = [
         _head(drawing),
-        to_toml(_top(drawing)),
+        to_toml(top),
         *_settings(drawing),
         to_toml({"rock": _rocks(drawing)}),
         to_toml({"joint": joints}) if (joints := _joints(drawing)) else "",
@@ -191,17 +198,6 @@ def _unsaid_of_rocks(analysis: Analysis) -> Iterator[LeftOut]:
     if analysis.rotation == "linear":
         reason = "it makes blocks grow as they turn: add [method] rotation if you want it"
         yield LeftOut(what="linear rotation", place="Rotation", reason=reason)
-
-
-def _top(drawing: Drawing) -> dict[str, Any]:
-    """Return the single values at the top of the file."""
-    gravity = _gravity(drawing.analysis)
-    top: dict[str, Any] = {"schema": 1, "title": spelling.visible(Path(drawing.file).stem[:200])}
-    if drawing.analysis.plane is not None:
-        top["plane"] = drawing.analysis.plane
-    if gravity is not None:
-        top["gravity"] = [0.0, -gravity]
-    return top
 
 
 def _gravity(analysis: Analysis) -> float | None:

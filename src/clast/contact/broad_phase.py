@@ -35,7 +35,12 @@ def overlapping_pairs(box: Floats, fixed: Bools) -> Ints:
     count = len(box)
     if count < 2:
         return np.zeros((0, 2), np.int64)
-    origin, level, cell = cells_of(box)
+    # The origin of the grids, and level (n,) and cell (n, 2) of each box (n, 4).
+    size = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1])
+    smallest = float(size.min()) * 1.001  # so that round-off cannot let a box reach two cells on
+    origin = smallest, float(box[:, 0].min()), float(box[:, 1].min())
+    level, cell = np.empty(len(box), np.int64), np.empty((len(box), 2), np.int64)
+    _cells(len(box), box, size, origin, level, cell)
     slots = np.zeros(2 ** int(2 * count - 1).bit_length() + 1, np.int64)
     order = np.empty(count, np.int64)
     _file(level, cell, slots, order)
@@ -54,19 +59,6 @@ def overlapping_pairs(box: Floats, fixed: Bools) -> Ints:
         unsorted, pairs = pairs, np.empty_like(pairs)
         _sort_by(unsorted, side, np.zeros(count + 1, np.int64), pairs)
     return pairs
-
-
-def cells_of(box: Floats) -> tuple[tuple[float, float, float], Ints, Ints]:
-    """Return the origin of the grids, and level (n,) and cell (n, 2) of each box (n, 4).
-
-    The origin is the cell size of level 0, larger than its boxes, and where the cells begin, m.
-    """
-    size = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1])
-    smallest = float(size.min()) * 1.001  # so that round-off cannot let a box reach two cells on
-    origin = smallest, float(box[:, 0].min()), float(box[:, 1].min())
-    level, cell = np.empty(len(box), np.int64), np.empty((len(box), 2), np.int64)
-    _cells(len(box), box, size, origin, level, cell)
-    return origin, level, cell
 
 
 @shared(BLOCKS)

@@ -128,27 +128,6 @@ def _stiffnesses(
     return float(normal), float(k), *of_joints, contacts.spring_share
 
 
-def limits_of_springs(
-    contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
-) -> SpringLimits:
-    """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
-    return SpringLimits(
-        *limits_of_contacts(stiffnesses, strengths_of(contacts), contacts.friction_base)
-    )
-
-
-def check_stiffnesses(law: object, normal: float, shear: float | None) -> None:
-    """Raise CaseError for stiffnesses, N/m per m, that are not above 0."""
-    for name, value in (("normal_stiffness", normal), ("shear_stiffness", shear)):
-        if value is not None and not value > 0.0:
-            raise CaseError(
-                f"{name} must be above 0, not {value}",
-                where=type(law).__name__,
-                remedy="give the stiffness of the contact spring in N/m per m, e.g. 1e9",
-            )
-
-
 @dataclass(frozen=True)
 class Penalty:
     """Linear springs, N = max(0, -p d_n), with Coulomb friction, cohesion, tension cut-off."""
@@ -159,7 +138,17 @@ class Penalty:
     """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
 
     def __post_init__(self) -> None:
-        check_stiffnesses(self, self.normal_stiffness, self.shear_stiffness)
+        # Raise CaseError for stiffnesses, N/m per m, that are not above 0.
+        for name, value in (
+            ("normal_stiffness", self.normal_stiffness),
+            ("shear_stiffness", self.shear_stiffness),
+        ):
+            if value is not None and not value > 0.0:
+                raise CaseError(
+                    f"{name} must be above 0, not {value}",
+                    where=type(self).__name__,
+                    remedy="give the stiffness of the contact spring in N/m per m, e.g. 1e9",
+                )
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
@@ -167,7 +156,11 @@ class Penalty:
 
     def limits(self, contacts: Contacts) -> SpringLimits:
         """Return the same as springs with bounds, for contacts whose friction bound is given."""
-        return limits_of_springs(contacts, self.normal_stiffness, self._shear)
+        # The bounds of ``springs`` for contacts whose friction bound is given.
+        stiffnesses = _stiffnesses(contacts, self.normal_stiffness, self._shear)
+        return SpringLimits(
+            *limits_of_contacts(stiffnesses, strengths_of(contacts), contacts.friction_base)
+        )
 
     @property
     def _shear(self) -> float | None:

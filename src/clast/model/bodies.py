@@ -85,7 +85,10 @@ def joined_outlines(
     loops = [_straightened(loop, sides, vertices, tolerance) for loop in _loops(sides)]
     if len(loops) == len(ground) and all(len(run) == 1 for loop in loops for run in loop):
         return None
-    of_body = _bodies(sides, len(area))
+    # Which body each of `count` blocks belongs to, (n,).
+    shared = np.flatnonzero(sides.twin >= 0)
+    of_side = sides.block_of[sides.edge]
+    of_body = connected(of_side[shared], of_side[sides.twin[shared]], len(area))
     outlines: list[tuple[int, list[list[tuple[int, int]]]]] = []
     for block, (first, last) in enumerate(pairwise(block_start)):
         if not fixed[block] or absent[block]:
@@ -191,13 +194,6 @@ def _twins(begin: Ints, end: Ints, block: Ints) -> Ints:
         else:
             open_sides[ends] = k
     return twin
-
-
-def _bodies(sides: _Sides, count: int) -> Ints:
-    """Return which body each of ``count`` blocks belongs to, (n,)."""
-    shared = np.flatnonzero(sides.twin >= 0)
-    of_side = sides.block_of[sides.edge]
-    return connected(of_side[shared], of_side[sides.twin[shared]], count)
 
 
 # the outlines that are left ---------------------------------------------------------------------

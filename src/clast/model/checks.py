@@ -204,7 +204,18 @@ def check_polygons(outlines: BlockOutlines, polygons: Geometries) -> None:
         said(lambda block: f"is only {extent[block]:.3g} m wide"),
         f"give coordinates in m; a block is at least {BLOCK_WIDTH_MIN:g} m wide",
     )
-    _check_duplicates(outlines)
+    # Refuse consecutive vertices that are the same point.
+    following = outlines.following
+    side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
+    number = following - outlines.start[outlines.owner] + 1
+    _refuse_all(
+        np.flatnonzero(side <= ROUND_OFF * outlines.extent[outlines.owner]),
+        lambda vertex: (
+            outlines.vertex_label(vertex),
+            f"is the same point as vertex {number[vertex]}",
+        ),
+        "remove one of the two (a loop closes by itself, without its first vertex)",
+    )
     _refuse_all(
         np.flatnonzero(shapely.area(shapely.convex_hull(polygons)) <= ROUND_OFF * extent**2),
         said(lambda _: "has no area: its vertices lie on one line"),
@@ -232,21 +243,6 @@ def turned_note(outlines: BlockOutlines, clockwise: Bools) -> tuple[str, ...]:
     if len(turned) == 1:
         return (f"1 loop runs clockwise and was reversed: {named}",)
     return (f"{len(turned)} loops run clockwise and were reversed: {named}{more}",)
-
-
-def _check_duplicates(outlines: BlockOutlines) -> None:
-    """Refuse consecutive vertices that are the same point."""
-    following = outlines.following
-    side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
-    number = following - outlines.start[outlines.owner] + 1
-    _refuse_all(
-        np.flatnonzero(side <= ROUND_OFF * outlines.extent[outlines.owner]),
-        lambda vertex: (
-            outlines.vertex_label(vertex),
-            f"is the same point as vertex {number[vertex]}",
-        ),
-        "remove one of the two (a loop closes by itself, without its first vertex)",
-    )
 
 
 def _crossing(outlines: BlockOutlines, block: int) -> str:
@@ -289,7 +285,11 @@ def check_overlaps(
     finest = ROUND_OFF * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
     limit = np.maximum(OVERLAP_TOLERANCE * np.minimum(size[first], size[second]), finest)
     vertices, start = outlines.vertices, outlines.start
-    deep = _deep_boxes(outlines, first, second, limit)
+    # Which pairs have bounding boxes that share more than ``limit`` in both directions.
+    low = np.minimum.reduceat(outlines.vertices, outlines.start[:-1])
+    high = np.maximum.reduceat(outlines.vertices, outlines.start[:-1])
+    shared = np.minimum(high[first], high[second]) - np.maximum(low[first], low[second])
+    deep = np.flatnonzero(shared.min(axis=1) > limit)
     deep = deep[~touching_at_most(vertices, start, first[deep], second[deep], limit[deep])]
     first, second, limit = first[deep], second[deep], limit[deep]
     pair, width, middle = common_parts(vertices, start, first, second)
@@ -333,17 +333,6 @@ def _ordered(first: Ints, second: Ints) -> tuple[Ints, Ints]:
     """Return each pair once, the lower block first."""
     once = first < second
     return first[once], second[once]
-
-
-def _deep_boxes(outlines: BlockOutlines, first: Ints, second: Ints, limit: Floats) -> Ints:
-    """Return which pairs have bounding boxes that share more than ``limit`` in both directions.
-
-    The others share at most a strip of the thickness allowed; in a wall these are all pairs.
-    """
-    low = np.minimum.reduceat(outlines.vertices, outlines.start[:-1])
-    high = np.maximum.reduceat(outlines.vertices, outlines.start[:-1])
-    shared = np.minimum(high[first], high[second]) - np.maximum(low[first], low[second])
-    return np.flatnonzero(shared.min(axis=1) > limit)
 
 
 def locate(

@@ -41,7 +41,17 @@ class Distribution:
     """True where it may be correlated with others."""
 
     def __str__(self) -> str:
-        return f"{self.WORD}({', '.join(_arguments(self))})"
+        # The numbers of a distribution as they are written, defaults left out.
+        texts = []
+        named = False
+        for entry in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, entry.name)
+            if value == entry.default:
+                named = True
+                continue
+            text = str(value) if isinstance(value, Distribution) else _text(value)
+            texts.append(f"{entry.name}={text}" if named else text)
+        return f"{self.WORD}({', '.join(texts)})"
 
     def quantile(self, p: float) -> Value:
         """Return the value below which the variable lies with probability ``p``, 0 < p < 1."""
@@ -469,20 +479,6 @@ def fault(one: Distribution, what: str, remedy: str) -> CaseError:
 
 def _is_list(values: Any) -> bool:
     return isinstance(values, Sequence | np.ndarray) and not isinstance(values, str)
-
-
-def _arguments(one: Distribution) -> list[str]:
-    """Return the numbers of a distribution as they are written, defaults left out."""
-    texts = []
-    named = False
-    for entry in fields(one):  # type: ignore[arg-type]
-        value = getattr(one, entry.name)
-        if value == entry.default:
-            named = True
-            continue
-        text = str(value) if isinstance(value, Distribution) else _text(value)
-        texts.append(f"{entry.name}={text}" if named else text)
-    return texts
 
 
 def _text(value: Any) -> str:

@@ -231,15 +231,6 @@ def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
     return level
 
 
-def _outflow(network: Network, level: Floats) -> Floats:
-    """Return the outflow of every node, in head by length, shape (m,)."""
-    one, other, conducts, to_level = _pipes(network)
-    outflow = to_level * level
-    np.add.at(outflow, one, conducts * (level[one] - level[other]))
-    np.add.at(outflow, other, conducts * (level[other] - level[one]))
-    return np.asarray(outflow)
-
-
 def _pipes(network: Network) -> tuple[Ints, Ints, Floats, Floats]:
     """Return the joints under water: nodes and 1/length, and 1/length up to the level (m,)."""
     wet = network.wet

@@ -49,7 +49,11 @@ class FrameFields:
         """Return the arrays of a frame by their place in /VTKHDF (``schema.FIELDS``)."""
         model = self._model
         _, centroid, _ = polygon.moments(state.vertices, model.block_start)
-        sigma_1, sigma_3 = principal_stresses(state.stress)
+        # sigma_1 >= sigma_3 in the plane, Pa, tension positive, from stress (n, 3).
+        xx, yy, xy = state.stress.T
+        mean = 0.5 * (xx + yy)
+        radius = np.hypot(0.5 * (xx - yy), xy)
+        sigma_1, sigma_3 = mean + radius, mean - radius
         absent = absent_in(state)
         return {
             "Points": with_z(state.vertices + model.origin),
@@ -92,14 +96,6 @@ def with_z(plane: Floats) -> Floats:
     space = np.zeros((len(plane), 3))
     space[:, :2] = plane
     return space
-
-
-def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
-    """Return sigma_1 >= sigma_3 in the plane, Pa, tension positive, from stress (n, 3)."""
-    xx, yy, xy = stress.T
-    mean = 0.5 * (xx + yy)
-    radius = np.hypot(0.5 * (xx - yy), xy)
-    return mean + radius, mean - radius
 
 
 def bolt_states(model: Model, state: State) -> BoltStates:

@@ -26,7 +26,6 @@ import errno
 import os
 import struct
 import zlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -115,7 +114,10 @@ class JournalledFile(FileObject):
         # HDF5 follows no address beyond the end that the superblock, at 0, gives: it goes first.
         changes = sorted(self._changes.items(), key=lambda change: change[0][0] != 0)
         pieces = [(start, new) for (start, _), new in changes]
-        journal, behind = _journal(end, pieces), max(end, self._committed)
+        # The journal of a file that ends at ``end``: bytes and the places they go to.
+        records = b"".join(RECORD.pack(start, len(new)) + new for start, new in pieces)
+        journal = records + TRAILER.pack(end, len(records), zlib.crc32(records), MARK)
+        behind = max(end, self._committed)
         self._write_at(behind, journal)
         self._file.truncate(behind + len(journal))
         self._applying = True
@@ -229,12 +231,6 @@ def _complete(file: BinaryIO) -> int:
             _write(file, new)
         file.truncate(end)
     return end
-
-
-def _journal(end: int, pieces: Sequence[Piece]) -> bytes:
-    """Return the journal of a file that ends at ``end``: bytes and the places they go to."""
-    records = b"".join(RECORD.pack(start, len(new)) + new for start, new in pieces)
-    return records + TRAILER.pack(end, len(records), zlib.crc32(records), MARK)
 
 
 def _write(file: BinaryIO, data: bytes) -> None:

@@ -60,7 +60,12 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
         elif isinstance(error, FileNotFoundError):
             what, remedy = "there is no such file", "clast run CASE -o FILE writes one"
         raise CaseError(what, where=str(path), remedy=remedy) from error
-    raise _as_case_error(failure, path) from _without_frames(failure)
+    # An error that no longer holds the file: HDF5 must not keep it to the very end.
+    one: BaseException | None = failure
+    while one is not None:
+        one.__traceback__ = None
+        one = one.__cause__ or one.__context__
+    raise _as_case_error(failure, path) from failure
 
 
 def is_result_file(path: Path) -> bool:
@@ -115,15 +120,6 @@ def _answer(path: Path, question: Callable[[Any], Answer], whole: int) -> Answer
         if checked.damage:
             raise DamagedPageError(checked.damage)
         return answer
-
-
-def _without_frames(error: Exception) -> Exception:
-    """Return an error that no longer holds the file: HDF5 must not keep it to the very end."""
-    one: BaseException | None = error
-    while one is not None:
-        one.__traceback__ = None
-        one = one.__cause__ or one.__context__
-    return error
 
 
 def _as_case_error(error: Exception, path: Path) -> CaseError:

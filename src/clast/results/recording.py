@@ -352,8 +352,8 @@ class Recording:
         places = joints.of(name)
         every = self._rows(LINING_TABLE)
         rows = [LINING_TABLE.one(every, int(k)) for k in places]
-        parts = (one[places] for one in (joints.along, joints.face, joints.section))
-        return LiningHistory(*parts, rows)
+        along, face, section = joints.along[places], joints.face[places], joints.section[places]
+        return LiningHistory(along, face, section, rows)
 
     @property
     def lined(self) -> Bools:

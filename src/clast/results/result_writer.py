@@ -68,7 +68,18 @@ class ResultFile:
     def __init__(
         self, path: Path, model: Model, case_text: str, storage: JournalledFile | None = None
     ) -> None:
-        _check_texts(model)
+        # Raise CaseError where a title or name has characters that no text of HDF5 can hold.
+        texts = [model.title, *model.block_name, *model.measured_points.name]
+        texts += [*model.bolts.name, *model.bolts.kind, *model.reactions.name, *model.links]
+        texts += [*model.lining_joints.name, *model.convergences.name]
+        rocks, joints = model.rocks, model.joint_table.joints
+        texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
+        for text in texts:
+            if "\0" in text or text.encode(errors="replace").decode() != text:
+                raise CaseError(
+                    f"{text!r} contains a character that a result file cannot store",
+                    remedy="give it another title or name",
+                )
         self.path = check_output(path)
         self._model = model
         self._case_text = case_text
@@ -105,7 +116,18 @@ class ResultFile:
         try:
             with self._guarded("make room, or choose another place"):
                 self._open(h5py.File(self._storage, "w", libver=FILE_FORMAT, **IN_ONE_PAGE))
-                _write_start(self._file, self._model, self._case_text, self.about)
+                file = self._file
+                model = self._model
+                _write_grid(file.create_group("VTKHDF"), model)
+                _write_model(file.create_group("model"), model, self._case_text, self.about)
+                _growing(file, "frames", dtype=FRAME_ROW)
+                if self.about.get("stages"):
+                    _growing(file, FRAME_STAGE, dtype="i8")
+                for one in TABLES:
+                    if one is BOLT_TABLE and len(model.bolts):
+                        _growing(file, BOLT_POINTS, (2,), batch=len(model.bolts.block))
+                    if one.is_kept(model):
+                        _write_table(file, one, model)
                 write_lineage(self._file, self.lineage)
                 self._put_frame(time, arrays, contacts, tables, bolt_points)
                 self._file.close()
@@ -301,21 +323,6 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
     storage.close()
 
 
-def _check_texts(model: Model) -> None:
-    """Raise CaseError where a title or name has characters that no text of HDF5 can hold."""
-    texts = [model.title, *model.block_name, *model.measured_points.name]
-    texts += [*model.bolts.name, *model.bolts.kind, *model.reactions.name, *model.links]
-    texts += [*model.lining_joints.name, *model.convergences.name]
-    rocks, joints = model.rocks, model.joint_table.joints
-    texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
-    for text in texts:
-        if "\0" in text or text.encode(errors="replace").decode() != text:
-            raise CaseError(
-                f"{text!r} contains a character that a result file cannot store",
-                remedy="give it another title or name",
-            )
-
-
 def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:
     """Return the entries of some ``frames`` in each dataset of offsets in /VTKHDF/Steps.
 
@@ -329,19 +336,6 @@ def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:
         "PointOffsets": frames * len(model.vertices),
         MOVING: frames * model.block_count,
     }
-
-
-def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
-    _write_grid(file.create_group("VTKHDF"), model)
-    _write_model(file.create_group("model"), model, case_text, about)
-    _growing(file, "frames", dtype=FRAME_ROW)
-    if about.get("stages"):
-        _growing(file, FRAME_STAGE, dtype="i8")
-    for one in TABLES:
-        if one is BOLT_TABLE and len(model.bolts):
-            _growing(file, BOLT_POINTS, (2,), batch=len(model.bolts.block))
-        if one.is_kept(model):
-            _write_table(file, one, model)
 
 
 def _write_table(file: Any, one: TableSchema, model: Model) -> None:

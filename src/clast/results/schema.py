@@ -381,8 +381,10 @@ CONVERGENCE_TABLE = TableSchema(
     ),
 )
 
-TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, LINING_TABLE)
-TABLES = (*TABLES, CONTACT_TABLE, CONVERGENCE_TABLE, HISTORY)
+TABLES = (
+    *(CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, LINING_TABLE),
+    *(CONTACT_TABLE, CONVERGENCE_TABLE, HISTORY),
+)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""

@@ -246,23 +246,21 @@ def _drawn(at: Site, one: JointSet, number: int, seed: int, bounds: Floats) -> S
     along &= (shapely.distance(near, rim).reshape(-1, 2) <= at.grid).all(axis=1)
     ends = ends[~along & (shapely.length(lines) > 0.0)]
     if len(ends) == 0:
-        raise _cuts_nothing(plan, one, drawn)
+        if len(drawn.ends):
+            gap = float(
+                shapely.distance(shapely.linestrings(drawn.ends), plan.window.polygon).min()
+            )
+            why = "its lines run along the boundary, or are shorter than the tolerance"
+            why = f"its nearest line passes {gap:.3g} m beside the domain" if gap else why
+        else:
+            why = f"{one.model.blocks(plan):.3g} lines are expected, and none was drawn"
+        raise ModelError(
+            f"cuts nothing: {why}",
+            where=one.where,
+            remedy="move its origin into the domain, or lower its spacing (raise its intensity)",
+        )
     carriers = plan.window.clipped(drawn.carriers)
     return SetLines(name=one.name, plan=plan, window=plan.window, ends=ends, carriers=carriers)
-
-
-def _cuts_nothing(plan: Plan, one: JointSet, drawn: Drawn) -> ModelError:
-    if len(drawn.ends):
-        gap = float(shapely.distance(shapely.linestrings(drawn.ends), plan.window.polygon).min())
-        why = "its lines run along the boundary, or are shorter than the tolerance"
-        why = f"its nearest line passes {gap:.3g} m beside the domain" if gap else why
-    else:
-        why = f"{one.model.blocks(plan):.3g} lines are expected, and none was drawn"
-    return ModelError(
-        f"cuts nothing: {why}",
-        where=one.where,
-        remedy="move its origin into the domain, or lower its spacing (raise its intensity)",
-    )
 
 
 def trace_lines(

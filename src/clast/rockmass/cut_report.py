@@ -316,29 +316,22 @@ def _set(some: Sequence[SetLines], kept: float) -> SetReport:
     ends = np.concatenate([one.ends for one in some])
     total = float(_lengths(ends).sum())
     carried = float(_lengths(some[0].carriers).sum())
+    # The unit normal of lines (n, 2, 2), weighted by length, shape (2,).
+    along = ends[:, 1] - ends[:, 0]
+    double = 2.0 * np.arctan2(along[:, 1], along[:, 0])
+    length = _lengths(ends)
+    angle = 0.5 * np.arctan2((length * np.sin(double)).sum(), (length * np.cos(double)).sum())
     return SetReport(
         name=some[0].name,
         lines=len(ends),
         length=total,
         p21=total / area,
         p21_asked=float(plan.density) if plan is not None and plan.density > 0.0 else None,
-        p10=frequency(ends, mean_normal(ends), area),
+        p10=frequency(ends, np.array([-np.sin(angle), np.cos(angle)]), area),
         persistence=total / carried if carried > 0.0 else 1.0,
         persistence_asked=1.0 if plan is None else float(plan.persistence),
         kept=min(kept / total, 1.0),
     )
-
-
-def mean_normal(ends: Floats) -> Floats:
-    """Return the unit normal of lines (n, 2, 2), weighted by length, shape (2,).
-
-    Lines have no sense of direction: angles are doubled before their mean is taken.
-    """
-    along = ends[:, 1] - ends[:, 0]
-    double = 2.0 * np.arctan2(along[:, 1], along[:, 0])
-    length = _lengths(ends)
-    angle = 0.5 * np.arctan2((length * np.sin(double)).sum(), (length * np.cos(double)).sum())
-    return np.array([-np.sin(angle), np.cos(angle)])
 
 
 def frequency(ends: Floats, scanline: Floats, area: float) -> float:

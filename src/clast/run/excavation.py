@@ -105,7 +105,16 @@ def without(model: Model, absent: Bools) -> Model:
     """
     edge_joint = model.edge_joint.copy()
     for one in model.openings:
-        ends = absent[one.block].all() | _alone(model, one.welded, absent)
+        # Which edges (k,) lay on an edge of a block that is ``absent`` at the start, (k,).
+        onwards, here = model.vertex_after, model.vertices + 0.0  # so that there is one zero only
+        # segments that wait have never been rock
+        out = np.flatnonzero((absent & ~model.lined)[model.vertex_block])
+        opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
+        known = {ends.tobytes() for ends in opposite}
+        own = np.concatenate([here[one.welded], here[onwards[one.welded]]], axis=1)
+        ends = absent[one.block].all() | np.array(
+            [ends.tobytes() in known for ends in own], np.bool_
+        )
         edge_joint[one.welded[ends]] = -1
     # segments of linings may come back
     fixed = np.where(model.absent & ~absent, False, model.fixed)
@@ -144,17 +153,6 @@ def _numbers(blocks: Any, count: int) -> Ints:
             remedy=f"give numbers from 0 to {count - 1}",
         )
     return numbers.astype(np.int64)
-
-
-def _alone(model: Model, edges: Ints, absent: Bools) -> Bools:
-    """Return which edges (k,) lay on an edge of a block that is ``absent`` at the start, (k,)."""
-    onwards, here = model.vertex_after, model.vertices + 0.0  # so that there is one zero only
-    # segments that wait have never been rock
-    out = np.flatnonzero((absent & ~model.lined)[model.vertex_block])
-    opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
-    known = {ends.tobytes() for ends in opposite}
-    own = np.concatenate([here[edges], here[onwards[edges]]], axis=1)
-    return np.array([ends.tobytes() in known for ends in own], np.bool_)
 
 
 def release(
@@ -231,18 +229,7 @@ def _energy(
     law, none = method.contact_law, np.zeros(len(contacts))
     touching = leaving[contacts.vertex_block] | leaving[contacts.edge_block]
     springs = law.respond(multipliers.begin(law, contacts), contacts.gap, none).energy
-    return Ledger(
-        kinetic=0.5
-        * float(np.einsum("ni,nij,nj", velocity, frames.mass_matrix[leaving], velocity)),
-        elastic=0.5 * float(model.area[leaving] @ np.einsum("na,na->n", stress, strain)),
-        gravity=-float((model.mass[leaving] @ fallen[leaving]) @ model.gravity),
-        contact=float(springs[touching].sum()),
-        fixed_points=_in_supports(model, method, state, leaving),
-    )
-
-
-def _in_supports(model: Model, method: Method, state: State, leaving: Bools) -> float:
-    """Return the energy in springs that hold blocks that are ``leaving`` (n,), J/m."""
+    # The energy in springs that hold blocks that are ``leaving`` (n,), J/m.
     points = model.fixed_points
     anchors = points.at + model.ground_motion.anchor_displacement(state.time)
     drift = (state.points[model.point_slices.fixed] - anchors)[leaving[points.block]]
@@ -252,4 +239,11 @@ def _in_supports(model: Model, method: Method, state: State, leaving: Bools) -> 
             some = leaving[own.block]
             moved = (state.vertices - model.vertices)[own.vertex[some]]
             held += 0.5 * float(np.einsum("kx,kxy,ky", moved, own.hold[some], moved))
-    return held
+    return Ledger(
+        kinetic=0.5
+        * float(np.einsum("ni,nij,nj", velocity, frames.mass_matrix[leaving], velocity)),
+        elastic=0.5 * float(model.area[leaving] @ np.einsum("na,na->n", stress, strain)),
+        gravity=-float((model.mass[leaving] @ fallen[leaving]) @ model.gravity),
+        contact=float(springs[touching].sum()),
+        fixed_points=held,
+    )

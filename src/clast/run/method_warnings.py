@@ -290,7 +290,13 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
     A motion of frequency w loses exp(-(theta + alpha - 1) w2 h t/2) of its height, with alpha the
     place in the step at which forces are taken: exp(-w2 h t/4) by constant acceleration.
     """
-    if not _swings(method, schedule):
+    # Whether blocks swing in any stage: they keep their velocity, undamped or by Rayleigh.
+    parts = [(stage.dynamic_ratio, stage.damping) for stage in schedule.stages] or [(None, None)]
+    if not any(
+        (method.dynamic_ratio if ratio is None else ratio) >= 1.0
+        and not isinstance(damping or method.damping, Adaptive | Kinetic)
+        for ratio, damping in parts
+    ):
         return
     integrator = method.integrator
     loss = 0.5 * (integrator.theta + forces_at(integrator) - 1.0)
@@ -317,19 +323,6 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
                 f'method.integrator = "midpoint", which damps none, or lower time.step to '
                 f"{shorter:.2g}"
             )
-
-
-def _swings(method: Method, schedule: Schedule) -> bool:
-    """Return whether blocks swing in any stage: they keep their velocity, undamped or by Rayleigh.
-
-    Adaptive and kinetic damping bring them to rest, whatever the time steps take.
-    """
-    parts = [(stage.dynamic_ratio, stage.damping) for stage in schedule.stages] or [(None, None)]
-    return any(
-        (method.dynamic_ratio if ratio is None else ratio) >= 1.0
-        and not isinstance(damping or method.damping, Adaptive | Kinetic)
-        for ratio, damping in parts
-    )
 
 
 def own_frequency(model: Model) -> float:

@@ -54,7 +54,13 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     result = []
     for q in np.unique(np.concatenate((crossed[3], np.flatnonzero(inside)))):
         explained = max(DEPTH_RATIO_MIN * deepest[q], give[pairs[q]].sum(), DEPTH_MIN * critdis)
-        depth, area = _extent(_overlap(model, vertices, pairs[q]))
+        # The largest inscribed circle's diameter, m, and the area, m2, of an overlap.
+        parts = _overlap(model, vertices, pairs[q])
+        circles = shapely.maximum_inscribed_circle(parts)
+        depth, area = (
+            2.0 * float(shapely.length(circles).max(initial=0.0)),
+            float(shapely.area(parts).sum()),
+        )
         if depth > explained:
             blocks = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
             known = float(deepest[q])
@@ -125,9 +131,3 @@ def _is_at_tips(part: Floats, loops: list[Floats], tips: list[Floats], others: F
             return False
         reach = max(reach, float(tip[apart <= tip].max()))
     return bool(np.any(np.hypot(*(others - part.mean(axis=0)).T) <= reach))
-
-
-def _extent(parts: NDArray[Any]) -> tuple[float, float]:
-    """Return the largest inscribed circle's diameter, m, and the area, m2, of an overlap."""
-    circles = shapely.maximum_inscribed_circle(parts)
-    return 2.0 * float(shapely.length(circles).max(initial=0.0)), float(shapely.area(parts).sum())

@@ -24,7 +24,6 @@ from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, search_of_modified, stability_number
 
 if TYPE_CHECKING:
-    from clast.contact.contacts import Contacts
     from clast.run.schedule import Schedule
     from clast.step.method import Method
 
@@ -93,6 +92,10 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
     corners = model.vertices + model.origin
     (xmin, ymin), (xmax, ymax) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     smallest, largest = int(model.area.argmin()), int(model.area.argmax())
+    # The names of blocks that are not fixed anywhere and touch nothing.
+    held = model.fixed | model.moved
+    for blocks in (model.fixed_points.block, contacts.pairs, model.bolts.blocks):
+        held[blocks] = True
     return CaseSummary(
         title=model.title,
         blocks=model.block_count,
@@ -111,7 +114,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
         largest=(model.block_name[largest], float(model.area[largest])),
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
-        unsupported=_unsupported(model, contacts),
+        unsupported=tuple(model.block_name[block] for block in np.flatnonzero(~held)),
         steps=schedule.steps,
         stages=tuple(stage.name for stage in schedule.stages),
         max_displacement=method.max_displacement,
@@ -163,11 +166,3 @@ def _duration_warnings(
         f"the first one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise "
         "time.step if that is not meant"
     )
-
-
-def _unsupported(model: Model, contacts: Contacts) -> tuple[str, ...]:
-    """Return the names of blocks that are not fixed anywhere and touch nothing."""
-    held = model.fixed | model.moved
-    for blocks in (model.fixed_points.block, contacts.pairs, model.bolts.blocks):
-        held[blocks] = True
-    return tuple(model.block_name[block] for block in np.flatnonzero(~held))

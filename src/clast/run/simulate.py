@@ -126,10 +126,12 @@ class Stepping:
             if self.statics is not None and now.path is not None:
                 judge = self.statics.judge_of(now.path)
             position = judge.after(position, now.state, result, taken)
+        # The length of the next step, s: grown back where the last one was comfortable.
+        comfortable = result.approach * STEP_GROWTH < APPROACH_MAX * self.method.max_displacement
         after = changed(
             now,
             state=result.state,
-            step=_next_step(taken, result, self.schedule, self.method),
+            step=min(self.schedule.step, taken * STEP_GROWTH if comfortable else taken),
             taken=taken,
             first=first,
             tally=now.tally.with_step(result, cuts),
@@ -472,9 +474,3 @@ def _progress(now: RunState, stepping: Stepping, contacts: int, penetration: flo
         force_ratio=now.position.judged.force_ratio,
         speed=now.position.judged.mover.speed,
     )
-
-
-def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Method) -> float:
-    """Return the length of the next step, s: grown back where the last one was comfortable."""
-    comfortable = result.approach * STEP_GROWTH < APPROACH_MAX * method.max_displacement
-    return min(schedule.step, taken * STEP_GROWTH if comfortable else taken)

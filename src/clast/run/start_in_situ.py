@@ -99,7 +99,10 @@ def in_equilibrium(
             where="in_situ",
             remedy='use the law "penalty" or "augmented-lagrangian", or contacts = "none"',
         )
-    model = _held_fast(model)
+    # The model with springs, not dashpots, on its viscous edges: their forces stay.
+    edges = model.viscous_edges
+    never = np.full(len(edges), np.inf)
+    model = replace(model, viscous_edges=replace(edges, begins=never)) if len(edges) else model
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     state = replace(state, actions=states_of(actions, model, state))
     balance = _at_first(model, method, state, stress.in_contacts, step)
@@ -140,7 +143,15 @@ def _minimum(
     """Return d (n, 6) of a static solution, its contacts, of which bonds may break, and answer."""
     model, law = context.model, Penalty(context.model.stiffest)
     contacts, _ = _bearing(law, balance.contacts)
-    yielding, others = _springs_that_settle(context)
+    # The springs whose forces static solutions change, and those that keep them.
+    settles = [hasattr(action, "settled") for action in context.actions]
+    both = [
+        springs_between(
+            [one for one, its in zip(context.contributions, settles, strict=True) if its is k]
+        )
+        for k in (True, False)
+    ]
+    yielding, others = () if both[0] is None else (both[0],), both[1]
     springs, (rows, *_) = merged(springs_of(contacts), yielding)
     base = _with_springs(_static_terms(context), others, model.fixed)
     search = Search(
@@ -154,13 +165,6 @@ def _minimum(
     )
     potential = Potential.of(base, model.fixed, springs)
     return search.minimum(potential, contacts, (np.zeros((model.block_count, 6)),))
-
-
-def _held_fast(model: Model) -> Model:
-    """Return the model with springs, not dashpots, on its viscous edges: their forces stay."""
-    edges = model.viscous_edges
-    never = np.full(len(edges), np.inf)
-    return replace(model, viscous_edges=replace(edges, begins=never)) if len(edges) else model
 
 
 def _at_first(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
@@ -263,21 +267,6 @@ def _largest(model: Model, balance: Balance) -> float:
 def _unbalanced(model: Model, system: BlockSystem) -> Floats:
     """Return the force on each block that nothing balances, N/m, shape (n,); 0 on fixed ones."""
     return np.asarray(np.where(model.fixed, 0.0, np.hypot(*system.force[:, :2].T)))
-
-
-def _springs_that_settle(context: StepContext) -> tuple[tuple[Springs, ...], Springs | None]:
-    """Return the springs whose forces static solutions change, and those that keep them.
-
-    Bolts keep their pretension, for nothing moves.
-    """
-    settles = [hasattr(action, "settled") for action in context.actions]
-    both = [
-        springs_between(
-            [one for one, its in zip(context.contributions, settles, strict=True) if its is k]
-        )
-        for k in (True, False)
-    ]
-    return () if both[0] is None else (both[0],), both[1]
 
 
 def _with_springs(base: DiagonalTerms, springs: Springs | None, fixed: Bools) -> DiagonalTerms:

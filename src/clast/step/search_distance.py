@@ -77,7 +77,13 @@ def searched_again(
         return None
     wider = search_as_far_as(context, travel)
     contacts = wider.contacts(context)
-    return (wider, contacts) if closes_unseen(seen, contacts, displacement) else None
+    # True where d (n, 6) closes one of the ``contacts`` that is not among those ``seen``.
+    # points inside faces come with the vertices at their ends
+    closed = contacts.corners & (gap_at_end(contacts, displacement) < 0.0)
+    width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
+    known = (seen.vertex * width + seen.edge)[seen.corners]
+    wanted = contacts.vertex[closed] * width + contacts.edge[closed]
+    return None if np.isin(wanted, known, assume_unique=True).all() else (wider, contacts)
 
 
 def search_within_step(method: Method, travel: Floats) -> SearchDistance:
@@ -114,16 +120,3 @@ def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
     if not is_any(too_far) or not np.all(travel[too_far] <= method.max_displacement):
         return None
     return np.where(too_far, np.maximum(expected, TRAVEL_GROWTH * travel), expected)
-
-
-def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> bool:
-    """Return True where d (n, 6) closes one of the ``contacts`` that is not among those ``seen``.
-
-    While none does, d is the solution with all of them: an open contact carries nothing.
-    """
-    # points inside faces come with the vertices at their ends
-    closed = contacts.corners & (gap_at_end(contacts, displacement) < 0.0)
-    width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
-    known = (seen.vertex * width + seen.edge)[seen.corners]
-    wanted = contacts.vertex[closed] * width + contacts.edge[closed]
-    return not np.isin(wanted, known, assume_unique=True).all()

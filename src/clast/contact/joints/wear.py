@@ -335,16 +335,14 @@ def reaches_residual(table: JointTable, contacts: Contacts, path: Floats) -> Int
     if not table.weakens:
         return NONE
     worn_after: Floats = table.worn_after.take(contacts.joint)
-    wears: Bools = _wears(table).take(contacts.joint)
+    # Which joints lose strength over a path of sliding, (joints,).
+    residual = ~np.isnan(table.residual_friction) | ~np.isnan(table.residual_cohesion)
+    wears: Bools = np.asarray(table.rough | (residual & (table.slip_weakening > 0.0))).take(
+        contacts.joint
+    )
     before = contacts.slide_length
     now = wears & (before < worn_after) & (before + path >= worn_after)
     if not now.any():
         return np.zeros(0, np.int64)
     earlier = np.unique(contacts.joint[wears & contacts.known & (before >= worn_after)])
     return np.flatnonzero(now & ~np.isin(contacts.joint, earlier))
-
-
-def _wears(table: JointTable) -> Bools:
-    """Return which joints lose strength over a path of sliding, (joints,)."""
-    residual = ~np.isnan(table.residual_friction) | ~np.isnan(table.residual_cohesion)
-    return np.asarray(table.rough | (residual & (table.slip_weakening > 0.0)))

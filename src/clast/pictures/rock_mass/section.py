@@ -116,7 +116,14 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     strokes = (*joints, *edges.others)
     part = _part(cut, look)
     shown = draw_blocks.within(cut, cut.vertices, *part)
-    voids = _voids(edges.rim)
+    # The voids that the rim (n, 2, 2) encloses; rock lies on its left.
+    rock = {(*first, *last) for first, last in edges.rim.tolist()}
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(edges.rim)))
+    voids = []
+    for face in faces:
+        corners = shapely.get_coordinates(shapely.orient_polygons(face).exterior)
+        if (*corners[0], *corners[1]) not in rock:
+            voids.append(face)
     count = counted(cut)
     head, below = (title, f"{count}, {BY[by]}") if title else (count, BY[by])
     rocks, hatched = _handles(cut, fills, shown, part, voids)
@@ -151,18 +158,6 @@ def _part(cut: Cut, look: Look) -> canvas.Part:
     if not draw_blocks.within(cut, cut.vertices, *part).any():
         raise canvas.empty_part(low, high)
     return part
-
-
-def _voids(rim: Floats) -> list[shapely.Polygon]:
-    """Return the voids that the rim (n, 2, 2) encloses; rock lies on its left."""
-    rock = {(*first, *last) for first, last in rim.tolist()}
-    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(rim)))
-    voids = []
-    for face in faces:
-        corners = shapely.get_coordinates(shapely.orient_polygons(face).exterior)
-        if (*corners[0], *corners[1]) not in rock:
-            voids.append(face)
-    return voids
 
 
 def _handles(

@@ -104,7 +104,12 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
         with suppress(OSError):
             part.unlink()
         raise
-    _sync_folder(path.parent)
+    with suppress(OSError):
+        number = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
 
 
 def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
@@ -117,7 +122,15 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
     image = _sound_image(path)
     try:
         with h5py.File(io.BytesIO(image), "r") as file:
-            version = _check_layout(file["checkpoint"].attrs, path)
+            # The version of clast that has written a checkpoint of this layout.
+            attributes = file["checkpoint"].attrs
+            version, layout = shortened(str(attributes["version"])), int(attributes["layout"])
+            if layout != LAYOUT:
+                age, remedy = "a newer", "update clast"
+                if layout < LAYOUT:
+                    age, remedy = "an older", f"resume with clast {version}, or run the case again"
+                what = f"was written by {age} version of clast ({version})"
+                raise CaseError(what, where=str(path), remedy=remedy)
             group = file["arrays"]
             arrays = [_array(_stored(group, str(number))) for number in range(len(group))]
             written = json.loads(file["checkpoint"][()])
@@ -152,18 +165,6 @@ def damaged(path: Path, why: str) -> CaseError:
         where=str(path),
         remedy="resume from another checkpoint of the run, or run the case again",
     )
-
-
-def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
-    """Return the version of clast that has written a checkpoint of this layout."""
-    version, layout = shortened(str(attributes["version"])), int(attributes["layout"])
-    if layout != LAYOUT:
-        age, remedy = "a newer", "update clast"
-        if layout < LAYOUT:
-            age, remedy = "an older", f"resume with clast {version}, or run the case again"
-        what = f"was written by {age} version of clast ({version})"
-        raise CaseError(what, where=str(path), remedy=remedy)
-    return version
 
 
 def _as_bytes(checkpoint: Checkpoint) -> bytes:
@@ -229,15 +230,6 @@ def _sound_image(path: Path) -> bytes:
     raise CaseError(
         "is not a clast checkpoint", where=where, remedy=f"name a file that ends in {ENDING}"
     )
-
-
-def _sync_folder(folder: Path) -> None:
-    with suppress(OSError):
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
 
 
 def _put_array(group: Any, name: str, array: NDArray[Any]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import shapely
@@ -77,7 +76,15 @@ class CrossJointed(Parallel):
         """Return lines that end at the bounds, m."""
         ends, carriers = [NONE], [NONE]
         normal = np.array([-plan.direction.along[1], plan.direction.along[0]])
-        for number, layer in enumerate(_layers(plan)):
+        # The areas between the bounds in the window, in order along the joints.
+        rings = shapely.get_rings(plan.window.polygon)
+        united = shapely.unary_union([*rings, *shapely.linestrings(plan.bounds)])
+        faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(united)))
+        middle = shapely.point_on_surface(faces)
+        faces = faces[shapely.contains(plan.window.polygon, middle)]
+        at = shapely.get_coordinates(shapely.centroid(faces))
+        order = np.argsort(at @ plan.direction.along, kind="stable")
+        for number, layer in enumerate(faces[order]):
             window = Window(polygon=layer)
             shift = (number % 2) * plan.stagger * (plan.spacing or Fixed(0.0)).mean
             moved = replace(plan, window=window, origin=plan.origin + shift * normal)
@@ -89,17 +96,6 @@ class CrossJointed(Parallel):
     def blocks(self, plan: Plan) -> float:
         """Return about how many traces lie in the window."""
         return pieces(plan) + len(plan.bounds)
-
-
-def _layers(plan: Plan) -> list[Any]:
-    """Return the areas between the bounds in the window, in order along the joints."""
-    rings = shapely.get_rings(plan.window.polygon)
-    united = shapely.unary_union([*rings, *shapely.linestrings(plan.bounds)])
-    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(united)))
-    middle = shapely.point_on_surface(faces)
-    faces = faces[shapely.contains(plan.window.polygon, middle)]
-    at = shapely.get_coordinates(shapely.centroid(faces))
-    return list(faces[np.argsort(at @ plan.direction.along, kind="stable")])
 
 
 def _positions(spacing: Spacing, low: float, high: float, rng: np.random.Generator) -> Floats:

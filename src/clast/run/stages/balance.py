@@ -14,8 +14,7 @@ import numpy as np
 
 from clast.block.inertia import BlockFrames
 from clast.block.rotation import turned_by
-from clast.contact.contacts import Contacts
-from clast.linear.system import graph_of, with_contact_forces
+from clast.linear.system import PairedLinks, graph_of, with_contact_forces
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.step.method import Method, StepResult
@@ -92,13 +91,14 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
     base = diagonal_terms(context, np.zeros_like(context.velocity), context.scheme)
     contacts = context.contacts(search_within_step(method, travel_expected(context)))
     forces, fixed, springs = base.force, model.fixed, context.springs
-    links = [(contacts, contacts)]
+    links: list[tuple[PairedLinks, Floats, Floats]]
+    links = [(contacts, contacts.normal_force, contacts.shear_force)]
     if springs is not None:
-        links.append((springs, springs.at(springs.gap, springs.slip)))
-    for ends, carried in links:
+        carried = springs.at(springs.gap, springs.slip)
+        links.append((springs, carried.normal_force, carried.shear_force))
+    for ends, normal, shear in links:
         graph = graph_of(ends, model.block_count)
-        both = carried.normal_force, carried.shear_force
-        forces = with_contact_forces(forces, ends, graph, fixed, *both)
+        forces = with_contact_forces(forces, ends, graph, fixed, normal, shear)
     forces[fixed] = 0.0
     if context.held is not None:
         forces[context.held.components] = 0.0
@@ -117,9 +117,16 @@ def forces_of(
     context = begin(model, method, still, step, None)
     sums = _Sums(context.frames)
     contacts, response = result.contacts, result.response
+    # The arms (m, 6) of contacts at the end of a step in which blocks turned, rad, (n,).
+    turn = result.state.rotation - before.rotation
+    own, other = contacts.vertex_block, contacts.edge_block
+    normal = turned_by(contacts.arms[:, :2], turn[other])
+    offset = turned_by(contacts.arms[:, 2:4], turn[own])
     sums.add_pairs(
         (contacts.vertex_block, contacts.edge_block),
-        _arms_at_end(contacts, context.frames.centroid, result.state.rotation - before.rotation),
+        np.hstack(
+            [normal, offset, offset + context.frames.centroid[own] - context.frames.centroid[other]]
+        ),
         (response.normal_force, response.shear_force),
     )
     everybody = np.arange(model.block_count)
@@ -140,15 +147,3 @@ def forces_of(
         # what is out of balance there is the reaction
         sums.force[context.held.components[:, :3]] = 0.0
     return sums.result()
-
-
-def _arms_at_end(contacts: Contacts, centroid: Floats, turn: Floats) -> Floats:
-    """Return the arms (m, 6) of contacts at the end of a step in which blocks turned, rad, (n,).
-
-    ``centroid`` (n, 2), m, is that of each block at the end.  Forces of contacts turn with the edge
-    and move with the vertex P: by what they are out of balance there the next step is driven.
-    """
-    own, other = contacts.vertex_block, contacts.edge_block
-    normal = turned_by(contacts.arms[:, :2], turn[other])
-    offset = turned_by(contacts.arms[:, 2:4], turn[own])
-    return np.hstack([normal, offset, offset + centroid[own] - centroid[other]])

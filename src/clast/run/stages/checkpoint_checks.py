@@ -133,7 +133,9 @@ def _alike(own: Any, begun: Any) -> bool:
 
 def _forces_fit(own: SupportForces, model: Model) -> bool:
     count = len(own.block)
-    shapes = {name: (count,) for name in ("of", "block", "share", "since")}
+    shapes: dict[str, tuple[int, ...]] = {
+        name: (count,) for name in ("of", "block", "share", "since")
+    }
     shapes |= {"absent": (model.block_count,), "vertex": (count, 2), "force": (count, 2)}
     if not _have_shapes(own, shapes) or own.duration.shape != (count,):
         return False

@@ -30,9 +30,23 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
     """Raise ModelError for impossible stages, or stages naming things the model lacks."""
     check_names("stage", [stage.name for stage in stages])
     for stage in stages:
-        _check_lengths(stage)
+        if stage.until == TIME and stage.time is None:
+            raise _fault(stage, "time", "is missing", "give the duration of the stage, s")
+        if stage.time is not None and stage.step is not None and stage.step > stage.time:
+            what = f"{stage.step:g} s is longer than the whole stage of {stage.time:g} s"
+            raise _fault(stage, "step", what, "lower step, or raise time")
         _check_relaxation(stage)
-        _check_joints(stage, model)
+        joints = {joint.name: joint for joint in model.joint_table.joints}
+        for name in stage.joints:
+            if name not in joints:
+                remedy = spelling.advice(name, joints, kind="joint")
+                raise _fault(stage, "joint", f"there is no joint '{shortened(name)}'", remedy)
+        for joint in with_strengths(model.joint_table, stage.joints).joints:
+            is_small = 0.0 < joints[joint.name].friction_angle < ANGLE_IN_RADIANS_MAX
+            fault = contradiction(joint, is_small_meant=is_small)
+            if joint.name in stage.joints and fault is not None:
+                key = f"joint '{shortened(joint.name)}', {fault.key}"
+                raise _fault(stage, key, fault.what, fault.remedy)
     for names in _NAMED:
         names.check(stages, model)
     _check_excavation(stages, model)
@@ -96,14 +110,6 @@ def _fault(stage: Stage, key: str, what: str, remedy: str) -> ModelError:
     return ModelError(what, where=f"{_where(stage)}, {key}", remedy=remedy)
 
 
-def _check_lengths(stage: Stage) -> None:
-    if stage.until == TIME and stage.time is None:
-        raise _fault(stage, "time", "is missing", "give the duration of the stage, s")
-    if stage.time is not None and stage.step is not None and stage.step > stage.time:
-        what = f"{stage.step:g} s is longer than the whole stage of {stage.time:g} s"
-        raise _fault(stage, "step", what, "lower step, or raise time")
-
-
 def _check_relaxation(stage: Stage) -> None:
     lasting = stage.relax_time
     given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
@@ -131,20 +137,6 @@ def _check_relaxation(stage: Stage) -> None:
         what = f"{lasting:g} s is longer than the stage, {stage.time:g} s"
         remedy = 'lower it, raise time, or let later stages go on with it: until = "time"'
         raise _fault(stage, "relax_time", what, remedy)
-
-
-def _check_joints(stage: Stage, model: Model) -> None:
-    joints = {joint.name: joint for joint in model.joint_table.joints}
-    for name in stage.joints:
-        if name not in joints:
-            remedy = spelling.advice(name, joints, kind="joint")
-            raise _fault(stage, "joint", f"there is no joint '{shortened(name)}'", remedy)
-    for joint in with_strengths(model.joint_table, stage.joints).joints:
-        is_small = 0.0 < joints[joint.name].friction_angle < ANGLE_IN_RADIANS_MAX
-        fault = contradiction(joint, is_small_meant=is_small)
-        if joint.name in stage.joints and fault is not None:
-            key = f"joint '{shortened(joint.name)}', {fault.key}"
-            raise _fault(stage, key, fault.what, fault.remedy)
 
 
 def _check_ground_motion(stages: Sequence[Stage], model: Model) -> None:

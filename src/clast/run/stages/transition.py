@@ -376,8 +376,10 @@ def _beside(model: Model, contacts: Contacts, coming: Bools, direction: Floats) 
     return np.asarray(own_beside | others[contacts.edge])
 
 
-WITHOUT_HISTORY = ("normal_force", "shear_force", "multiplier", "slip")
-WITHOUT_HISTORY += ("slide_length", "slide", "slide_speed", "dilation")
+WITHOUT_HISTORY = (
+    *("normal_force", "shear_force", "multiplier", "slip"),
+    *("slide_length", "slide", "slide_speed", "dilation"),
+)
 """Fields of the memory that contacts without a history lack."""
 
 

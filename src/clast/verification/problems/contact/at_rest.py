@@ -159,19 +159,6 @@ def trough(dip_b: float = 45.0) -> Model:
     return builder.build()
 
 
-def computed_shares(dip_b: float, variant: Variant) -> tuple[float, float]:
-    """Return the normal forces of both planes over the weight."""
-    model = trough(dip_b)
-    memory = variant.static(model, step=1e-3, end=0.2, p=5e8, max_displacement=0.01).state.memory
-    owner, edge = model.vertex_block[memory.vertex], memory.block
-    weight = float(model.mass[2] * GRAVITY)
-    left, right = (
-        float(memory.normal_force[(owner == plane) | (edge == plane)].sum()) / weight
-        for plane in (0, 1)
-    )
-    return left, right
-
-
 def exact_shares(dip_b: float) -> tuple[float, float]:
     """Return the normal forces of both planes over the weight."""
     a, b = np.radians(DIP_A), np.radians(dip_b)
@@ -190,7 +177,18 @@ def two_planes(trial: Trial) -> None:
     """
     forces = []
     for dip in DIPS_B:
-        forces.append(computed_shares(dip, trial.variant))
+        # The normal forces of both planes over the weight.
+        model = trough(dip)
+        memory = trial.variant.static(
+            model, step=1e-3, end=0.2, p=5e8, max_displacement=0.01
+        ).state.memory
+        owner, edge = model.vertex_block[memory.vertex], memory.block
+        weight = float(model.mass[2] * GRAVITY)
+        left, right = (
+            float(memory.normal_force[(owner == plane) | (edge == plane)].sum()) / weight
+            for plane in (0, 1)
+        )
+        forces.append((left, right))
         for plane, one, other in zip(("left", "right"), forces[-1], exact_shares(dip), strict=True):
             quantity = f"force on the {plane} plane, right dip {dip:g} degrees"
             trial.relative(quantity, "W", one, other, 1e-4, SETTLED)

@@ -65,13 +65,6 @@ def met(ends: Floats, angle: float, area: float) -> float:
     return frequency(ends, np.array([np.cos(displacement), np.sin(displacement)]), area)
 
 
-def drawn_often(name: str) -> tuple[Floats, float]:
-    """Return the lines of all draws of an isotropic set, m, (n, 2, 2), and their area, m2."""
-    times, domain = TIMES[name], rectangle(SIDE, SIDE)
-    lines = [lines_of(ISOTROPIC[name], domain, seed) for seed in range(times)]
-    return np.concatenate(lines), times * SIDE**2
-
-
 def _drawing() -> Model:
     sets = [TRACES, JointSet(name="across", angle=ANGLE + 80.0, spacing=2.5 * SPACING)]
     return drawing_of(cut(rectangle(40.0, 30.0), sets), "Traces with rock bridges")
@@ -104,7 +97,10 @@ def intensity(trial: Trial, isotropic: tuple[str, ...] = tuple(ISOTROPIC)) -> No
     crossed = [met(persistent, one, area) for one in SCANLINES]
     chart.computed(SCANLINES, crossed, label="persistent")
     for name in isotropic:
-        ends, all_area = drawn_often(name)
+        # The lines of all draws of an isotropic set, m, (n, 2, 2), and their area, m2.
+        times, domain = TIMES[name], rectangle(SIDE, SIDE)
+        lines = [lines_of(ISOTROPIC[name], domain, seed) for seed in range(times)]
+        ends, all_area = np.concatenate(lines), times * SIDE**2
         length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
         trial.relative(f"P21 of {name}", "m/m2", length / all_area, ANYWHERE, 0.02, CHANCE)
         met_by = np.array([met(ends, one, all_area) for one in SCANLINES])

@@ -107,13 +107,6 @@ def distance_on(
     return float(np.hypot(*(displacement[-1] - displacement[round(since / step)])))
 
 
-def sliding_distance() -> float:
-    """Return how far a block slides down the slope, m."""
-    a, phi = np.radians(SLOPE), np.radians(FRICTION_ANGLE)
-    pull = GRAVITY * (np.sin(a) - np.cos(a) * np.tan(phi))
-    return float(0.5 * pull * SLIDING_TIME**2)
-
-
 def static_distance(model: Model, variant: Variant, since: float = 0.0) -> float:
     """Return how far the block is pushed from ``since``, s, on, m, each step beginning at rest."""
     return distance_on(
@@ -146,7 +139,10 @@ def seams(trial: Trial, pieces: tuple[int, ...] = PIECES) -> None:
         model = rest_on(number, slope=SLOPE, friction_angle=FRICTION_ANGLE)
         displacement = distance_on(model, trial.variant, step=STEP, end=SLIDING_TIME)
         quantity = f"displacement down the slope, {number} blocks"
-        trial.relative(quantity, "m", displacement, sliding_distance(), 5e-3, LAG)
+        # How far a block slides down the slope, m.
+        a, phi = np.radians(SLOPE), np.radians(FRICTION_ANGLE)
+        pull = GRAVITY * (np.sin(a) - np.cos(a) * np.tan(phi))
+        trial.relative(quantity, "m", displacement, float(0.5 * pull * SLIDING_TIME**2), 5e-3, LAG)
     free = 0.5 * PUSH / MASS * STATIC_STEP * (STATIC_TIME - SEARCHED)
     edge = TOTAL / PUSHED_OVER - START - LENGTH
     steps = [(0.0, free, SEARCHED), (LOW, free, SEARCHED), (5.0, edge, 0.0)]

@@ -201,13 +201,6 @@ def moved(arch: Arch, spread: float, step: float, variant: Variant) -> Run:
     )
 
 
-def support_displacement(run: Run) -> Floats:
-    """Return how far the support has moved in each frame, m, shape (k,)."""
-    motion = run.model.ground_motion
-    times = run.block(MOVING).time
-    return np.array([motion.anchor_displacement(time)[0] for time in times])
-
-
 @problem(
     set_up=on_moving_support,
     variants=(OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
@@ -239,7 +232,10 @@ def arch_spread(
                 quantity = f"{which} thrust, {arch.name}, h = {1e3 * step:g} ms"
                 trial.relative(quantity, "N/m", thrust_of(run), exact, 5e-3, WHY)
     first = runs[0]
-    displacements = support_displacement(first)
+    # How far the support has moved in each frame, m, shape (k,).
+    motion = first.model.ground_motion
+    times = first.block(MOVING).time
+    displacements = np.array([motion.anchor_displacement(time)[0] for time in times])
     limits = [limit_thrust(arches[0], sense) for sense in (1.0, -1.0)]
     labels = "displacement of the support, mm", "thrust, kN/m"
     chart = trial.chart(f"thrust, {arches[0].name}", *labels)

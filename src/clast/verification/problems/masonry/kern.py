@@ -3,7 +3,7 @@
 import numpy as np
 
 from clast.verification.problems import Model, Trial, box, new_model, problem
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE
 
 WIDTH, HEIGHT = 2.0, 0.5
 """Width b and height of the pier, m."""
@@ -43,16 +43,6 @@ def pier(share: float = 0.25) -> Model:
     return builder.build()
 
 
-def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
-    """Return the values of ``exact_bed``, computed for a pier at rest."""
-    run = variant.static(pier(share), step=STEP, end=STEP * STEPS, p=BEDDING, max_displacement=0.01)
-    edge, heel = (float(run.history(name).displacement[-1, 1]) for name in ("edge", "heel"))
-    turn = (heel - edge) / WIDTH
-    # from the edge to where the pier neither sinks nor rises
-    length = WIDTH if heel <= 0.0 else -edge / turn
-    return length, -edge * BEDDING, turn
-
-
 @problem(set_up=pier, variants=(OPEN_CLOSE, CONVEX), few=(SHARES[2:4],))
 def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     """Pier loaded off its middle.
@@ -68,7 +58,15 @@ def kern(trial: Trial, shares: tuple[float, ...] = SHARES) -> None:
     """
     beds = []
     for share in shares:
-        beds.append(computed_bed(share, trial.variant))
+        # The values of ``exact_bed``, computed for a pier at rest.
+        run = trial.variant.static(
+            pier(share), step=STEP, end=STEP * STEPS, p=BEDDING, max_displacement=0.01
+        )
+        edge, heel = (float(run.history(name).displacement[-1, 1]) for name in ("edge", "heel"))
+        turn = (heel - edge) / WIDTH
+        # from the edge to where the pier neither sinks nor rises
+        length = WIDTH if heel <= 0.0 else -edge / turn
+        beds.append((length, -edge * BEDDING, turn))
         exact, at = exact_bed(share), f"e/b = {share:.3g}"
         quantity = f"length in contact, {at}"
         trial.absolute(quantity, "m", beds[-1][0], exact[0], 0.5 * FIRST, CORNERS)

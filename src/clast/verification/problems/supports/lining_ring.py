@@ -85,16 +85,6 @@ def settled(variant: Variant, model: Model) -> Run:
     return variant.static(model, step=0.1, end=2.0, p=1e10, max_displacement=0.1)
 
 
-def exact_motions() -> tuple[float, float]:
-    """Return by how much a ring under two loads becomes shorter, and wider, m."""
-    area, bending = YOUNG * THICKNESS, YOUNG * THICKNESS**3 / 12.0
-    shear = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * THICKNESS
-    cube = LOAD * RADIUS**3 / bending
-    along, across = LOAD * RADIUS / area, LOAD * RADIUS / shear
-    shorter = cube * (np.pi / 4.0 - 2.0 / np.pi) + np.pi / 4.0 * (along + across)
-    return shorter, cube * (2.0 / np.pi - 0.5) - 0.5 * along + 0.5 * across
-
-
 def _motions(run: Run) -> tuple[float, float]:
     displacement = {name: run.history(name).displacement[-1] for name in run.point_name}
     return (
@@ -114,7 +104,13 @@ def lining_ring(trial: Trial) -> None:
     Exact: v = P R^3/(E I) (pi/4 - 2/pi) + ...;  N = -p (R + t/2).
     Source: Castigliano: bending, normal force and shear of a thin ring.
     """
-    exact = exact_motions()
+    # By how much a ring under two loads becomes shorter, and wider, m.
+    area, bending = YOUNG * THICKNESS, YOUNG * THICKNESS**3 / 12.0
+    shear = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * THICKNESS
+    cube = LOAD * RADIUS**3 / bending
+    along, across = LOAD * RADIUS / area, LOAD * RADIUS / shear
+    shorter = cube * (np.pi / 4.0 - 2.0 / np.pi) + np.pi / 4.0 * (along + across)
+    exact = shorter, cube * (2.0 / np.pi - 0.5) - 0.5 * along + 0.5 * across
     lining = None
     for phase, segments, tolerance, why, where in (
         (0.5, SEGMENTS, 1e-2, KINK, "in segments"),
