@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 WIDTH, HEIGHT = 320.0, 200.0
 """Size of a drawing at most, pixels."""
 MARGIN = 4.0
-MOST_BLOCKS = 5_000
-"""Blocks that are drawn: more are shown by their box."""
 CURVE_COLOURS = (
     *("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00", "#a8324a", "#4f5b66", "#00796b"),
 )
@@ -94,7 +92,8 @@ def blocks(
         ramp = [_ramp(value / largest) for value in coloured]
         colours = [FIXED if held else own for held, own in zip(fixed, ramp, strict=True)]
     outlines = np.split(places, block_start[1:-1])
-    if len(outlines) > MOST_BLOCKS:
+    # Blocks that are drawn: more are shown by their box
+    if len(outlines) > 5_000:
         box = [(low, (low[0], high[1]), high, (high[0], low[1]))]
         outlines, colours = (
             [(np.array(box[0]) - (low[0], high[1])) * (scale, -scale) + MARGIN],

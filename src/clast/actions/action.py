@@ -24,9 +24,6 @@ from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 
-INSTANT_DURATION = 1e-5
-"""Time over which a mean is taken as the value of an instant, s."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
@@ -60,7 +57,8 @@ class StepStart:
         """Start and end of the time over which loads are averaged, s; of a static step, its end."""
         if self.clock is None:
             return self.state.time, self.end
-        return self.end - INSTANT_DURATION, self.end
+        # Time over which a mean is taken as the value of an instant, s
+        return self.end - 1e-5, self.end
 
     @property
     def time_of_forces(self) -> float:

@@ -40,8 +40,6 @@ from clast.model.supports import LiningJoints
 
 MOMENT_SHARE_MIN = 0.02
 """Moment, in units of the largest, below which the curve is near one of its ends."""
-CURVE_CORNERS = 33
-"""Corners of the polygon on each side, denser towards its ends: 64 sides in all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +76,8 @@ class InteractionCurve:
 
 def interaction_curve(thickness: float, tension: float, compression: float) -> InteractionCurve:
     """Return the curve of a rectangular section, m, with strengths in Pa, all above 0."""
-    pressed = 0.5 * thickness * (1.0 + np.cos(np.linspace(0.0, np.pi, CURVE_CORNERS)))
+    # Corners of the polygon on each side, denser towards its ends: 64 sides in all
+    pressed = 0.5 * thickness * (1.0 + np.cos(np.linspace(0.0, np.pi, 33)))
     pulled = thickness - pressed
     return InteractionCurve(
         normal=tension * pulled - compression * pressed,

@@ -135,10 +135,6 @@ class YieldForces:
         return -rows.strength, rows.strength
 
 
-FORCE_MISS_MAX = 1e-5
-"""Force that rows may miss in a static step, as a share of the largest of them."""
-ARM_LENGTH = 1e7
-"""Length of the arms of rows against rotation, in units of the system."""
 ROTATION = COMPONENTS.index("rotation")
 
 
@@ -220,7 +216,8 @@ class Links(Action):
         stretch = self._stretch(at, turn, active.state.angle + self._turned(moved))
         missed = np.abs(active.stiffness * (stretch - active.stretch - moved))[active.row]
         force = self._stretched(active, active.state, active.stretch + moved).force
-        if float(missed.max()) <= FORCE_MISS_MAX * float(np.abs(force).max()):
+        # Force that rows may miss in a static step, as a share of the largest of them
+        if float(missed.max()) <= 1e-5 * float(np.abs(force).max()):
             return None
         active = replace(active, stretch=stretch - moved)
         return LinkContribution(springs=self._springs(start, active)[0], active=active)
@@ -333,6 +330,7 @@ class Links(Action):
         size = float(np.hypot(*np.ptp(model.vertices, axis=0)))
         small = float(np.sqrt(model.smallest))
         rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
+        # Length of the arms of rows against rotation, in units of the system
         return _Active(
             state=state,
             row=np.flatnonzero(acts),
@@ -340,7 +338,7 @@ class Links(Action):
             offset=offset,
             stretch=stretch,
             stiffness=np.where(np.isinf(rows.stiffness), rigid, rows.stiffness),
-            arm=ARM_LENGTH * size,
+            arm=1e7 * size,
         )
 
     def _stretch(self, at: Floats, rotation: Floats, angle: Floats) -> Floats:

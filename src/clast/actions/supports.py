@@ -33,9 +33,6 @@ from clast.model.ground_motion import Still
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
 
-ANCHOR_TOLERANCE = 1e-13
-"""Tolerance of the position of a point with a prescribed motion, as a share of the system."""
-
 
 @dataclass(frozen=True)
 class Supports(Action):
@@ -81,10 +78,8 @@ class Supports(Action):
         rows, drift, prescribed = self._rows(start)
         missed = drift + self._followed(rows, contribution, displacement)
         size = float(np.hypot(*np.ptp(start.model.vertices, axis=0)))
-        if (
-            not prescribed.any()
-            or float(np.abs(missed[prescribed]).max()) <= ANCHOR_TOLERANCE * size
-        ):
+        # Tolerance of the position of a point with a prescribed motion, as a share of the system
+        if not prescribed.any() or float(np.abs(missed[prescribed]).max()) <= 1e-13 * size:
             return None
         more = np.where(prescribed[:, None], -self.stiffness * missed, 0.0)
         return replace(

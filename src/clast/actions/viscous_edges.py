@@ -24,8 +24,6 @@ from clast.model.surroundings import DOWNWARDS
 
 GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 """Places along an edge, as shares of its length; each stands for half of it."""
-TIME_TOLERANCE = 1e-9
-"""Share of a step by which times may differ and be the same."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +122,8 @@ class BoundaryDashpots(Action):
         """Return the forces of a step."""
         model, edges = start.model, start.model.viscous_edges
         at, length, normal = gauss_points(model, start.state.vertices)
-        held = start.state.time < edges.begins - TIME_TOLERANCE * start.step
+        # Share of a step by which times may differ and be the same
+        held = start.state.time < edges.begins - 1e-9 * start.step
         going = state.held & ~held
         hold = self._hold(model)
         away = at - gauss_points(model, model.vertices)[0]

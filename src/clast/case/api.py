@@ -47,9 +47,6 @@ if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
-END_S = 1.0
-"""End of a run that does not say when, s."""
-
 
 RUN_MODEL = "run the model itself: clast.simulate(builder.build())"
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
@@ -364,7 +361,8 @@ def usual_step(model: Model) -> float:
 
 def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
     """Return the tables of a script with the end and the step that it does not give."""
-    time = {"end": END_S, **tables.get("time", {})}
+    # End of a run that does not say when, s
+    time = {"end": 1.0, **tables.get("time", {})}
     if "step" not in time:
         step, end = usual_step(model), time["end"]
         time["step"] = min(step, end) if isinstance(end, int | float) and end > 0.0 else step

@@ -39,8 +39,6 @@ from clast.rockmass.repair import repairs_of
 
 TO_BE_GIVEN = "to be given"
 """Value of a key that a drawing does not know."""
-COMMENT_WIDTH = 98
-"""Most characters of a line of a comment, where words allow."""
 
 
 def comment(text: str, indent: str = "") -> list[str]:
@@ -48,7 +46,8 @@ def comment(text: str, indent: str = "") -> list[str]:
     words = spelling.visible(" ".join(text.split())).split(" ")
     lines, line = [], f"# {indent}{words[0]}"
     for word in words[1:]:
-        if len(line) + 1 + len(word) > COMMENT_WIDTH:
+        # Most characters of a line of a comment, where words allow
+        if len(line) + 1 + len(word) > 98:
             lines.append(line)
             line = f"# {' ' * len(indent)}{word}"
         else:

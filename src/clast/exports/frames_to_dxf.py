@@ -14,9 +14,6 @@ from clast.results import Recording
 from clast.results.frames import absent_in_frame
 from clast.rockmass.drawings.blocks_out import Extras, write_blocks_dxf
 
-FORCE_LENGTH_MAX = 0.05
-"""Length of the largest force as a share of the size of all blocks, at most."""
-
 
 def write_dxf(
     results: Recording, path: Path | str, frames: Sequence[int] | None = (-1,)
@@ -64,4 +61,5 @@ def _length_of_forces(results: Recording, frames: Sequence[int]) -> float:
     for frame in frames:
         largest = max(largest, float(np.hypot(*results.contacts(frame).force.T).max(initial=0.0)))
     size = float(np.hypot(*np.ptp(results.vertices(0), axis=0)))
-    return round_below(FORCE_LENGTH_MAX * size / largest) if largest > 0.0 else 1.0
+    # Length of the largest force as a share of the size of all blocks, at most
+    return round_below(0.05 * size / largest) if largest > 0.0 else 1.0

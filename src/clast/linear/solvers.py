@@ -108,8 +108,6 @@ TRIAL_ITERATIONS = 8
 """Iterations after which the rate of convergence is judged."""
 SINGLE_PRECISION_REDUCTION = 1e-5
 """Reduction of the residual that single precision is good for, before it is computed anew."""
-REFINEMENT_GAIN_MIN = 0.5
-"""Reduction of the residual, computed anew, without which single precision is not enough."""
 
 
 class IteratedMatrix:
@@ -188,7 +186,8 @@ class IteratedMatrix:
             )
             if displacement is not None and size <= goal:
                 return displacement
-            if not size <= REFINEMENT_GAIN_MIN * before:
+            # Reduction of the residual, computed anew, without which single precision is not enough
+            if not size <= 0.5 * before:
                 return None
             self.iterated += iterations
             left, before = left - iterations, size

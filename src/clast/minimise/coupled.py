@@ -155,8 +155,6 @@ def gmres(
 
 CHANGES_MAX = 3
 """Changes from guess to guess that are combined, at most."""
-SINGULAR_SHARE = 1e-12
-"""Share of the largest product of changes below which they are not told apart."""
 
 
 @dataclass(frozen=True)
@@ -180,5 +178,6 @@ class Guesses:
         # einsum adds in one order whatever the number of threads
         products = np.einsum("km,lm->kl", changes, changes)
         right = np.einsum("km,m->k", changes, residuals[-1])
-        shares = np.linalg.lstsq(products, right, rcond=SINGULAR_SHARE)[0]
+        # Share of the largest product of changes below which they are not told apart
+        shares = np.linalg.lstsq(products, right, rcond=1e-12)[0]
         return np.asarray(answers[-1] - np.einsum("k,km->m", shares, np.diff(answers, axis=0)))

@@ -20,8 +20,6 @@ from clast.linear.factor_cache import FactorOfStep
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Floats, Ints
 
-TOLERANCE_DROP = 1e-2
-"""Tolerance of the next try, in units of the last, at most."""
 SHARPENINGS_MAX = 4
 """Times that the tolerance is made sharper at most."""
 
@@ -54,7 +52,8 @@ class EachBlock:
         over = self.excess(potential, point)
         if tolerance <= self.floor or not (worst := float(over.max(initial=0.0))) > 1.0:
             return None
-        return max(self.floor, min(TOLERANCE_DROP, 1.0 / worst**2) * tolerance)
+        # Tolerance of the next try, in units of the last, at most
+        return max(self.floor, min(1e-2, 1.0 / worst**2) * tolerance)
 
     def excess(self, potential: Potential, point: Point) -> Floats:
         """Return the imbalance of each block, in units of the tolerance, shape (n,)."""

@@ -426,12 +426,6 @@ def _carrier(
     )
 
 
-CORNERS_MAX = 200
-"""Blocks of more corners are overlaid at once: no line along an edge is likely to part them."""
-VERTICES_AT_ONCE = 1_000_000
-"""Vertices that are projected at once."""
-
-
 def touching_at_most(
     vertices: Floats, start: Ints, first: Ints, second: Ints, thickness: Floats
 ) -> NDArray[np.bool_]:
@@ -443,7 +437,8 @@ def touching_at_most(
     count = np.diff(start)
     normal = _normals(vertices, start)
     apart = np.zeros(len(first), np.bool_)
-    few = np.maximum(count[first], count[second]) <= CORNERS_MAX
+    # Blocks of more corners are overlaid at once: no line along an edge is likely to part them
+    few = np.maximum(count[first], count[second]) <= 200
     for one, other in ((first, second), (second, first)):
         left = np.flatnonzero(few & ~apart)
         if len(left) == 0:
@@ -470,7 +465,8 @@ def _span(direction: Floats, block: Ints, vertices: Floats, start: Ints) -> tupl
     begin = 0
     while begin < len(block):
         done = ends[begin] - count[begin]
-        end = max(begin + 1, int(np.searchsorted(ends, done + VERTICES_AT_ONCE)))
+        # Vertices that are projected at once
+        end = max(begin + 1, int(np.searchsorted(ends, done + 1_000_000)))
         vertex, row = entries(start, block[begin:end])
         row_start = np.flatnonzero(np.diff(row, prepend=-1))
         along = direction[begin:end][row]

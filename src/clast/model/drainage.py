@@ -26,9 +26,6 @@ from clast.model.water import Water, surface_at
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
 
-FLOW_MIN = 1e-9
-"""Flow that is none, as a share of that of the whole lowering along the shortest joint."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Network:

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from clast.model.arrays import Floats, Ints, following
 
-BESIDE_DISTANCE = 1e-3
-"""Edges lie along each other within this share of the smaller block's size."""
 CORNER_FRACTION = 1e-9
 """A point nearer to a corner than this share of the edge is at the corner."""
 
@@ -44,7 +42,8 @@ class Facing:
 
 def edges_of(vertices: Floats, after: Ints, owner: Ints, area: Floats) -> Edges:
     """Return the edges of blocks with their areas, m2, (n,)."""
-    near = BESIDE_DISTANCE * np.sqrt(np.abs(area))[owner]
+    # Edges lie along each other within this share of the smaller block's size
+    near = 1e-3 * np.sqrt(np.abs(area))[owner]
     return Edges(vertices=vertices, after=after, owner=owner, near=near)
 
 

@@ -21,8 +21,6 @@ from clast.model.arrays import Floats
 
 POWER_FRACTION = 0.95
 """Share of a record's power that is in frequencies up to its highest significant one."""
-SPECTRUM_SAMPLES_MAX = 2**16
-"""Samples of a record at most that its spectrum is taken from."""
 
 
 def highest_frequency(time: Floats, values: Floats) -> float:
@@ -37,7 +35,8 @@ def highest_frequency(time: Floats, values: Floats) -> float:
     if not len(apart):
         return 0.0
     length = float(time[-1] - time[0])
-    count = int(min(SPECTRUM_SAMPLES_MAX, max(16.0, np.ceil(length / float(np.median(apart))))))
+    # Samples of a record at most that its spectrum is taken from
+    count = int(min(65_536, max(16.0, np.ceil(length / float(np.median(apart))))))
     share = np.arange(count) / count
     power = np.zeros(count // 2 + 1)
     for component in values.T:

@@ -569,14 +569,11 @@ class Model:
         )
 
 
-SIZE_TOLERANCE = 1e-7
-"""Difference of sizes and places of blocks that is none, as a share: coordinates are rounded."""
-
-
 def _alike(values: Floats, size: float) -> Ints:
     """Return numbers that ascend with values (n,), the same for those that hardly differ, (n,)."""
     order = np.argsort(values, kind="stable")
-    apart = np.diff(values[order], prepend=values[order[:1]]) > SIZE_TOLERANCE * size
+    # Difference of sizes and places of blocks that is none, as a share: coordinates are rounded
+    apart = np.diff(values[order], prepend=values[order[:1]]) > 1e-7 * size
     number = np.empty(len(values), np.int64)
     number[order] = np.cumsum(apart)
     return number

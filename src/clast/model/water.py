@@ -16,9 +16,6 @@ import numpy as np
 from clast.model.arrays import Bools, Floats, Ints, no_bools, no_floats, no_ints
 from clast.model.factors import Factor
 
-LENGTH_MIN = 1e-300
-"""Smallest length by which numbers are divided, m."""
-
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class WetFaces:
@@ -196,7 +193,8 @@ def filled(joints: WetJoints, one: Floats, other: Floats) -> tuple[Ints, Floats,
     line = np.arange(len(ends))
     away = other - one
     along = ends[:, 1] - ends[:, 0]
-    length = np.maximum(np.hypot(*along.T), LENGTH_MIN)
+    # Smallest length by which numbers are divided, m
+    length = np.maximum(np.hypot(*along.T), 1e-300)
     # the second face lies to the right of the first, whose block is to its left
     across = away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0]
     over = across / length[:, None] - joints.widest[:, None]

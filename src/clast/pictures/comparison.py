@@ -22,8 +22,6 @@ STOPPED = "#b3261e"
 """Colour of the remark on a run that could not go on."""
 BETWEEN, HEADS = 0.35, 0.5
 """Space between panels, and for the two lines above each, inches."""
-SCALE_ROOM = 0.75
-"""Space for the colour bar below the panels, inches."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +82,8 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
     width = canvas.LEFT + scene.columns * (size[0] + BETWEEN) + canvas.RIGHT
     title = canvas.wrapped(scene.title, width - canvas.LEFT - 0.1, canvas.TITLE_SIZE)
     top = 0.32 + canvas.LINE * len(title)
-    height = top + rows * (size[1] + HEADS) + canvas.BELOW + SCALE_ROOM
+    # Space for the colour bar below the panels, inches
+    height = top + rows * (size[1] + HEADS) + canvas.BELOW + 0.75
     figure = canvas.new_figure((width, height), 150)
     canvas.head(figure, canvas.LEFT, title, "")
     largest = max(map(scene.farthest, shown))

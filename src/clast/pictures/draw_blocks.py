@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.collections import Collection, PolyCollection
     from matplotlib.figure import Figure
 
-BLOCK_NAMES_MAX = 40
-"""Blocks that get their names written into them."""
 FIXED = "#dcdcdc"
 """Fill of fixed blocks."""
 EXCAVATED = (0, (4.0, 3.0))
@@ -167,7 +165,8 @@ def kind_colour(kind: int) -> str:
 def draw_names(axes: Axes, results: Recording, vertices: Floats, absent: Bools) -> None:
     """Write the names of the blocks that are not ``absent`` (n,) into them, where they are few."""
     outlines = outlines_of(results, vertices)
-    if len(outlines) > BLOCK_NAMES_MAX:
+    # Blocks that get their names written into them
+    if len(outlines) > 40:
         return
     for block in np.flatnonzero(~absent):
         write(axes, literal(results.block_name[block]), outlines[block].mean(axis=0), 4)

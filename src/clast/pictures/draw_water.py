@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 BLUE, PALE = "#1f6fb4", "#5aa5dc"
 """Colours of the level and of pressures."""
-HEIGHT_ABOVE_MAX = 0.5
-"""How far above the blocks a level is still shown, in their heights."""
 TRIANGLE_SIZE, TRIANGLE_PLACE = 8.0, 0.06
 """Size of the triangle, points, and its place from the left, as a share of the picture."""
 
@@ -114,7 +112,8 @@ def dry_of(results: Recording, water: Water, frame: int) -> Floats:
 def with_levels(results: Recording, waters: Sequence[Water], part: Part) -> Part:
     """Return the part to show, made so high that levels not far above the blocks are in it."""
     low, high = part
-    most = float(high[1] + HEIGHT_ABOVE_MAX * (high[1] - low[1]))
+    # How far above the blocks a level is still shown, in their heights
+    most = float(high[1] + 0.5 * (high[1] - low[1]))
     tops = [float(_points(water, results, part)[:, 1].max()) for water in waters]
     seen = [top for top in tops if top <= most]
     return low, np.array([high[0], max([float(high[1]), *seen])])

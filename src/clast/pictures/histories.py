@@ -23,8 +23,6 @@ from clast.thumbnails import CURVE_COLOURS
 DASHES = ("-", "--", ":")
 WIDTH, PANEL = 6.4, 1.75
 """Width of the picture and height of a panel, inches."""
-LEGEND_LINE = 0.172
-"""Height of a line of the legend, inches."""
 PANEL_LINES_MAX = 24
 COMPONENTS = {"x": 0, "y": 1}
 BOLT_MARKS = {2: ("yielded", "#8e24aa"), 3: ("broke", "#c0143c")}
@@ -253,9 +251,8 @@ def _figure(
 ) -> Any:
     """Return a figure of panels (quantity, unit) above each other, with a line below the title."""
     title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
-    tall = [
-        max(PANEL, 0.25 + LEGEND_LINE * min(len(one), PANEL_LINES_MAX)) for one in panels.values()
-    ]
+    # Height of a line of the legend, inches
+    tall = [max(PANEL, 0.25 + 0.172 * min(len(one), PANEL_LINES_MAX)) for one in panels.values()]
     lines = len(title) + (1.0 if below else 0.5)
     high = canvas.BELOW + sum(tall) + 0.2 * len(tall) + 0.1 + canvas.LINE * lines
     figure = canvas.new_figure((WIDTH, high), 160)

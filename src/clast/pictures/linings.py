@@ -135,12 +135,8 @@ CURVE, CRACKS, POINTS, CLOUD = "#262626", "#c1440e", "#1b4f9c", "#9ab3d6"
 """Colours of the curve, of the limit of cracks, of the points of the frame and of the others."""
 SIZE = 4.6, 4.2
 """Width and height of the axes, inches."""
-LEGEND_LINES = 3
-"""Lines of the legend."""
 LOST = 4
 """State of a joint of a lining from which on it carries nothing."""
-POINTS_MAX = 20_000
-"""Points of other instants that are drawn at most."""
 
 
 def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame: int = -1) -> Path:
@@ -162,7 +158,8 @@ def plot_interaction(results: Recording, path: Path | str, lining: str, *, frame
             remedy="ask for a later frame or stage",
         )
     title = canvas.wrapped(results.title or results.name, SIZE[0], canvas.TITLE_SIZE)
-    below = canvas.BELOW + 0.12 + canvas.LINE * LEGEND_LINES
+    # Lines of the legend
+    below = canvas.BELOW + 0.12 + canvas.LINE * 3
     width = canvas.LEFT + SIZE[0] + canvas.RIGHT
     height = below + SIZE[1] + 0.32 + canvas.LINE * (len(title) + 1)
     figure = canvas.new_figure((width, height), 160)
@@ -229,7 +226,8 @@ def _draw_states(
     """Draw N and M of all instants, those of one ``row`` above, and the largest utilisation."""
     normal, moment = scale[0] * history.normal_force, scale[1] * history.moment
     every = np.flatnonzero(there.ravel())
-    every = every[:: max(1, -(-len(every) // POINTS_MAX))]
+    # Points of other instants that are drawn at most
+    every = every[:: max(1, -(-len(every) // 20_000))]
     looks: dict[str, Any] = {"color": CLOUD, "ms": 2.5, "label": "at all times", "zorder": 2.5}
     axes.plot(moment.ravel()[every], normal.ravel()[every], ".", **looks)
     now = there[row]

@@ -28,8 +28,6 @@ NAME_LETTERS_MAX = 40
 """Letters of a name in a legend."""
 THINNEST, THICKEST, THINNEST_ABOVE = 0.15, 1.3, 0.5
 """Widths of edges, and of lines above the joints at least, points."""
-VECTOR_BLOCKS_MAX = 5000
-"""Blocks above which pdf and svg hold edges as dots: thousands of lines make viewers slow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,6 +182,7 @@ def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks
     width = float(np.clip(0.1 * points * median, THINNEST, THICKEST))
     for one, ends in seen:
         stroke = one.stroke
+        # Blocks above which pdf and svg hold edges as dots: thousands of lines make viewers slow
         axes.add_collection(
             LineCollection(
                 _lines(ends),
@@ -192,7 +191,7 @@ def draw_edges(axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, blocks
                 linewidths=max(width, THINNEST_ABOVE * (stroke.above > 0)) * stroke.width,
                 capstyle="round" if stroke.dashes == "-" else "butt",
                 joinstyle="round",
-                rasterized=blocks > VECTOR_BLOCKS_MAX and stroke.above == 0,
+                rasterized=blocks > 5000 and stroke.above == 0,
                 zorder=4 + stroke.above,
                 label=stroke.label,
             )

@@ -14,8 +14,6 @@ from clast.results.journal import read_journal
 from clast.results.page_checksums import CheckedFile, DamagedPageError
 from clast.results.schema import FORMAT
 
-ATTEMPTS = 20
-"""How often a file is read again that has changed meanwhile, where locks do not prevent it."""
 QUICKLY_CHECKED = 2**28
 """Size of a file that is checked from end to end in less than half a second, bytes."""
 AGAIN = "run the case again to write a new one"
@@ -35,7 +33,8 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
     """
     failure: Exception = MalformedError("it changes all the time")
     try:
-        for _ in range(ATTEMPTS):
+        # How often a file is read again that has changed meanwhile, where locks do not prevent it
+        for _ in range(20):
             before = path.stat()
             if stat.S_ISDIR(before.st_mode):
                 raise CaseError("is a directory, not a result file")

@@ -20,9 +20,6 @@ from clast.model.arrays import connected, entries
 from clast.model.model import Floats, Ints
 from clast.rockmass.planar import WELD, Graph, Loops, loops_of, parts_of
 
-ROUNDS_MAX = 100
-"""Every round joins each hole to another loop at least; few rounds are ever needed."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class NodeRing:
@@ -52,7 +49,8 @@ def without_holes(graph: Graph, smallest2: float) -> Whole:
     """Return the graph with welds; islands of less than ``smallest2`` (2 areas) are taken out."""
     graph, islands, blocks = _without_small_islands(graph, smallest2)
     split: list[int] = []
-    for _ in range(ROUNDS_MAX):
+    # Every round joins each hole to another loop at least; few rounds are ever needed
+    for _ in range(100):
         before = len(split)
         welds = _welds(graph, split)
         if len(split) == before:

@@ -39,9 +39,6 @@ from clast.rockmass.drawings.dxf import DxfReading, MissingLayer, read_dda_dxf, 
 from clast.rockmass.drawings.dxf_entities import dxf_content
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
 
-ON_JOINT = 1e-6
-"""Distance within which an edge lies on a drawn joint, over the drawing's diagonal."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class BlockReading:
@@ -157,7 +154,8 @@ def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None)
         return tuple(joints)
     origin = np.floor(blocks.vertices.min(axis=0))
     at = blocks.vertices - origin
-    reach = ON_JOINT * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
+    # Distance within which an edge lies on a drawn joint, over the drawing's diagonal
+    reach = 1e-6 * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
     after = following(blocks.block_start)
     pieces = np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p, _ in drawn]) - origin
     names = [name for p, name in drawn for _ in range(len(p) - 1)]

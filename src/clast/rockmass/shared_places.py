@@ -18,9 +18,6 @@ from scipy.spatial import cKDTree
 from clast.model.arrays import entries, following, owners
 from clast.model.model import Bools, Floats, Ints
 
-BENT_TOLERANCES = 2.0
-"""Edges as drawn pass no further beside vertices that were put into them."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cycles:
@@ -191,7 +188,8 @@ def _fitting(loops: Cycles, near: Near, at: tuple[Floats, Floats], reach: float)
     """
     number, entry = loops.with_pieces(near.piece)
     gap, share = aside(at[0][near.node[number]], at[1][loops.edge[entry]])
-    bent = (gap > BENT_TOLERANCES * reach) | (share < 0.0) | (share > 1.0)
+    # Edges as drawn pass no further beside vertices that were put into them
+    bent = (gap > 2.0 * reach) | (share < 0.0) | (share > 1.0)
     # Of the pieces of one block the nearest has the place.
     block, node = loops.owner[entry], near.node[number]
     order = np.lexsort((near.piece[number], near.gap[number], node, block))

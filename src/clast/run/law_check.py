@@ -20,8 +20,6 @@ from clast.model.model import Bools, Floats
 
 DEPTHS = -8.0, -2.5
 """Powers of ten between which penetrations are drawn, m."""
-CHANGE = 1e-4
-"""Gaps and slips are changed by this share of themselves to measure the change of forces."""
 CLOSE = 1e-3
 """Differences up to this share of the compared values are put down to rounding and curvature."""
 
@@ -179,7 +177,8 @@ def _rates(
     along_gap: bool,
 ) -> tuple[ContactResponse, ContactResponse, Bools]:
     """Return the answer, its rates by differences, and where no change of mode is near."""
-    step = CHANGE * np.abs(gap if along_gap else slip)
+    # Gaps and slips are changed by this share of themselves to measure the change of forces
+    step = 1e-4 * np.abs(gap if along_gap else slip)
     shift = (step, 0.0 * step) if along_gap else (0.0 * step, step)
     here = respond(gap, slip)
     low, high = respond(gap - shift[0], slip - shift[1]), respond(gap + shift[0], slip + shift[1])

@@ -33,10 +33,6 @@ from clast.step.start import StepContext
 
 SOLVES_MAX = 100
 """Solves in which springs must settle; most that yield take two to five."""
-HALVINGS_MAX = 50
-"""Halvings of the line search."""
-FORCE_TOLERANCE = 1e-9
-"""Share of a spring's force by which it may differ from that of its straight line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,7 +141,8 @@ class _Line:
         off = np.zeros(len(springs), np.bool_)
         for kind, spring in enumerate((springs.normal, springs.shear)):
             force, straight = forces[kind], self.straight[kind]
-            least = FORCE_TOLERANCE * np.maximum(np.abs(force), np.abs(straight))
+            # Share of a spring's force by which it may differ from that of its straight line
+            least = 1e-9 * np.maximum(np.abs(force), np.abs(straight))
             beyond = np.abs(force - straight) > least + spring.stiffness * rounded
             # a spring may go from its one bound to the other, stiff at neither
             on_line = (stiffnesses[kind] == self.stiffness[kind]) & (self.stiffness[kind] > 0.0)
@@ -170,7 +167,8 @@ class _Line:
         low, high = 0.0, 1.0
         if slope(high) <= 0.0:
             return high
-        for _ in range(HALVINGS_MAX):
+        # Halvings of the line search
+        for _ in range(50):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if slope(middle) <= 0.0 else (low, middle)
         return 0.5 * (low + high)

@@ -48,8 +48,6 @@ from clast.step.take_step import take_step
 STEP_CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
 
-NEGLIGIBLE_FORCE_SHARE = 1e-9
-"""Normal forces below this share of the largest one do not keep the iteration going."""
 SHI_FACTOR = 40.0
 """Automatic normal stiffness in units of Young's modulus times 1 m; Shi advises 10 to 100."""
 
@@ -65,7 +63,8 @@ def _have_settled(before: ContactResponse, after: ContactResponse) -> bool:
     mean nothing.
     """
     force = np.maximum(np.abs(before.normal_force), np.abs(after.normal_force))
-    counts = force > NEGLIGIBLE_FORCE_SHARE * force.max(initial=0.0)
+    # Normal forces below this share of the largest one do not keep the iteration going
+    counts = force > 1e-9 * force.max(initial=0.0)
     return bool(np.all((before.mode == after.mode) | ~counts))
 
 

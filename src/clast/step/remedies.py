@@ -13,9 +13,6 @@ from clast.model.state import State
 from clast.step.finish import LARGEST_TURN
 from clast.step.method import Method
 
-SOFT_DEPTH_THICKNESSES = 0.01
-"""Penetration, as a share of the thinnest block, from which contacts are called too soft."""
-
 GENERAL: Mapping[StepOutcome, str] = {
     StepOutcome.TRAVELLED_TOO_FAR: "Lower time.step, or raise time.max_displacement",
     StepOutcome.ROTATED_TOO_FAR: "Lower time.step",
@@ -80,7 +77,8 @@ def _spins_too_fast(model: Model, method: Method, state: State, smallest: float)
 def _too_soft(model: Model, method: Method, state: State, smallest: float) -> str:
     """Say so where contacts are deep already."""
     depth = float(max(0.0, -state.memory.gap.min(initial=0.0)))
-    if depth < SOFT_DEPTH_THICKNESSES * float(thicknesses(model.vertices, model.block_start).min()):
+    # Penetration, as a share of the thinnest block, from which contacts are called too soft
+    if depth < 0.01 * float(thicknesses(model.vertices, model.block_start).min()):
         return ""
     return f"Contacts are {depth:.2g} m deep: raise {stiffnesses_named(model, method)}"
 

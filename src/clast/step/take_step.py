@@ -12,9 +12,6 @@ from clast.step.method import Method, StepResult, StepSolution, Workspace
 from clast.step.search_distance import ContactSearch, searched_again
 from clast.step.start import StepContext, again, begin
 
-RENEWALS_MAX = 4
-"""Largest number of repeated solutions of a step for points with a prescribed motion."""
-
 
 class StepSolver(Protocol):
     """Solves the equations of a step; with ``step = take_step`` in its class it is a process."""
@@ -52,7 +49,8 @@ def take_step(
     while wider := searched_again(context, search, contacts, solution.unknowns):
         search, contacts = wider
         solution = process.solve(context, contacts, solution)
-    for _ in range(RENEWALS_MAX):
+    # Largest number of repeated solutions of a step for points with a prescribed motion
+    for _ in range(4):
         renewed = again(context, solution.unknowns)
         if renewed is None:
             break

@@ -18,8 +18,6 @@ STYLE = (
     "text-align:right}td:nth-child(-n+2),td:last-child,th:nth-child(-n+2),th:last-child{text-align:left}"
     "img{max-width:100%}.stopped{background:#f6c7b6}"
 )
-POINT_COLUMNS_MAX = 4
-"""Measured points that get a column of their own, at most; JSON has all."""
 
 
 def write_comparison(comparison: ComparedMethods, directory: Path) -> list[Path]:
@@ -151,4 +149,5 @@ def remarks(comparison: ComparedMethods) -> list[str]:
 
 
 def _points(comparison: ComparedMethods) -> Sequence[str]:
-    return list(comparison.rows[0].displacement)[:POINT_COLUMNS_MAX]
+    # Measured points that get a column of their own, at most; JSON has all
+    return list(comparison.rows[0].displacement)[:4]

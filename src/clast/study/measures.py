@@ -32,8 +32,6 @@ PARTS = ("x", "y")
 """Parts of a vector; without one its length is meant."""
 MAY_LACK = ("part", "time")
 """Arguments that may be left out."""
-LATE_RELATIVE = 1e-6
-"""By how much a time may be later than the end of a run, as a fraction of that."""
 FOS, STANDS_WITH = "factor_of_safety", "stands"
 """Measures that are found by trials, not by the run."""
 
@@ -296,7 +294,8 @@ def _check_time(text: str, where: str, end: float) -> float:
         raise CaseError(
             f"there is no time '{shortened(text)}'", where=where, remedy="give seconds, from 0 on"
         )
-    if time > end * (1.0 + LATE_RELATIVE):
+    # By how much a time may be later than the end of a run, as a fraction of that
+    if time > end * (1.0 + 1e-6):
         what = f"the run ends at {end:g} s, before {time:g} s"
         raise CaseError(what, where=where, remedy="raise time.end")
     return time

@@ -20,8 +20,6 @@ from clast.study.description import Description
 from clast.study.distributions import value_text
 from clast.study.folder import StudyFolder, make_folder
 
-PAGE_BYTES = 6e6
-"""Bytes that contacts of a run take before they are compressed."""
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
     "color:#222}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}"
@@ -117,7 +115,8 @@ class Page:
 
     def run(self, run: Any, title: str) -> None:
         """Add the page that plays a run, with a title for those who do not see it."""
-        inner = escape(page_text(scene_of(run, PAGE_BYTES)))
+        # Bytes that contacts of a run take before they are compressed
+        inner = escape(page_text(scene_of(run, 6e6)))
         self.parts.append(f'<iframe title="{escape(title)}" srcdoc="{inner}"></iframe>')
 
     def text(self) -> str:

@@ -31,7 +31,6 @@ from clast.study.report_page import Page, file_stem
 from clast.study.statistics import MEANING, StudyResults, columns_of, sensitivities
 from clast.study.work import rerun
 
-TORNADO_BARS_MAX = 12
 TABLE_ROWS_MAX = 20
 """Rows of a table of blocks or reasons, at most."""
 SWEEP_ROWS_MAX = 200
@@ -270,7 +269,7 @@ def _tornado(
             ends=one.ends,
             unit=units[one.parameter],
         )
-        for one in statistics.influences(columns, values)[:TORNADO_BARS_MAX]
+        for one in statistics.influences(columns, values)[:12]
     ]
     if not bars:
         return []

@@ -35,12 +35,8 @@ CLOSURE_MIN = 1e-8
 """Closure that is none, in units of the slip at the peak: forces by rounding mobilise nothing."""
 SLIDING_CURVE_TOLERANCE = 0.1
 """The same of a contact that went along the curve in the last step."""
-SLIP_AHEAD = 0.02
-"""Slip ahead, in units of that at the peak, to where the spring meets the curve."""
 BISECTIONS = 50
 """Halvings of the range of a stress that is sought."""
-FRICTION_RISE_MIN = 1e-6
-"""Share of phi_r by which friction has to rise in one u_peak for there to be a curve to follow."""
 
 
 @dataclass(frozen=True)
@@ -161,8 +157,10 @@ def with_roughness(
     slide = slid[rows]
     now = rough.friction(slide, angle)
     peak = rough.friction(rough.peak_slip, angle)
-    ahead = np.minimum(SLIP_AHEAD * rough.peak_slip, rough.peak_slip - slide)
-    rises = (ahead > 0.0) & (peak - now > FRICTION_RISE_MIN)
+    # Slip ahead, in units of that at the peak, to where the spring meets the curve
+    ahead = np.minimum(0.02 * rough.peak_slip, rough.peak_slip - slide)
+    # Share of phi_r by which friction has to rise in one u_peak for there to be a curve to follow
+    rises = (ahead > 0.0) & (peak - now > 1e-6)
     bound, size = np.maximum(normal, 0.0) * now, np.abs(shear)
     went = (contacts["mode"][rows] == SLIDE) & (size >= (1.0 - SLIDING_CURVE_TOLERANCE) * bound)
     carries = normal > CLOSURE_MIN * stiffness * rough.peak_slip

@@ -23,16 +23,8 @@ from clast.model.bodies import loops_round
 from clast.model.checks import point_text
 from clast.model.model import Floats, Ints
 
-OUTLINE_GRID = 1e-8
-"""Grid on which outlines are joined, in units of the size of the case."""
 DECIMALS_COMPARED = 6
 """Decimals of turns, and of shares of an outline, that are compared."""
-CORNERS_COMPARED = 100
-"""Corners to either side of one by which it is told from others."""
-TO_CORNER_SHARE_MAX = 1e-3
-"""Distance of a point from a corner of an outline that is none, in units of its length."""
-TO_OUTLINE_SHARE_MAX = 0.01
-"""How far from an outline a point on it may be given, in units of its length."""
 
 
 class LinesOfRock:
@@ -50,7 +42,8 @@ class LinesOfRock:
         self._openings = openings
         self._blocks = blocks_of_openings
         bounds = shapely.total_bounds(polygons) if len(polygons) else np.array([0.0, 0, 1, 1])
-        self._grid = OUTLINE_GRID * float(np.hypot(*(bounds[2:] - bounds[:2])))
+        # Grid on which outlines are joined, in units of the size of the case
+        self._grid = 1e-8 * float(np.hypot(*(bounds[2:] - bounds[:2])))
         self._tree = shapely.STRtree(polygons)
 
     def line(self, one: Any, where: str) -> tuple[Floats, bool]:
@@ -134,7 +127,8 @@ def _from_a_start(ring: Floats) -> Floats:
         np.round(length / length.sum(), DECIMALS_COMPARED),
     )
     count = len(ring)
-    reach = np.arange(min(count, CORNERS_COMPARED))
+    # Corners to either side of one by which it is told from others
+    reach = np.arange(min(count, 100))
 
     def shape_from(corner: int) -> tuple[list[float], list[float]]:
         """Return turns and lengths to both sides of a corner, the larger ones first."""
@@ -161,7 +155,8 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
     close = 1e-9 * line.length
     for point in ends:
         away = line.distance(shapely.Point(point))
-        if away > TO_OUTLINE_SHARE_MAX * line.length:
+        # How far from an outline a point on it may be given, in units of its length
+        if away > 0.01 * line.length:
             what = f"{point_text(np.array(point))} is {away:.3g} m from the outline"
             raise ModelError(what, where=where, remedy="give points on it")
 
@@ -169,7 +164,8 @@ def _part(ring: Floats, ends: Any, where: str) -> Floats:
         """Return the distance of a point along the ring, m: at a corner of it that is close."""
         along = line.project(shapely.Point(point))
         nearest = min(marks, key=lambda mark: abs(mark - along))
-        return nearest if abs(nearest - along) <= TO_CORNER_SHARE_MAX * line.length else along
+        # Distance of a point from a corner of an outline that is none, in units of its length
+        return nearest if abs(nearest - along) <= 1e-3 * line.length else along
 
     first, last = map(place, ends)
     span = (last - first) % line.length
@@ -185,8 +181,6 @@ POINTS_APART_MIN = 0.1
 """Distance between points of the line, in units of a segment, below which they are one."""
 ROUNDING = 1e-9
 """Difference that is rounding, rad and in units of a length: ties must not hang on it."""
-SEGMENTS_MAX = 10_000
-"""Segments of a lining: more are a wrong unit or corner."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,7 +228,8 @@ def cut_line(
     marks = _marks(points)
     # the length is that along the line as it is given
     length *= marks[-1] / _marks(given)[-1]
-    if marks[-1] > SEGMENTS_MAX * length:
+    # Segments of a lining: more are a wrong unit or corner
+    if marks[-1] > 10_000 * length:
         what = f"{marks[-1]:.3g} m would be {marks[-1] / length:.0f} segments of {length:.3g} m"
         remedy = "give longer segments, m, or check the corners of the line"
         raise ModelError(what, where=f"{where}, segment", remedy=remedy)

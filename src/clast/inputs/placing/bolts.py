@@ -19,13 +19,8 @@ from clast.model.model import Floats
 from clast.model.ranges import check_names, check_text
 from clast.model.supports import Bolts
 
-SLACK_SHARE = 1e-3
-"""Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded, and
-its end behind a joint that it does not cross."""
 NAMED_IDLE_MAX = 5
 """Bolts that cross no joint that a note names."""
-BOLTS_PER_PATTERN_MAX = 100_000
-"""Most bolts of a pattern."""
 
 
 def bolts_round(
@@ -98,7 +93,8 @@ def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, F
     begin, end = (_along(ring, middle, angle, label) for angle in (first, last))
     room = ring.length if whole else (end - begin) % ring.length
     count = int(room / spacing * (1.0 + 1e-9)) + (0 if whole else 1)
-    if count > BOLTS_PER_PATTERN_MAX:
+    # Most bolts of a pattern
+    if count > 100_000:
         what = f"would be {count} bolts"
         raise ModelError(what, where=f"{label}, spacing", remedy="raise the spacing")
     apart = room / max(count, 1) if whole else spacing
@@ -132,7 +128,9 @@ def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, tuple[st
     """
     origin, length = ground.outlines.origin, float(np.hypot(*(line[1] - line[0])))
     pieces = ground.pieces(line - origin)
-    slack = SLACK_SHARE * length
+    # Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded,
+    # and its end behind a joint that it does not cross
+    slack = 1e-3 * length
     long = np.flatnonzero(np.diff(pieces.ends, axis=1)[:, 0] > slack)
     if not len(long) or pieces.ends[long[0], 0] > slack:
         what, where = "its head lies in no block", line[0]

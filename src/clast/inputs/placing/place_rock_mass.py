@@ -47,10 +47,6 @@ SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
     "top": (1, np.max),
 }
 """Side of a rectangle -> the coordinate that it has, and whether it is the least or the largest."""
-ON_SIDE_CELLS = 1.5
-"""Vertices nearer to a side than this many cells of the grid are on it."""
-OVERLAP_SHARE_MAX = 0.01
-"""Blocks by hand of which more than this share lies in blocks that were cut are in their place."""
 DEFAULT = "default"
 
 
@@ -231,7 +227,9 @@ class CutCase:
                 continue  # what is wrong with it the builder says
             near = tree.geometries[tree.query(shape)]
             common = float(shapely.area(shapely.intersection(shape, near)).sum())
-            if common > OVERLAP_SHARE_MAX * shape.area:
+            # Blocks by hand of which more than this share lies in blocks that were cut are in their
+            # place
+            if common > 0.01 * shape.area:
                 raise ModelError(
                     f"{common:.3g} m2 of it overlap the rock that is cut into blocks",
                     where=f"block {number}" + (f" '{one.name}'" if one.name else ""),
@@ -271,7 +269,8 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
     for side in sides:
         axis, outermost = SIDES[side]
         at = float(outermost(corners[:, axis]))
-        on = np.abs(cut.vertices[:, axis] - at) <= ON_SIDE_CELLS * cut.report.tolerance
+        # Vertices nearer to a side than this many cells of the grid are on it
+        on = np.abs(cut.vertices[:, axis] - at) <= 1.5 * cut.report.tolerance
         here = np.logical_or.reduceat(on, cut.block_start[:-1])
         if not here.any():
             what = f"no block is at the {side}"

@@ -142,16 +142,13 @@ def _numbers(words: list[str]) -> list[float] | None:
     return None if None in numbers else cast(list[float], numbers)
 
 
-INTERVAL_CHANGE_MAX = 0.1
-"""Share of the interval by which instants may be off: times are rounded where they are printed."""
-
-
 def read_csv(path: Path) -> RecordSeries:
     """Return the record in a file of two or three columns; raises CaseError with file and line."""
     record = read_record(path)
     interval = np.diff(record.time)
     usual = float(np.sort(interval)[(len(interval) - 1) // 2])
-    for gap in np.flatnonzero(np.abs(interval - usual) > INTERVAL_CHANGE_MAX * usual)[:1]:
+    # Share of the interval by which instants may be off: times are rounded where they are printed
+    for gap in np.flatnonzero(np.abs(interval - usual) > 0.1 * usual)[:1]:
         raise CaseError(
             f"{interval[gap]:g} s lie before {record.time[gap + 1]:g} s, but {usual:g} s between "
             "most instants",

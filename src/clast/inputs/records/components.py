@@ -13,8 +13,6 @@ from clast.inputs.records.conversion import CONVERSIONS, Samples
 from clast.inputs.records.formats import READERS, format_of
 from clast.inputs.records.series import UNITS, RecordSeries
 
-INSTANT_OFFSET_MAX = 0.01
-"""Share of an interval by which the instants of two components may be apart."""
 NAME_LENGTH_MAX = 60
 """Most characters of a file's name in a note."""
 UNIT_RATIO_MAX = 5.0
@@ -127,7 +125,8 @@ def together(first: Component, second: Component) -> tuple[Samples, str | None]:
     one, other = first.samples, second.samples
     count = min(len(one.time), len(other.time))
     apart = float(np.abs(one.time[:count] - other.time[:count]).max())
-    if apart > INSTANT_OFFSET_MAX * min(one.interval, other.interval):
+    # Share of an interval by which the instants of two components may be apart
+    if apart > 0.01 * min(one.interval, other.interval):
         raise CaseError(
             f"begins at {other.time[0]:g} s with a value every {other.interval:g} s, the first "
             f"component at {one.time[0]:g} s with one every {one.interval:g} s",

@@ -28,8 +28,6 @@ from clast.inputs.records.series import number_of
 from clast.model.ground_motion import Accelerogram
 from clast.model.model import Floats
 
-START_VELOCITY_SHARE_MAX = 0.01
-"""Share of the largest velocity up to which a velocity at the first instant is taken as none."""
 STOP_TIME_S = 1.0
 """Time in which the ground is brought to rest after its record, s."""
 
@@ -70,7 +68,8 @@ def from_velocity(time: Floats, values: Floats) -> Samples:
     """
     most = float(np.abs(values).max())
     first = float(np.abs(values[0]).max())
-    if first > START_VELOCITY_SHARE_MAX * most:
+    # Share of the largest velocity up to which a velocity at the first instant is taken as none
+    if first > 0.01 * most:
         raise CaseError(
             f"the velocity begins with {first:.3g} m/s, of {most:.3g} m/s at most, but the ground "
             "must start from rest",
@@ -119,8 +118,6 @@ def brought_to_rest(record: Accelerogram) -> Accelerogram:
     )
 
 
-FILTER_INTERVAL_CHANGE_MAX = 1e-3
-"""Share of the interval by which the instants of a record that is filtered may be off."""
 KNOWN = '"none", "linear", or "highpass:0.1" with the corner frequency in Hz'
 HIGHPASS = re.compile(r"highpass:\s*([0-9.eE+-]+)")
 
@@ -172,7 +169,8 @@ def _highpassed(samples: Samples, corner: float) -> Floats:
 def _check_even(samples: Samples) -> None:
     """Refuse intervals that change: neither the line nor the filter knows them."""
     interval = np.diff(samples.time)
-    if np.abs(interval - samples.interval).max() > FILTER_INTERVAL_CHANGE_MAX * samples.interval:
+    # Share of the interval by which the instants of a record that is filtered may be off
+    if np.abs(interval - samples.interval).max() > 1e-3 * samples.interval:
         raise CaseError(
             f"the instants lie {interval.min():g} to {interval.max():g} s apart, and a base line "
             "needs equal intervals",

@@ -21,8 +21,6 @@ from clast.results import Results, read_results
 READ_INTERVAL_MIN, READ_PAUSE_RATIO = 0.25, 20.0
 """Time between two looks at the file at least, s, and in durations of the last look: a run that
 writes waits for it."""
-FRAMES_EXPECTED = 200
-"""Frames that the budget of contacts is divided among while a run goes on."""
 
 
 @dataclass
@@ -114,7 +112,8 @@ class Feed:
             count = len(results.times)
             key = first, count
             if key not in self._parts:
-                share = self.budget * (count - first) / max(FRAMES_EXPECTED, count)
+                # Frames that the budget of contacts is divided among while a run goes on
+                share = self.budget * (count - first) / max(200, count)
                 part = moving(results, np.arange(first, count), share)
                 self._parts = {key: json.dumps({**part, "next": count})}
                 self._rest = READ_PAUSE_RATIO * (time.monotonic() - start)

@@ -28,12 +28,6 @@ if TYPE_CHECKING:
 
 HERE = "127.0.0.1:0"
 """This machine alone, and a port that is free."""
-REPORT_INTERVAL = 0.2
-"""Time between two lines about where the run is, s of wall time."""
-KEY_INTERVAL = 0.1
-"""How long a run that is paused waits before it looks whether the key was pressed, s."""
-START_TIME_MAX = 60.0
-"""How long the process of the page may take to begin, s."""
 ORDERS = ("pause", "go", "step", "end", "checkpoint")
 """Requests of a page."""
 
@@ -76,7 +70,8 @@ class LivePage:
 
     def _first_line(self) -> dict[str, Any]:
         """Return the first message of the process of the page."""
-        guard = threading.Timer(START_TIME_MAX, self._process.kill)
+        # How long the process of the page may take to begin, s
+        guard = threading.Timer(60.0, self._process.kill)
         guard.start()
         line = cast("IO[bytes]", self._process.stdout).readline()
         guard.cancel()
@@ -90,7 +85,8 @@ class LivePage:
             self.line(progress)
         self._last = progress
         now = perf_counter()
-        if now - self._told < REPORT_INTERVAL and not self._paused:
+        # Time between two lines about where the run is, s of wall time
+        if now - self._told < 0.2 and not self._paused:
             return
         self._told = now
         self._where = _where(progress)
@@ -113,7 +109,8 @@ class LivePage:
         self._tell()
         while self._paused and not self._steps:
             halt.let_go()
-            self._news.wait(KEY_INTERVAL)
+            # How long a run that is paused waits before it looks whether the key was pressed, s
+            self._news.wait(0.1)
             self._obey(halt)
         self._steps = max(0, self._steps - 1)
         self._asked = self._paused or not self._orders.empty()

@@ -34,8 +34,6 @@ PAGES_MAX = 8
 """Pages that look on at the same time."""
 REQUEST_BYTES_MAX = 1000
 """Greatest length of a request."""
-CURVES_INTERVAL = 2.0
-"""Time between two sendings of curves, s."""
 
 
 HEADERS = {
@@ -243,7 +241,8 @@ class Handler(BaseHTTPRequestHandler):
             if first < feed.frames:
                 part, first = feed.part(first)
                 self._event("frames", part)
-            if over or time.monotonic() - curves_sent > CURVES_INTERVAL:
+            # Time between two sendings of curves, s
+            if over or time.monotonic() - curves_sent > 2.0:
                 count, text = feed.words()
                 curves_sent = time.monotonic()
                 if count != sent:

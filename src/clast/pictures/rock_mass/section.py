@@ -73,8 +73,6 @@ def edges_of_cut(cut: Cut) -> CutEdges:
 
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
 """Hatching of rock that a stage excavates, and of voids."""
-OPENING_NAMES_MAX = 12
-"""Openings that get their names written into them."""
 BY = {"set": "edges by joint", "rock": "blocks by rock"}
 """The meanings of the colours, and their captions."""
 
@@ -218,7 +216,8 @@ def _draw_names(axes: Axes, cut: Cut, part: canvas.Part) -> None:
     """Write the names of openings into their rock, where they are few."""
     owner = np.repeat(cut.opening, np.diff(cut.block_start))
     some = np.unique(cut.opening[cut.opening >= 0])
-    for opening in some if len(some) <= OPENING_NAMES_MAX else ():
+    # Openings that get their names written into them
+    for opening in some if len(some) <= 12 else ():
         corners = cut.vertices[owner == opening]
         middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
         if ((middle >= part[0]) & (middle <= part[1])).all():

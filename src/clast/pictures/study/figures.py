@@ -24,8 +24,6 @@ RED, BLUE, GREEN = CURVE_COLOURS[:3]
 STANDING = "#f4f4f2"
 """Colour of blocks that do not fail."""
 BINS_MAX = 60
-WIDE_RATIO = 100.0
-"""Ratio of largest to least value from which an axis is logarithmic."""
 SIZE = (5.4, 3.5)
 """Width and height of a figure, inches."""
 DOTS = 150
@@ -104,7 +102,8 @@ def draw_histogram(values: Floats, fails: Floats, label: str, path: Path) -> Pat
 
 def is_wide(values: Floats) -> bool:
     """Return whether values (k,) are better seen by their logarithms: over some decades."""
-    return bool(len(values)) and 0.0 < WIDE_RATIO * float(values.min()) < float(values.max())
+    # Ratio of largest to least value from which an axis is logarithmic
+    return bool(len(values)) and 0.0 < 100.0 * float(values.min()) < float(values.max())
 
 
 def draw_cumulative(

@@ -37,8 +37,6 @@ Flags = np.ndarray[Any, np.dtype[np.bool_]]
 LEAST_RATIO, MOST_UNEVEN = 5.0, 3.0
 """Values by logarithms: ratio of largest to least, and of the largest step of logarithms to the
 least; an outlier among even steps does not make an axis logarithmic."""
-LARGE_MARKS_MAX = 60
-"""Runs up to which a curve has large marks."""
 VALUE_LETTERS_MAX = 18
 """Letters of a value beside an axis."""
 ALONE, AMONG_OTHERS = (4.6, 3.0), (2.3, 1.8)
@@ -140,7 +138,8 @@ def draw_curve(grid: SweepGrid, path: Path) -> Path:
         axes.set_xticks(x.tolist(), [literal(axis.written(k)) for k in order])
     y, fails, lost = grid.values[order], grid.fails[order], grid.lost[order]
     axes.plot(x, y, color=FAINT, lw=0.9, zorder=1)
-    size = 5.5 if len(x) <= LARGE_MARKS_MAX else 2.5
+    # Runs up to which a curve has large marks
+    size = 5.5 if len(x) <= 60 else 2.5
     stand, fail = grid.words
     for alike, mark, colour, label in ((~fails, "o", BLUE, stand), (fails, "X", RED, fail)):
         axes.plot(x[alike], y[alike], mark, color=colour, ms=size, label=label)

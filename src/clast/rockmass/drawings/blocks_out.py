@@ -28,8 +28,6 @@ ARRAYS = {
     "edge_joint": ("U", "is not a list of texts", "save names as texts"),
 }
 """Arrays of an archive -> the kinds of dtype that it may have, the fault of others, its remedy."""
-ARCHIVE_BYTES_MAX = 1_000_000_000
-"""Most bytes that the arrays of an archive may have when they are expanded."""
 
 
 def write_blocks_csv(
@@ -88,7 +86,8 @@ def _check_size(path: Path) -> None:
     with ZipFile(path) as archive:
         parts = [one for one in archive.infolist() if one.filename.removesuffix(".npy") in ARRAYS]
         size = sum(one.file_size for one in parts)
-        if size > ARCHIVE_BYTES_MAX or len(parts) > len(ARRAYS):
+        # Most bytes that the arrays of an archive may have when they are expanded
+        if size > 1_000_000_000 or len(parts) > len(ARRAYS):
             what = f"has arrays of {size:.3g} bytes, more than blocks should need"
             remedy = "divide it, or write it again with write_blocks_npz"
             raise CaseError(what, where=str(path), remedy=remedy)

@@ -40,8 +40,6 @@ PLAIN = ("x1", "y1", "x2", "y2")
 PLAIN_NAME = re.compile(r"[a-z_][a-z0-9_ ]{0,20}")
 """Names of columns, in small letters."""
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eEdD][+-]?\d+)?")
-COORDINATE_MAX = 1e12
-"""m, or degrees."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +69,8 @@ class CsvRow:
         if value is None:
             what = f"{mistyped(written)} is not a number" if written else "is empty"
             raise self.fault(what, "write a number such as 12.5", column)
-        if abs(value) > COORDINATE_MAX:
+        # m, or degrees
+        if abs(value) > 1e12:
             raise self.fault(f"{written} is far too large", "give metres and degrees", column)
         return value
 

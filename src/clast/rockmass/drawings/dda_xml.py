@@ -86,7 +86,6 @@ REASONS = {
     "boltproperties": "give [bolt_kind.NAME] stiffness and yield_force by hand",
 }
 """Why elements that are known are not taken over."""
-NESTED_ELEMENTS_MAX = 100
 
 
 def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
@@ -372,7 +371,7 @@ def _tree(path: Path) -> Element:
 
     def start(name: str, attributes: dict[str, str]) -> None:
         line = parser.CurrentLineNumber
-        if len(above) > NESTED_ELEMENTS_MAX:
+        if len(above) > 100:
             raise CaseError("is nested too deeply", where=f"{file}: line {line}")
         local = {_local(key): value for key, value in attributes.items()}
         element = Element(file=file, name=_local(name), attributes=local, line=line)

@@ -44,8 +44,6 @@ COSINE_MIN = 0.9
 """Cosine between the movements of two steps from which blocks move on and do not tremble."""
 STEPS_AHEAD_MAX = 50
 """Steps that one may stand for: of ratios of 1 and more the series has no end."""
-STEPS_AHEAD_MIN = 1.5
-"""Steps that one must stand for at least."""
 
 FAR_STEPS_MIN = 10
 """Steps that go far without balance from which a system can have none."""
@@ -151,7 +149,8 @@ class Convergence:
             float(np.sum(ratio ** np.arange(STEPS_AHEAD_MAX))) if ratio > 1.0 - 1e-3 else 1.0 / left
         )
         most = min(most, reach / (ratio * self.moved))
-        return most if most > STEPS_AHEAD_MIN else 1.0
+        # Steps that one must stand for at least
+        return most if most > 1.5 else 1.0
 
 
 def _sizes(movement: Floats) -> Floats:

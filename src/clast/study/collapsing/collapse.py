@@ -36,9 +36,6 @@ from clast.study.description import COLLAPSE, Description
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
 from clast.study.parameters import content_of
 
-REFINED_RANGE = 5.0
-"""How far more trials reach on both sides of the bracket, in units of the tolerance."""
-
 Watch = Callable[[int, Trial], None]
 Given = str | Path | Case | ModelBuilder | Model
 """Types that a script may give for a case."""
@@ -233,7 +230,8 @@ class TrialMaker:
         count = self.how.refine
         if not count or not bracket.is_closed:
             return []
-        reach = REFINED_RANGE * self.how.tolerance * bracket.high
+        # How far more trials reach on both sides of the bracket, in units of the tolerance
+        reach = 5.0 * self.how.tolerance * bracket.high
         low, high = max(0.0, bracket.low - reach), bracket.high + reach
         return [low + (high - low) * (k + 1) / (count + 1) for k in range(count)]
 

@@ -51,8 +51,6 @@ TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that fail."""
 BASE_FACTOR_MIN = 1.0 / 64.0
 """Least factor at which blocks are let settle where they do not stand at 1."""
-FOREVER = 1e9
-"""Time between frames of which only the first and the last are wanted, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +100,8 @@ def settle(case: Case, by: Reduction, base: float) -> Settled:
     if TimeTable.model_validate(content["time"]).largest_movement(model) > longest:
         content = {**content, "time": {**content["time"], "max_displacement": longest}}
     ready = changed(case, staged(by.base(content, base)))
-    method, schedule = ready.method(model), replace(ready.schedule(), every=FOREVER)
+    # Time between frames of which only the first and the last are wanted, s
+    method, schedule = ready.method(model), replace(ready.schedule(), every=1e9)
     run = _simulated(model, method, schedule, RunRecorder(model, contacts=False), keep=keep)
     if len(run.stages) <= len(content.get("stage", [])) or not run.report.finished:
         raise CaseError(

@@ -21,8 +21,6 @@ STEPS = (2e-5, 1e-3, 1e-2)
 """Steps h, s."""
 ARRIVALS = np.arange(10) / 10.0
 """Shares of a step at which they meet."""
-AFTER = 20
-"""Steps of which springs have the time to show themselves."""
 ASKED = "asked for: 0.03; round-off is what it comes to"
 ROW = 5
 """Squares in the row."""
@@ -53,8 +51,9 @@ def parting(
 ) -> float:
     """Return the speed at which two squares part, in units of that at which they meet."""
     model = two_squares(SPEED * step * (1.0 + arrival), mass)
+    # Steps of which springs have the time to show themselves
     run = rebounding(variant, restitution).run(
-        model, step=step, end=(AFTER + 2) * step, p=stiffness * YOUNG, max_displacement=0.1
+        model, step=step, end=(20 + 2) * step, p=stiffness * YOUNG, max_displacement=0.1
     )
     flying, hit = (run.history(name).velocity[-1, 0] for name in ("flying", "hit"))
     return float(hit - flying) / SPEED

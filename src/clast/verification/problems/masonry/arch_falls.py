@@ -40,8 +40,6 @@ SHARES = (0.25, 0.5, 0.75, 0.95)
 """Spreads at which the crown is looked at, in units of that at which the arch falls."""
 BEYOND = 1.04
 """Spread at the end, in the same units."""
-LEAST_TURN = 1e-3
-"""Turn of a hinge, rad."""
 WHY = "joints and blocks give a little; a step moves the support by 0.4 % of the way to the fall"
 
 
@@ -137,9 +135,10 @@ class Half:
 
 def hinges_of(turns: Floats) -> set[tuple[str, int]]:
     """Return the hinges among turns of joints (k + 1,), rad, which open outside if positive."""
+    # Turn of a hinge, rad
     return {
         ("inner" if turns[joint] > 0.0 else "outer", int(joint))
-        for joint in np.flatnonzero(np.abs(turns) > LEAST_TURN)
+        for joint in np.flatnonzero(np.abs(turns) > 1e-3)
     }
 
 

@@ -28,8 +28,6 @@ YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0
 """E, Pa, nu, p, Pa, and a, m."""
 STRONG = 1e9
 """Cohesion and tensile strength of the joints, Pa, which thus stay closed."""
-STIFFER = 100.0
-"""Stiffness of the joints in units of E over the length of an edge of the wall."""
 STEP, FADING, RESTING = 2e-2, 6, 6
 """Step, s; steps in which the support fades out, and steps after them."""
 ANGLES = (0.0, 45.0, 90.0)
@@ -93,7 +91,8 @@ def closure(angle: Floats | float, ratio: float) -> Floats:
 
 def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
     """Return the rings under stress, with a support of the wall that fades out."""
-    stiffness = STIFFER * YOUNG / (2.0 * np.pi * RADIUS / rings.round)
+    # Stiffness of the joints in units of E over the length of an edge of the wall
+    stiffness = 100.0 * YOUNG / (2.0 * np.pi * RADIUS / rings.round)
     builder = new_model("Kirsch", plane=PlaneStrain(), young=YOUNG, density=2700.0, poisson=POISSON)
     builder.add_joint(
         friction_angle=45.0,

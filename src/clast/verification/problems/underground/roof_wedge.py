@@ -26,8 +26,6 @@ BASE, HEIGHT, BEYOND = 4.0, 2.0, 0.5
 """Width of the wedge below and its height; how far the rock beside it goes on, m."""
 STEP, STEPS, FURTHER = 2e-2, 200, 1.1
 """Step, s, steps and the load at the end over P0."""
-SLIPS = 2.0
-"""A step moves a wedge that slips by so many times the movement of one that does not."""
 RAMP = f"the load grows by {100 * FURTHER / STEPS:.2g} % of P0 a step"
 LINEAR = "the rock is not rigid: E = 1e14 Pa; inertia lags by a part of a step"
 
@@ -110,7 +108,8 @@ def pull_out(wedge: Wedge, load: Floats, sunk: Floats) -> int:
     """Return the last step before the wedge slips."""
     P0, u = wedge.exact()
     elastic = np.diff(load) * u / P0
-    slips = np.flatnonzero(np.diff(sunk) > SLIPS * elastic)
+    # A step moves a wedge that slips by so many times the movement of one that does not
+    slips = np.flatnonzero(np.diff(sunk) > 2.0 * elastic)
     return int(slips[0]) if len(slips) else len(load) - 1
 
 
