@@ -311,7 +311,7 @@ class Links(Action):
 
     # --- rows
 
-    def _active(self, start: StepStart, state: LinkStates) -> _Active:
+    def _active(self, start: StepStart, state: LinkStates) -> ActiveRows:
         """Return the rows that act in a step."""
         rows, model = self.rows, start.model
         ahead = with_ground(_halfway(start), 0.5 * _of_ground(start))
@@ -331,7 +331,7 @@ class Links(Action):
         small = float(np.sqrt(model.smallest))
         rigid = np.where(rows.component == ROTATION, small**2, 1.0) * start.support_stiffness
         # Length of the arms of rows against rotation, in units of the system
-        return _Active(
+        return ActiveRows(
             state=state,
             row=np.flatnonzero(acts),
             along=turned_by(rows.along, turn),
@@ -368,7 +368,7 @@ class Links(Action):
             force=np.where(lost, 0.0, state.force),
         )
 
-    def _springs(self, start: StepStart, active: _Active) -> tuple[Springs, Ints, Floats]:
+    def _springs(self, start: StepStart, active: ActiveRows) -> tuple[Springs, Ints, Floats]:
         """Return the table of s springs, and which of its rows come first, second, third: (3 r,).
 
         Each row that acts has a spring to one side, one to the other, and a dashpot.  The last are
@@ -401,7 +401,7 @@ class Links(Action):
         places[chosen], before[order] = order, stretch[at]
         return replace(springs, ground=ground if (block == GROUND).any() else -1), places, before
 
-    def _arms(self, active: _Active) -> tuple[Floats, Floats]:
+    def _arms(self, active: ActiveRows) -> tuple[Floats, Floats]:
         """Return direction and arms of the rows that act, (r, 6), and their scale, (r,).
 
         The stretch at the end of the arms, m, is the scale times the row's own: -L for angles.
@@ -417,7 +417,7 @@ class Links(Action):
         return arms, np.where(turns, -active.arm, 1.0)
 
     def _each_spring(
-        self, start: StepStart, active: _Active, scale: Floats, stretch: Floats
+        self, start: StepStart, active: ActiveRows, scale: Floats, stretch: Floats
     ) -> tuple[tuple[Clipped, ...], tuple[Bools, ...]]:
         """Return the springs to one side and to the other and the dashpots, and which there are.
 
@@ -445,7 +445,7 @@ class Links(Action):
         )
         return each, (np.ones(len(row), np.bool_), ~two_sided, rows.damping[row] > 0.0)
 
-    def _all_moved(self, start: StepStart, active: _Active, displacement: Floats) -> Floats:
+    def _all_moved(self, start: StepStart, active: ActiveRows, displacement: Floats) -> Floats:
         """Return by how much d (n, 6) stretches the rows, m or rad, shape (m,)."""
         moved = np.zeros(len(self.rows.link))
         if len(active.row):
@@ -463,7 +463,7 @@ class Links(Action):
         angles[self.rows.link[turns]] = moved[turns]
         return angles
 
-    def _stretched(self, active: _Active, state: LinkStates, stretch: Floats) -> LinkStates:
+    def _stretched(self, active: ActiveRows, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the rows at their stretches (m,): their forces, and which yield."""
         rows, k = self.rows, active.stiffness
         elastic = stretch - state.rest - state.plastic
@@ -504,7 +504,7 @@ def _halfway(start: StepStart) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Active:
+class ActiveRows:
     """Rows that act in a step."""
 
     state: LinkStates
@@ -527,4 +527,4 @@ class _Active:
 class LinkContribution(Contribution):
     """The contribution of links, with the rows that it is made of."""
 
-    active: _Active
+    active: ActiveRows

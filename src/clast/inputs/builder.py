@@ -33,10 +33,10 @@ from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, Directions, with_dir
 from clast.inputs.declaring.builder_methods import PlaneOfBuilder, gives, gives_named, single
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.values import (
+    TITLE_LENGTH_MAX,
     check_actions,
     check_numbers,
     check_point_names,
-    check_title,
 )
 from clast.inputs.drawpoints import DrawpointTable, drawpoints_in
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
@@ -437,7 +437,15 @@ class InputBuilder(Inputs):
         return repaired, polygons
 
     def _check_names(self) -> None:
-        check_title(self.title)
+        # Refuse titles that a result file cannot hold.
+        title = self.title
+        if not isinstance(title, str):
+            what = f"{shortened(repr(title))} is not text"
+            raise ModelError(what, where="title", remedy="give it in quotes")
+        if "\0" in title or len(title) > TITLE_LENGTH_MAX:
+            what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
+            remedy = f"give a text of at most {TITLE_LENGTH_MAX} characters"
+            raise ModelError(what, where="title", remedy=remedy)
         check_names("rock", list(self.named(materials.Rock)))
         check_names("joint", list(self.named(materials.Joint)))
         check_names("block", self._names())

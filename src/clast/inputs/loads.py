@@ -240,7 +240,7 @@ def _factors(named: Iterable[tuple[str, Load]], ground: Ground) -> Ints:
 
 
 @dataclass(frozen=True)
-class _Line:
+class LoadedLine:
     """A line about the origin: its first end, its unit direction and its length."""
 
     start: Floats
@@ -263,7 +263,7 @@ def pressed_edges(
     for label, one in named_loads(pressures, "pressure"):
         start, end = (np.array(point) - outlines.origin for point in (one.start, one.end))
         length = float(np.hypot(*(end - start)))
-        line = _Line(start, (end - start) / length, length)
+        line = LoadedLine(start, (end - start) / length, length)
         ends = one.value if isinstance(one.value, tuple) else (one.value, one.value)
         edges = np.arange(len(outlines.vertices))
         if one.block is not None:
@@ -304,7 +304,7 @@ def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
 
 
 def _parts(
-    line: _Line, edges: Ints, outlines: BlockOutlines, tolerance: float
+    line: LoadedLine, edges: Ints, outlines: BlockOutlines, tolerance: float
 ) -> tuple[Ints, Floats, Floats]:
     """Return the edges along a line, the shares of them, and where these are on the line.
 
@@ -331,7 +331,7 @@ def _parts(
     return edges[chosen], share, first[0][chosen, None] + share * run[near, None]
 
 
-def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: BlockOutlines) -> NoReturn:
+def _refuse_no_edge(label: str, line: LoadedLine, edges: Ints, outlines: BlockOutlines) -> NoReturn:
     """Raise ModelError for a line along no edge, with the edge that comes nearest."""
     here, there = outlines.vertices[edges], outlines.vertices[outlines.following[edges]]
     end = line.start + line.length * line.along
@@ -356,7 +356,7 @@ def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: BlockOutline
 
 
 def _refuse_two_blocks(
-    label: str, line: _Line, edge: Ints, place: Floats, outlines: BlockOutlines
+    label: str, line: LoadedLine, edge: Ints, place: Floats, outlines: BlockOutlines
 ) -> None:
     """Refuse a line along which edges of two blocks lie in the same place (k, 2), m."""
     order = np.argsort(place[:, 0], kind="stable")

@@ -29,7 +29,7 @@ from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
-from clast.model.drainage import distances, drained, parts_between, places_on
+from clast.model.drainage import distances, drained, parts_between
 from clast.model.edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
@@ -379,7 +379,13 @@ def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> t
                 raise ModelError(what, where=where, remedy=remedy)
             places.append(line)
             continue
-        places.append(places_on(line, ends, near))
+        # Where joints meet a line (c, 2): their ends on it and where they cross, m, (d, 2).
+        drain = shapely.linestrings(line)
+        joints = shapely.linestrings(ends)
+        on_line = shapely.distance(shapely.points(ends), drain) <= near[:, None]
+        crossing = ~on_line.any(axis=1) & shapely.intersects(joints, drain)
+        crossings = shapely.get_coordinates(shapely.intersection(joints[crossing], drain))
+        places.append(np.concatenate([ends[on_line], crossings]))
         if not len(places[-1]):
             remedy = "let it cross joints below the water level, or remove it"
             raise ModelError("no joint that this water enters meets it", where=where, remedy=remedy)

@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 
 from clast.model.arrays import Bools, Floats, Ints, connected
 from clast.model.water import Water, surface_at
@@ -72,19 +71,6 @@ def drained(water: Water, absent: Bools) -> Water:
     if len(drains) and pipes.any():
         lowered[pipes] = lowering(joints.ends[pipes], joints.near[pipes], water.surface, drains)
     return replace(water, joints=replace(joints, lowered=lowered))
-
-
-def places_on(line: Floats, ends: Floats, near: Floats) -> Floats:
-    """Return where joints meet a line (c, 2): their ends on it and where they cross, m, (d, 2).
-
-    ``ends`` (k, 2, 2) are those of the joints, m, which count when nearer than ``near`` (k,), m.
-    """
-    drain = shapely.linestrings(line)
-    joints = shapely.linestrings(ends)
-    on_line = shapely.distance(shapely.points(ends), drain) <= near[:, None]
-    crossing = ~on_line.any(axis=1) & shapely.intersects(joints, drain)
-    crossings = shapely.get_coordinates(shapely.intersection(joints[crossing], drain))
-    return np.concatenate([ends[on_line], crossings])
 
 
 def parts_between(ends: Floats, near: Floats, drains: Floats) -> tuple[Ints, Floats]:

@@ -316,11 +316,6 @@ def with_strengths(table: JointTable, changes: Mapping[str, Mapping[str, float]]
     return replace(table, joints=joints)
 
 
-def has_bonds(model: Model) -> bool:
-    """Return whether any joint has a cohesion or a tensile strength."""
-    return any(one.cohesion > 0.0 or one.tensile_strength > 0.0 for one in model.joint_table.joints)
-
-
 def with_bonds_held(model: Model) -> Model:
     """Return the model with bonds that nothing breaks."""
     joints = tuple(

@@ -19,7 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
 from clast.results.checkpoints.checkpoint import Recorded, extended, read_lineage, write_lineage
-from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
+from clast.results.checkpoints.reopen import check_fit, lengths_after, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
 from clast.results.result_tables import GrowingTable
@@ -148,7 +148,15 @@ class ResultFile:
             self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
             self._frames, self._contacts = recorded.frames, int(recorded.frame["contacts"][0])
             self._saved = rows_after(recorded.frame, self._model)
-            cut_back(self._file, self._model, self._frames, recorded.frame)
+            # Take all that came after its first ``self._frames`` frames out of an open result file.
+            file = self._file
+            # In the order in which a frame is taken back: for a viewer it goes first.
+            file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(self._frames))
+            for name, length in lengths_after(self._model, self._frames, recorded.frame).items():
+                if name in file:
+                    file[name].resize(min(length, len(file[name])), axis=0)
+            if "report" in file:
+                del file["report"]
             first = self._frames // CHUNK_ROWS * CHUNK_ROWS
             self._put_offsets(first)
             write_source(self._file["model"], self._model, self._case_text, self.about)

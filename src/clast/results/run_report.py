@@ -123,16 +123,6 @@ def about_model(model: Model) -> dict[str, Any]:
     }
 
 
-def about_in(text: str) -> dict[str, Any]:
-    """Return how a file was made; raises ValueError where the text is no such record."""
-    about = json.loads(text)
-    if not isinstance(about, dict) or not all(
-        is_right(about[key]) for key, is_right in CHECKS.items() if key in about
-    ):
-        raise ValueError("/model/about does not say how the run was made")
-    return dict(about)
-
-
 def _is_part(part: Any) -> bool:
     return isinstance(part, dict) and isinstance(part.get("name"), str)
 

@@ -18,7 +18,7 @@ from clast.model.model import Ints
 from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
 from clast.results.checkpoints.encode import is_well_typed
 from clast.results.open_file import MalformedError
-from clast.results.run_report import Report, about_in, report_from_dict
+from clast.results.run_report import CHECKS, Report, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
     CONVERGENCES,
@@ -255,7 +255,13 @@ def report_of(file: Any) -> Report | None:
 def about_of(file: Any) -> dict[str, Any]:
     """Return how a file was made; raises MalformedError."""
     try:
-        return about_in(text(file, "model/about"))
+        # How a file was made; raises ValueError where the text is no such record.
+        about = json.loads(text(file, "model/about"))
+        if not isinstance(about, dict) or not all(
+            is_right(about[key]) for key, is_right in CHECKS.items() if key in about
+        ):
+            raise ValueError("/model/about does not say how the run was made")
+        return dict(about)
     except (TypeError, ValueError, RecursionError) as error:
         raise MalformedError(f"{error}") from error
 

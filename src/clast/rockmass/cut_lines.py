@@ -68,7 +68,7 @@ Kind = TypeVar("Kind", Opening, Region)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placed(Generic[Kind]):
+class PlacedOutline(Generic[Kind]):
     """An opening or a region, with its outline as it is cut."""
 
     given: Kind
@@ -83,8 +83,8 @@ class Site:
 
     domain: Domain
     outline: Outline
-    openings: Sequence[Placed[Opening]]
-    regions: Sequence[Placed[Region]]
+    openings: Sequence[PlacedOutline[Opening]]
+    regions: Sequence[PlacedOutline[Region]]
     origin: Floats
     """Whole metres next to the lower left of the domain, m, shape (2,)."""
     grid: float
@@ -95,7 +95,7 @@ class Site:
     """Corners of openings that were moved onto other outlines, m, shape (k, 2)."""
 
     @property
-    def placed(self) -> list[Placed[Any]]:
+    def placed(self) -> list[PlacedOutline[Any]]:
         """Openings, then regions."""
         return [*self.openings, *self.regions]
 
@@ -118,11 +118,13 @@ def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region])
         domain=domain,
         outline=rim,
         openings=[
-            Placed(given=one, outline=shape, polygon=shape.polygon(origin))
+            PlacedOutline(given=one, outline=shape, polygon=shape.polygon(origin))
             for one, shape in zip(openings, rims[1:], strict=True)
         ],
         regions=[
-            Placed(given=one, outline=(shape := one.outline()), polygon=shape.polygon(origin))
+            PlacedOutline(
+                given=one, outline=(shape := one.outline()), polygon=shape.polygon(origin)
+            )
             for one in regions
         ],
         origin=origin,

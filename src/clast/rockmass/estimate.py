@@ -150,25 +150,20 @@ def limits_of(
     """
     edge, block = at.domain.smallest_edge, at.domain.smallest_block
     if edge is None:
-        edge = 0.01 * _spacing(at, lines, patterns)
+        spacings, traced = [], 0.0
+        for one in lines:
+            if one.plan is None:
+                traced += float(np.hypot(*(one.ends[:, 1] - one.ends[:, 0]).T).sum())
+            elif one.plan.spacing is not None:
+                spacings.append(one.plan.spacing.mean)
+            elif one.plan.intensity is not None:
+                spacings.append(1.0 / one.plan.intensity)
+            else:
+                spacings.append(math.sqrt(one.window.area / max(len(one.ends) / 3.0, 1.0)))
+        spacings += [float(np.min(one.brick)) for one in patterns]
+        if traced > 0.0 and not spacings:
+            spacings.append(min(at.window.area / traced, math.sqrt(at.window.area)))
+        edge = 0.01 * (float(np.median(spacings)) if spacings else 0.0)
         if block is not None:
             edge = min(edge, 0.5 * math.sqrt(block))
     return float(edge), float((2.0 * edge) ** 2 if block is None else block)
-
-
-def _spacing(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> float:
-    spacings, traced = [], 0.0
-    for one in lines:
-        if one.plan is None:
-            traced += float(np.hypot(*(one.ends[:, 1] - one.ends[:, 0]).T).sum())
-        elif one.plan.spacing is not None:
-            spacings.append(one.plan.spacing.mean)
-        elif one.plan.intensity is not None:
-            spacings.append(1.0 / one.plan.intensity)
-        else:
-            spacings.append(math.sqrt(one.window.area / max(len(one.ends) / 3.0, 1.0)))
-    spacings += [float(np.min(one.brick)) for one in patterns]
-    if traced > 0.0 and not spacings:
-        spacings.append(min(at.window.area / traced, math.sqrt(at.window.area)))
-    # Nothing cuts the domain but its openings: these have edges as short as they are meant.
-    return float(np.median(spacings)) if spacings else 0.0

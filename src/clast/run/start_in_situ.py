@@ -368,14 +368,6 @@ def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
     free = ~model.fixed
     if model.mass[loose].sum() <= 0.5 * model.mass[free].sum():
         return (f"in-situ stress: nothing holds block {names}{more}: {text}; it begins to move",)
-    raise ModelError(
-        f"stress, weight and supports are not in balance: {text}",
-        where="in_situ",
-        remedy=_remedy(model),
-    )
-
-
-def _remedy(model: Model) -> str:
     stress = model.in_situ
     remedies = []
     if stress is not None and model.gravity.any() and not np.any(stress.gradient):
@@ -391,4 +383,8 @@ def _remedy(model: Model) -> str:
     remedies.append(
         "give the joints the strength that holds the rock, or excavate in a later stage"
     )
-    return ", ".join(remedies[:-1]) + (" or " if remedies[:-1] else "") + remedies[-1]
+    raise ModelError(
+        f"stress, weight and supports are not in balance: {text}",
+        where="in_situ",
+        remedy=", ".join(remedies[:-1]) + (" or " if remedies[:-1] else "") + remedies[-1],
+    )

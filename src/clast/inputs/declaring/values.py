@@ -59,17 +59,6 @@ def check_point_names(names: Sequence[str]) -> None:
             raise ModelError(what, where=f"measured point '{name}'", remedy="give it another name")
 
 
-def check_title(title: str) -> None:
-    """Refuse titles that a result file cannot hold."""
-    if not isinstance(title, str):
-        what = f"{shortened(repr(title))} is not text"
-        raise ModelError(what, where="title", remedy="give it in quotes")
-    if "\0" in title or len(title) > TITLE_LENGTH_MAX:
-        what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
-        remedy = f"give a text of at most {TITLE_LENGTH_MAX} characters"
-        raise ModelError(what, where="title", remedy=remedy)
-
-
 def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
     if not isinstance(name, str):

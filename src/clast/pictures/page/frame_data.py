@@ -78,7 +78,17 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
     start = results.vertices(0)
     frames = (results.vertices(int(number)) for number in numbers)
     motion = affine(start, frames, results.block_start)
-    shown = _packed_motion(motion, start, results.block_start)
+    # The motion for the page; strains are no finer than displacements at a block's edge.
+    rounding = ROUNDING * float(np.ptp(start, axis=0).max())
+    moved = max(float(np.abs(motion[name]).max()) for name in ("x", "y"))
+    least = dict.fromkeys(("x", "y"), max(rounding, NOISE * moved)) | {"angle": ROUNDING}
+    quantum = max(float(np.ptp(motion[name])) for name in ("x", "y")) / LEVELS
+    low = np.minimum.reduceat(start, results.block_start[:-1])
+    high = np.maximum.reduceat(start, results.block_start[:-1])
+    deformed = np.any([np.abs(motion[name]).max(axis=0) > ROUNDING for name in STRAINS], axis=0)
+    sizes = np.hypot(*(high - low)[deformed].T)
+    fine = quantum / float(sizes.max()) if deformed.any() else 0.0
+    shown = {name: packed(values, least.get(name, fine)) for name, values in motion.items()}
     stages = results.frame_stages
     about = _About(results, numbers, start)
     # frames in which each block is taken away, comes, ...: linings of later stages go in the first
@@ -118,20 +128,6 @@ class _About:
     def origin(self) -> Floats:
         """Point that places are relative to, m, shape (2,)."""
         return np.asarray(self.start.mean(axis=0))
-
-
-def _packed_motion(motion: dict[str, Floats], start: Floats, block_start: Ints) -> dict[str, Any]:
-    """Return the motion for the page; strains are no finer than displacements at a block's edge."""
-    rounding = ROUNDING * float(np.ptp(start, axis=0).max())
-    moved = max(float(np.abs(motion[name]).max()) for name in ("x", "y"))
-    least = dict.fromkeys(("x", "y"), max(rounding, NOISE * moved)) | {"angle": ROUNDING}
-    quantum = max(float(np.ptp(motion[name])) for name in ("x", "y")) / LEVELS
-    low = np.minimum.reduceat(start, block_start[:-1])
-    high = np.maximum.reduceat(start, block_start[:-1])
-    deformed = np.any([np.abs(motion[name]).max(axis=0) > ROUNDING for name in STRAINS], axis=0)
-    sizes = np.hypot(*(high - low)[deformed].T)
-    fine = quantum / float(sizes.max()) if deformed.any() else 0.0
-    return {name: packed(values, least.get(name, fine)) for name, values in motion.items()}
 
 
 def _packed_fields(

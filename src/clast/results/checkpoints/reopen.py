@@ -72,20 +72,6 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
         raise CaseError(f"does not belong to the checkpoint: {why}", where=where, remedy=ELSEWHERE)
 
 
-def cut_back(file: Any, model: Model, frames: int, last: NDArray[Any]) -> None:
-    """Take all that came after its first ``frames`` frames out of an open result file.
-
-    ``last`` is the row of the last of them in its table of frames, shape (1,).
-    """
-    # In the order in which a frame is taken back: for a viewer it goes first.
-    file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(frames))
-    for name, length in lengths_after(model, frames, last).items():
-        if name in file:
-            file[name].resize(min(length, len(file[name])), axis=0)
-    if "report" in file:
-        del file["report"]
-
-
 def lengths_after(model: Model, frames: int, last: NDArray[Any]) -> dict[str, int]:
     """Return the rows of each growing dataset of a file after so many frames."""
     counts, vertices = rows_after(last, model), len(model.vertices)

@@ -28,8 +28,8 @@ from clast.run.stages.static_path import OnPath
 from clast.run.stages.transition import (
     Setting,
     before_all,
+    changed,
     entered,
-    entered_again,
     events_at_start,
 )
 from clast.step.method import is_stable_for_any_step
@@ -79,7 +79,11 @@ class StageSequence:
         """Return the setting of a run that goes on from a position."""
         if position is None or not position.starts:
             return replace(self.first, model=as_in(self.first.model, state))
-        return entered_again(self.base, state, position.starts)
+        # The setting of a run that goes on in the stage that began last at ``position.starts``, s.
+        setting = before_all(self.base)
+        for begun in range(1, len(position.starts) + 1):
+            setting = changed(self.base, setting, position.starts[:begun])
+        return replace(setting, model=as_in(setting.model, state))
 
     def is_done(self, position: Position) -> bool:
         """Return whether no stage is left."""

@@ -35,7 +35,7 @@ from clast.actions.loads import HoldingForces
 from clast.contact.laws import carried_over
 from clast.model.model import Bools, Floats, Model
 from clast.model.stage_records import Mechanism, Mover
-from clast.model.stages import EQUILIBRIUM, HOLD, Stage, has_bonds, with_bonds_held
+from clast.model.stages import EQUILIBRIUM, HOLD, Stage, with_bonds_held
 from clast.model.state import State
 from clast.run.schedule import Schedule
 from clast.run.stages import convergence
@@ -148,7 +148,10 @@ class StaticPath:
         """Return the beginning of the path."""
         held = self.stage is not None and self.stage.bonds == HOLD
         missing = _no_forces()
-        if self._grows and has_bonds(self.model):
+        if self._grows and any(
+            one.cohesion > 0.0 or one.tensile_strength > 0.0
+            for one in self.model.joint_table.joints
+        ):
             missing = out_of_balance(self.model, self.method, state, self.first_step)
         return OnPath(clock=self.schedule.step, held=held, missing=missing)
 

@@ -35,7 +35,7 @@ from clast.model.stage_records import Event
 from clast.model.stages import EQUILIBRIUM, LOCK, Stage, with_loads, with_strengths
 from clast.model.state import ContactMemory, State
 from clast.model.surroundings import blocks_called
-from clast.run.excavation import as_in, excavated, release, with_drains, without
+from clast.run.excavation import excavated, release, with_drains, without
 from clast.run.schedule import Schedule
 from clast.step.method import Method
 from clast.step.search_distance import search_within_step, travel_expected
@@ -100,14 +100,6 @@ def entered(
     if current.method.dynamic_ratio == 0.0 < setting.method.dynamic_ratio:
         state = at_rest(state)
     return setting, state
-
-
-def entered_again(base: Setting, state: State, starts: Sequence[float]) -> Setting:
-    """Return the setting of a run that goes on in the stage that began last at ``starts``, s."""
-    setting = before_all(base)
-    for begun in range(1, len(starts) + 1):
-        setting = changed(base, setting, starts[:begun])
-    return replace(setting, model=as_in(setting.model, state))
 
 
 def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting:

@@ -104,8 +104,19 @@ def compare_reactions(trial: Trial) -> None:
     chart.computed(LEVELS, 1e-3 * forces[:, 1], "toe")
 
 
-def compare_limits(trial: Trial) -> None:
-    """Compare at which friction angle the dam slides, and at which height of the water it tips."""
+@problem(set_up=model_of_dam, variants=EACH_PROCESS, briefly=compare_reactions)
+def dam(trial: Trial) -> None:
+    """Dam under the pressure of water.
+
+    A block of 3 m x 10 m on a foundation, with the triangular pressure of water on its left face as
+    a [[pressure]]; the friction angle at which it slides and the height of the water that tips it
+    are bisected. p = 2 GPa, h = 10 ms, for sliding 4 ms, static.
+
+    Exact: N = W/2 -+ w h^3/(6 B) at heel and toe; tan phi = w h^2/(2 W); tips at w h^3/6 = W B/2.
+    Source: equilibrium of a rigid block.
+    """
+    compare_reactions(trial)
+    # Compare at which friction angle the dam slides, and at which height of the water it tips.
     angles = []
     for level in SLIDES_AT:
         exact = exact_angle(level)
@@ -122,18 +133,3 @@ def compare_limits(trial: Trial) -> None:
     chart = trial.chart("friction angle at the limit of sliding", *labels)
     chart.exact("tan φ = F/W", fine, [exact_angle(level) for level in fine])
     chart.computed(SLIDES_AT, angles)
-
-
-@problem(set_up=model_of_dam, variants=EACH_PROCESS, briefly=compare_reactions)
-def dam(trial: Trial) -> None:
-    """Dam under the pressure of water.
-
-    A block of 3 m x 10 m on a foundation, with the triangular pressure of water on its left face as
-    a [[pressure]]; the friction angle at which it slides and the height of the water that tips it
-    are bisected. p = 2 GPa, h = 10 ms, for sliding 4 ms, static.
-
-    Exact: N = W/2 -+ w h^3/(6 B) at heel and toe; tan phi = w h^2/(2 W); tips at w h^3/6 = W B/2.
-    Source: equilibrium of a rigid block.
-    """
-    compare_reactions(trial)
-    compare_limits(trial)
