@@ -29,6 +29,9 @@ from clast.results.frames import absent_in_frame
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+POINT_NAMES_MAX = 12
+"""Measured points drawn with their names."""
+
 
 class FrameDrawing:
     """Draws frames of a run with one field, in one part.
@@ -180,8 +183,7 @@ def places_of_points(results: Recording, frames: Sequence[int] | Ints) -> Floats
 
 def _draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
     """Mark the measured points (k, 2) where they are, the first few with their names."""
-    # Measured points drawn with their names
-    for name, at in list(zip(names, places, strict=True))[:12]:
+    for name, at in list(zip(names, places, strict=True))[:POINT_NAMES_MAX]:
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
         text, side = _beside(axes, name, float(at[0]))
         beside: dict[str, Any] = {
