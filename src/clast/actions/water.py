@@ -18,13 +18,7 @@ import numpy as np
 from clast.actions.action import Action, Contribution, StepStart
 from clast.actions.loads import pressure_forces
 from clast.model.model import Floats, Ints
-from clast.model.water import (
-    Water,
-    ends_of_faces,
-    faces_of_joints,
-    filled,
-    wetted,
-)
+from clast.model.water import Water, ends_of_faces, faces_of_joints, filled, wetted
 
 
 @dataclass(frozen=True)

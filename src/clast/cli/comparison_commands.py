@@ -22,8 +22,7 @@ ProcessNames = Annotated[
 ]
 LawNames = Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")]
 ReportFolder = Annotated[
-    Path | None,
-    typer.Option(metavar="DIR", help="Write a page with figures into this folder too."),
+    Path | None, typer.Option(metavar="DIR", help="Write a page with figures into this folder too.")
 ]
 
 

@@ -25,8 +25,7 @@ NewCase = Annotated[
     Path, typer.Option("-o", "--output", help="Case file to write; it must not exist yet.")
 ]
 AnalysisFile = Annotated[
-    Path | None,
-    typer.Option("--analysis", metavar="FILE", help="Analysis file of the geometry."),
+    Path | None, typer.Option("--analysis", metavar="FILE", help="Analysis file of the geometry.")
 ]
 DrawingUnit = Annotated[
     str,

@@ -252,8 +252,7 @@ def page(
 def report(
     file: ResultFile,
     output: Annotated[
-        Path | None,
-        typer.Argument(metavar="OUTPUT", help="Report; FILE-report.html if absent."),
+        Path | None, typer.Argument(metavar="OUTPUT", help="Report; FILE-report.html if absent.")
     ] = None,
 ) -> None:
     """Write a report for a client. Has figures, tables and verdicts, to be printed."""
@@ -281,8 +280,7 @@ def film(
         typer.Argument(metavar="OUTPUT", help=".mp4, .webp or .gif; FILE with .mp4 if absent."),
     ] = None,
     field: Annotated[
-        str,
-        typer.Option(help="Colour of the blocks or joints, as of clast plot."),
+        str, typer.Option(help="Colour of the blocks or joints, as of clast plot.")
     ] = "displacement",
     stage: Annotated[str | None, typer.Option(metavar="NAME", help="Show only this stage.")] = None,
     fps: Annotated[float, typer.Option(metavar="N", help="Frames per second.")] = 25.0,

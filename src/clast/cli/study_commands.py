@@ -130,8 +130,7 @@ def fos(
 def target(
     case: CaseFile,
     reach: Annotated[
-        str,
-        typer.Option(metavar="CONDITION", help='Target, e.g. "factor_of_safety() >= 1.3".'),
+        str, typer.Option(metavar="CONDITION", help='Target, e.g. "factor_of_safety() >= 1.3".')
     ],
     vary: Annotated[
         list[str] | None,

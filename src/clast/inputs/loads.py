@@ -214,15 +214,9 @@ def line_loads_in(records: Sequence[LineLoad], ground: Ground) -> LineLoads:
     )
 
 
-def points_placed(
-    kinds: Iterable[MaterialPoints | LineLoads],
-) -> Iterator[tuple[str, int, Floats]]:
+def points_placed(kinds: Iterable[MaterialPoints | LineLoads]) -> Iterator[tuple[str, int, Floats]]:
     """Give the label, the block and the points (e, 2), m, of each place of several kinds."""
-    called = {
-        MeasuredPoints: "measured point",
-        PointLoads: "point load",
-        LineLoads: "line load",
-    }
+    called = {MeasuredPoints: "measured point", PointLoads: "point load", LineLoads: "line load"}
     for one in kinds:
         kind = called.get(type(one), "fixed point")
         ends = (one.start, one.end) if isinstance(one, LineLoads) else (one.at,)

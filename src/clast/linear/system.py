@@ -108,12 +108,7 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 
 def with_contact_forces(
-    force: Floats,
-    contacts: PairedLinks,
-    graph: Graph,
-    fixed: Bools,
-    normal: Floats,
-    shear: Floats,
+    force: Floats, contacts: PairedLinks, graph: Graph, fixed: Bools, normal: Floats, shear: Floats
 ) -> Floats:
     """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks."""
     count = len(force)

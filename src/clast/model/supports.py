@@ -82,10 +82,7 @@ class Bolts:
         ``install``.
         """
         own = np.array([one == stage for one in self.stage], np.bool_)
-        return replace(
-            self,
-            installed=self.installed | own | self.named(install),
-        )
+        return replace(self, installed=self.installed | own | self.named(install))
 
     def locked_by_now(self) -> Bolts:
         """Return the bolts with the jacks off all that are installed."""

@@ -27,12 +27,7 @@ from clast.rockmass.drawings.blocks_out import HEADING as BLOCK_COLUMNS
 from clast.rockmass.drawings.blocks_out import read_blocks_npz
 from clast.rockmass.drawings.csv_lines import read_csv, table_of
 from clast.rockmass.drawings.dda_xml import read_dda_xml
-from clast.rockmass.drawings.drawing import (
-    DEFAULT_JOINT,
-    DEFAULT_ROCK,
-    Drawing,
-    LeftOut,
-)
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT, DEFAULT_ROCK, Drawing, LeftOut
 from clast.rockmass.drawings.drawing_files import checked_file
 from clast.rockmass.drawings.drawn_loops import without_repeats
 from clast.rockmass.drawings.dxf import DxfReading, MissingLayer, read_dda_dxf, read_dxf, role_of

@@ -92,10 +92,7 @@ class Repaired:
 
 
 def repaired(
-    vertices: Any,
-    start: Any,
-    tolerance: float,
-    label: Callable[[int], str] | None = None,
+    vertices: Any, start: Any, tolerance: float, label: Callable[[int], str] | None = None
 ) -> Repaired:
     """Return counter-clockwise blocks (nv, 2), m, that touch where they were within a tolerance.
 

@@ -16,13 +16,7 @@ import numpy as np
 
 from clast.actions.active import actions_of, states_of
 from clast.actions.in_situ import LoadedEnds
-from clast.actions.relaxation import (
-    Relaxation,
-    SupportForces,
-    absent_in,
-    no_forces,
-    released,
-)
+from clast.actions.relaxation import Relaxation, SupportForces, absent_in, no_forces, released
 from clast.block import polygon
 from clast.block.inertia import block_frames
 from clast.contact import laws as multipliers

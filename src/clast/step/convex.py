@@ -102,7 +102,7 @@ class Convex:
         StepOutcome.NOT_CONVERGED: (
             "Raise method.process.iterations, or lower method.contact_law.normal_stiffness or "
             "time.step"
-        ),
+        )
     }
 
     step = take_step

@@ -282,13 +282,7 @@ def _stability_of_springs(
 ) -> tuple[Floats, Floats]:
     """Return p h2/m of the springs of the law and of those of joints, of each free block, (f,)."""
     frames = block_frames(model, state)
-    contacts = detect(
-        model,
-        method.corner_rule,
-        state,
-        frames.centroid,
-        search_of_modified(method),
-    )
+    contacts = detect(model, method.corner_rule, state, frames.centroid, search_of_modified(method))
     sides, count, law = _sides(contacts), model.block_count, method.contact_law
     own = np.tile(normal_stiffness_of(contacts, law), 2)
     is_of_law = np.tile(np.isnan(contacts.normal_stiffness), 2)

@@ -89,10 +89,7 @@ def searched_again(
 def search_within_step(method: Method, travel: Floats) -> SearchDistance:
     """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
     return SearchDistance(
-        front=method.critdis,
-        depth=method.critdis,
-        critdis=method.critdis,
-        travel=travel,
+        front=method.critdis, depth=method.critdis, critdis=method.critdis, travel=travel
     )
 
 

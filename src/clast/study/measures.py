@@ -158,9 +158,7 @@ MEASURES: dict[str, Measure] = {
     # tension positive
     "bolt_force": Measure("N/m", ("bolt",), lambda of, name: of.run.bolt_history(name).force),
     "bolt_yields": Measure(
-        "",
-        ("bolt",),
-        lambda of, name: of.bolts_failed[list(of.run.model.bolts.name).index(name)],
+        "", ("bolt",), lambda of, name: of.bolts_failed[list(of.run.model.bolts.name).index(name)]
     ),
     "bolts_failed": Measure("", (), lambda of: sum(of.bolts_failed)),
     "link_force": Measure("N/m", ("link",), lambda of, name: np.hypot(*of.run.link(name).force.T)),

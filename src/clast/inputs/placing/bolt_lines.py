@@ -12,13 +12,7 @@ import shapely
 
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
-from clast.model.checks import (
-    OVERLAP_TOLERANCE,
-    BlockOutlines,
-    beside_reach,
-    locate,
-    point_text,
-)
+from clast.model.checks import OVERLAP_TOLERANCE, BlockOutlines, beside_reach, locate, point_text
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.model import Bools, Floats, Ints, MaterialPoints
 

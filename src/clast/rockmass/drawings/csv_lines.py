@@ -25,13 +25,7 @@ import numpy as np
 from clast import spelling
 from clast.errors import CaseError, mistyped, shortened
 from clast.model.arrays import Floats
-from clast.rockmass.drawings.drawing import (
-    DEFAULT_JOINT,
-    Drawing,
-    LeftOut,
-    Orientations,
-    Polyline,
-)
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT, Drawing, LeftOut, Orientations, Polyline
 from clast.rockmass.drawings.drawing_files import number_of, text_of
 from clast.rockmass.drawings.drawn_loops import Loop, ring, without_repeats
 

@@ -25,13 +25,7 @@ from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.stage_position import EquilibriumStreak, Judgement, Position
 from clast.run.stages.static_path import OnPath
-from clast.run.stages.transition import (
-    Setting,
-    before_all,
-    changed,
-    entered,
-    events_at_start,
-)
+from clast.run.stages.transition import Setting, before_all, changed, entered, events_at_start
 from clast.step.method import is_stable_for_any_step
 
 

@@ -79,13 +79,7 @@ def entered(
     if stage.excavate:
         blocks = excavated_by(setting.model, stage)
         model, state = excavated(
-            setting.model,
-            setting.method,
-            state,
-            blocks,
-            stage.relax,
-            stage.relax_time,
-            now[blocks],
+            setting.model, setting.method, state, blocks, stage.relax, stage.relax_time, now[blocks]
         )
         before[blocks] = now[blocks]
         setting = replace(setting, model=model)

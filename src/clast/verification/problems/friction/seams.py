@@ -96,12 +96,7 @@ def distance_on(
 ) -> float:
     """Return how far the block goes, m, from ``since`` to ``end``, s, in steps of ``step``, s."""
     run = variant.run(
-        model,
-        step=step,
-        end=end,
-        p=STIFFNESS,
-        max_displacement=0.02,
-        dynamic_ratio=dynamic_ratio,
+        model, step=step, end=end, p=STIFFNESS, max_displacement=0.02, dynamic_ratio=dynamic_ratio
     )
     displacement = run.history("centroid").displacement
     return float(np.hypot(*(displacement[-1] - displacement[round(since / step)])))
