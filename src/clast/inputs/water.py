@@ -29,7 +29,7 @@ from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.checks import BlockOutlines, point_text
-from clast.model.drainage import distances, drained, parts_between
+from clast.model.drainage import distances, drained, parts_between, places_on
 from clast.model.edges import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
@@ -150,6 +150,8 @@ ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)
 """Whether outer edges and whether joints are wetted, by the name in ``acts_on``."""
 OPENED = {"open-and-closed": 1.0, "closed": 0.0}
 """Opening of a joint at which its water runs out, in lengths of the joint."""
+CLOSED_OPENING = 1e-3
+"""Opening that counts as closed, in units of the distance that faces may lie apart."""
 
 
 @dataclass(frozen=True)
@@ -306,12 +308,11 @@ def _joints(
     length = np.hypot(*(one[:, 1] - one[:, 0]).T)
     gap = np.hypot(*np.moveaxis(other - one, -1, 0)).max(axis=1)
     opened, ends = OPENED[given.wetted], _middle(joints, edges)
-    # Opening that counts as closed, in units of the distance that faces may lie apart
     joints = WetJoints(
         edge=joints.edge,
         share=joints.share,
         lowered=joints.lowered,
-        widest=gap + np.maximum(opened * length, 1e-3 * near),
+        widest=gap + np.maximum(opened * length, CLOSED_OPENING * near),
         ends=ends,
         near=near,
         conducts=np.asarray(~bed.waits[bed.ground.outlines.owner[joints.edge]].any(axis=1)),
@@ -379,13 +380,7 @@ def _drains(label: str, given: Water, bed: Bed, ends: Floats, near: Floats) -> t
                 raise ModelError(what, where=where, remedy=remedy)
             places.append(line)
             continue
-        # Where joints meet a line (c, 2): their ends on it and where they cross, m, (d, 2).
-        drain = shapely.linestrings(line)
-        joints = shapely.linestrings(ends)
-        on_line = shapely.distance(shapely.points(ends), drain) <= near[:, None]
-        crossing = ~on_line.any(axis=1) & shapely.intersects(joints, drain)
-        crossings = shapely.get_coordinates(shapely.intersection(joints[crossing], drain))
-        places.append(np.concatenate([ends[on_line], crossings]))
+        places.append(places_on(line, ends, near))
         if not len(places[-1]):
             remedy = "let it cross joints below the water level, or remove it"
             raise ModelError("no joint that this water enters meets it", where=where, remedy=remedy)

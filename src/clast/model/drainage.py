@@ -18,12 +18,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from clast.model.arrays import Bools, Floats, Ints, connected
 from clast.model.water import Water, surface_at
 
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
+
+FLOW_MIN = 1e-9
+"""Flow that is none, as a share of that of the whole lowering along the shortest joint."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +75,19 @@ def drained(water: Water, absent: Bools) -> Water:
     if len(drains) and pipes.any():
         lowered[pipes] = lowering(joints.ends[pipes], joints.near[pipes], water.surface, drains)
     return replace(water, joints=replace(joints, lowered=lowered))
+
+
+def places_on(line: Floats, ends: Floats, near: Floats) -> Floats:
+    """Return where joints meet a line (c, 2): their ends on it and where they cross, m, (d, 2).
+
+    ``ends`` (k, 2, 2) are those of the joints, m, which count when nearer than ``near`` (k,), m.
+    """
+    drain = shapely.linestrings(line)
+    joints = shapely.linestrings(ends)
+    on_line = shapely.distance(shapely.points(ends), drain) <= near[:, None]
+    crossing = ~on_line.any(axis=1) & shapely.intersects(joints, drain)
+    crossings = shapely.get_coordinates(shapely.intersection(joints[crossing], drain))
+    return np.concatenate([ends[on_line], crossings])
 
 
 def parts_between(ends: Floats, near: Floats, drains: Floats) -> tuple[Ints, Floats]:
@@ -212,6 +229,15 @@ def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
         known = np.flatnonzero(fixed)
         level[free] = spsolve(matrix[:, free].tocsc(), -matrix[:, known] @ level[known])
     return level
+
+
+def _outflow(network: Network, level: Floats) -> Floats:
+    """Return the outflow of every node, in head by length, shape (m,)."""
+    one, other, conducts, to_level = _pipes(network)
+    outflow = to_level * level
+    np.add.at(outflow, one, conducts * (level[one] - level[other]))
+    np.add.at(outflow, other, conducts * (level[other] - level[one]))
+    return np.asarray(outflow)
 
 
 def _pipes(network: Network) -> tuple[Ints, Ints, Floats, Floats]:
