@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -393,3 +394,25 @@ excavated = true
     assert model.block_name[0] == "lintel"
     assert model.area.sum() == pytest.approx(7.2, rel=1e-9)
     assert len(model.overlaps.pair) == 0
+
+
+@pytest.mark.parametrize(("dip", "towards"), [(60.0, 130.0), (25.0, 290.0), (80.0, 100.0)])
+@pytest.mark.parametrize("azimuth", [90.0, 270.0, 35.0])
+def test_apparent_dips_are_told(dip, towards, azimuth):
+    """tan(seen) = tan(dip) |cos(dip direction - azimuth)|, down along +x where that is positive."""
+    one = {"name": "J", "dip": dip, "dip_direction": towards, "spacing": 1.5, "spacing_is": "true"}
+    content = tomllib.loads(TWO_SETS)
+    content["joint_set"] = [one, {"name": "K", "angle": 10.0, "spacing": 2.0}]
+    content["domain"]["section_azimuth"] = azimuth
+    content["joint"] = {"default": content["joint"]["bedding"]}
+    case = Case.validated(content, "x.toml")
+    along = np.cos(np.radians(towards - azimuth))
+    seen = np.degrees(np.arctan(np.tan(np.radians(dip)) * abs(along)))
+    side = "right" if along > 0.0 else "left"
+    first, second = case.cut().cut.report.sets
+    assert abs(first.angle) == pytest.approx(seen, rel=1e-9)
+    assert first.seen == f"{seen:.3g}° to the {side}"
+    assert second.seen == "10° to the left"
+    (note,) = (one for one in case.model().notes if "is seen in the section" in one)
+    assert first.seen in note and f"{first.spacing_factor:.3g} times" in note
+    assert "'K'" not in " ".join(case.model().notes)

@@ -185,14 +185,20 @@ def test_construction_joints_of_several_openings_are_named_once(opened, wall):
     ("value", "unit", "text"),
     [
         (12340.0, "N m/m", "12.3 kN m/m"),
-        (-0.5, "N m/m", "−500 mN m/m"),
+        (-8.7, "N m/m", "−0.0087 kN m/m"),
         (2e7, "N/m", "20 MN/m"),
-        (0.0, "N m/m", "0 N m/m"),
+        (0.0, "N m/m", "0 kN m/m"),
     ],
 )
 def test_how_units_are_written(opened, wall, value, unit, text):
     page = opened(wall(2, 2))
     assert page.evaluate("([v, u]) => modules.colours.withUnit(v, u, 3)", [value, unit]) == text
+
+
+def test_an_axis_has_one_unit(opened, wall):
+    page = opened(wall(2, 2))
+    marks = page.evaluate("modules.colours.withOneUnit([0, 500, -1500], 'N/m')")
+    assert marks == ["0 kN/m", "0.5 kN/m", "−1.5 kN/m"]
 
 
 def test_a_live_page_says_that_its_run_was_killed(opened, browser, tmp_path):

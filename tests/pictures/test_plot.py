@@ -155,6 +155,10 @@ def test_prefixes():
     assert prefixed(0.0, "Pa") == (1.0, "Pa")
     assert prefixed(1e-14, "m/s") == (1e9, "nm/s")
     assert prefixed(0.004, "°") == (1.0, "°")
+    # moments large and small in one unit
+    assert {prefixed(size, "N m/m") for size in (0.0, 0.08, 87.0, 13200.0, 2e7)} == {
+        (1e-3, "kN m/m")
+    }
 
 
 def test_round_numbers():

@@ -290,8 +290,9 @@ class Linings(Action):
                 x, y = one.at[worst] + model.origin
                 raise StepRejected(
                     StepOutcome.NOT_CONVERGED,
-                    f"lining '{one.name}' at ({x:.4g}, {y:.4g}): the moment {moment[worst]:.3g} N "
-                    f"exceeds the strength of its section under N = {normal[worst]:.3g} N/m",
+                    f"lining '{one.name}' at ({x:.4g}, {y:.4g}): the moment "
+                    f"{1e-3 * moment[worst]:.3g} kN m/m exceeds the strength of its section under "
+                    f"N = {1e-3 * normal[worst]:.3g} kN/m",
                     remedy="Lower time.step; a section that is pulled apart needs tension",
                 )
 

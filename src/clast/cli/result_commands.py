@@ -76,15 +76,16 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
 def _lining(extremes: dict[str, float | None]) -> str:
     """Return the extremes along a lining, in words."""
     parts = [
-        f"{letter} {extremes[f'least_{key}']:.4g} to {extremes[f'largest_{key}']:.4g} {unit}"
+        f"{letter} {1e-3 * extremes[f'least_{key}']:.4g} to "
+        f"{1e-3 * extremes[f'largest_{key}']:.4g} {unit}"
         for letter, key, unit in (
-            ("N", "normal_force", "N/m"),
-            ("Q", "shear_force", "N/m"),
-            ("M", "moment", "N m/m"),
+            ("N", "normal_force", "kN/m"),
+            ("Q", "shear_force", "kN/m"),
+            ("M", "moment", "kN m/m"),
         )
     ]
     used = extremes["utilisation"]
-    return ", ".join([*parts, *([] if used is None else [f"utilisation {used:.3g}"])])
+    return ", ".join([*parts, *([] if used is None else [f"utilisation {100.0 * used:.3g} %"])])
 
 
 EVENTS_MAX = 8

@@ -287,12 +287,13 @@ def sets_table(result: CutCase) -> Table:
     """Return the statistics of each joint set."""
     rows = [
         (
-            *(one.name, f"{one.lines}", f"{one.length:.4g}", f"{one.p21:.4g}"),
+            *(one.name, one.seen, f"{one.lines}", f"{one.length:.4g}", f"{one.p21:.4g}"),
             "" if one.p21_asked is None else f"{one.p21_asked:.4g}",
             *(f"{one.p10:.4g}", f"{one.persistence:.3g}", f"{one.persistence_asked:.3g}"),
             f"{100.0 * one.kept:.3g} %",
         )
         for one in result.cut.report.sets
     ]
-    lines = ("set", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m", "persistence", "asked")
-    return table_of("joint sets", (*lines, "became edges"), rows)
+    heads = ("set", "apparent dip", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m")
+    heads = (*heads, "persistence", "asked", "became edges")
+    return table_of("joint sets", heads, rows, words=(0, 1))

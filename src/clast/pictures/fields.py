@@ -80,8 +80,17 @@ def check_field(name: str, more: Iterable[str] = ()) -> None:
 PREFIXES = {-3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T"}
 
 
+KILO = {"N m/m": "kN m/m"}
+"""Units that are shown with one prefix always, for small moments to be seen beside large ones."""
+
+
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return a factor and a unit with a prefix that make ``largest`` a number from 1 to 1000."""
+    """Return a factor and a unit with a prefix that make ``largest`` a number from 1 to 1000.
+
+    Moments are in kN m/m whatever their size.
+    """
+    if unit in KILO:
+        return 1e-3, KILO[unit]
     if unit in ("°", "%") or not math.isfinite(largest) or largest == 0.0:
         return 1.0, unit
     thousands = math.floor(math.log10(abs(largest) * (1 + 1e-12)) / 3.0)

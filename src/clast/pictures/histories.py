@@ -98,7 +98,7 @@ def _of_lining(results: Recording, name: str) -> Iterator[History]:
         values = np.where(carries(lining), np.nan_to_num(getattr(lining, one.column)), 0.0)
         lines = {"most": values.max(axis=1), "least": values.min(axis=1)}
         title, panel = f"Lining {name}, {one.letter}", f"{one.letter} of linings"
-        yield History(title, panel, one.unit, lining.time, lines)
+        yield History(title, panel, one.unit.removeprefix("k"), lining.time, lines)
 
 
 def _of_energy(results: Recording, name: str) -> Iterator[History]:

@@ -20,7 +20,6 @@ from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, LEGEND, NAME_BOX, TEXT
-from clast.pictures.fields import prefixed
 from clast.results import Recording
 from clast.results.result_tables import LiningHistory
 
@@ -38,13 +37,16 @@ class LiningQuantity:
     letter: str
     column: str
     unit: str
+    """Unit in which it is drawn and written, a thousand times that of the column."""
     colour: str
 
 
+KILO = 1e-3
+"""Factor from the units of columns to those of diagrams."""
 DIAGRAMS = {
-    "normal-forces": LiningQuantity("N", "normal_force", "N/m", "#1b4f9c"),
-    "shear-forces": LiningQuantity("Q", "shear_force", "N/m", "#2b7a3f"),
-    "moments": LiningQuantity("M", "moment", "N m/m", "#b3261e"),
+    "normal-forces": LiningQuantity("N", "normal_force", "kN/m", "#1b4f9c"),
+    "shear-forces": LiningQuantity("Q", "shear_force", "kN/m", "#2b7a3f"),
+    "moments": LiningQuantity("M", "moment", "kN m/m", "#b3261e"),
 }
 """Name of a layer -> its diagram."""
 
@@ -84,9 +86,8 @@ def diagram(
                 [pair for pair in itertools.pairwise(order) if here[[*pair]].all()],
                 one,
             )
-            factor, unit = prefixed(float(np.abs(values).max()), one.unit)
             for k in {int(values.argmin()), int(values.argmax())}:
-                text = f"{one.letter} {factor * values[k]:.3g} {unit}"
+                text = f"{one.letter} {KILO * values[k]:.3g} {one.unit}"
                 canvas.write(
                     axes, text, tip[k], 8, color=one.colour, bbox={**NAME_BOX, "alpha": 0.85}
                 )
@@ -94,9 +95,8 @@ def diagram(
     if not drawn:
         return [], draw
     every = np.concatenate([values[here] for _, values, here in drawn])
-    factor, unit = prefixed(largest, one.unit)
-    least, most = factor * every.min(), factor * every.max()
-    label = f"{one.letter} of the lining, {least:.3g} to {most:.3g} {unit}"
+    least, most = KILO * every.min(), KILO * every.max()
+    label = f"{one.letter} of the lining, {least:.3g} to {most:.3g} {one.unit}"
     return [Line2D([], [], color=one.colour, lw=1.4, label=label)], draw
 
 
@@ -198,33 +198,29 @@ def _draw_curve(
     axes: Axes, history: LiningHistory, curve: InteractionCurve, there: Bools, row: int
 ) -> None:
     """Draw the curve, the limit of cracks, and N and M of all instants and of one ``row``."""
-    of_force, newton = prefixed(float(np.abs(curve.normal).max()), "N/m")
-    of_moment, metre = prefixed(curve.largest, "N m/m")
     sides = np.concatenate([curve.moment, -curve.moment[::-1]])
     around = np.concatenate([curve.normal, curve.normal[::-1]])
-    axes.plot(of_moment * sides, of_force * around, color=CURVE, lw=1.3, label="strength")
+    axes.plot(KILO * sides, KILO * around, color=CURVE, lw=1.3, label="strength")
     # N/t + 6 |M|/t2 = f_t, from the compression at which the other face has f_c on
     thickness, tension, compression = history.section[0]
     mean = 0.5 * (tension - compression)
     edge = (tension - mean) * thickness**2 / 6.0
-    normal = of_force * thickness * np.array([mean, tension, mean])
-    moment = of_moment * np.array([-edge, 0.0, edge])
+    normal = KILO * thickness * np.array([mean, tension, mean])
+    moment = KILO * np.array([-edge, 0.0, edge])
     axes.plot(moment, normal, color=CRACKS, lw=1.0, ls="--", label="a face cracks")
-    _draw_states(axes, history, there, row, (of_force, of_moment))
+    _draw_states(axes, history, there, row)
     axes.axhline(0.0, color=FAINT, lw=0.6)
     axes.axvline(0.0, color=FAINT, lw=0.6)
     axes.invert_yaxis()
-    axes.set_xlabel(f"M ({metre}), positive: stretched inside", **TEXT)
-    axes.set_ylabel(f"N ({newton}), compression upwards", **TEXT)
+    axes.set_xlabel("M (kN m/m), positive: stretched inside", **TEXT)
+    axes.set_ylabel("N (kN/m), compression upwards", **TEXT)
     axes.grid(color="#e4e4e4", lw=0.6)
     canvas.style(axes)
 
 
-def _draw_states(
-    axes: Axes, history: LiningHistory, there: Bools, row: int, scale: tuple[float, float]
-) -> None:
+def _draw_states(axes: Axes, history: LiningHistory, there: Bools, row: int) -> None:
     """Draw N and M of all instants, those of one ``row`` above, and the largest utilisation."""
-    normal, moment = scale[0] * history.normal_force, scale[1] * history.moment
+    normal, moment = KILO * history.normal_force, KILO * history.moment
     every = np.flatnonzero(there.ravel())
     # Points of other instants that are drawn at most
     every = every[:: max(1, -(-len(every) // 20_000))]
@@ -236,6 +232,6 @@ def _draw_states(
     used = np.where(there, history.utilisation, -1.0)
     at, joint = np.unravel_index(int(used.argmax()), used.shape)
     place = f"{history.along[joint]:.3g} m along, $t$ = {history.time[at]:.4g} s"
-    label = f"largest utilisation: {used[at, joint]:.3g}, {place}"
+    label = f"largest utilisation: {100.0 * used[at, joint]:.3g} %, {place}"
     looks = {"ms": 8.0, "mfc": "none", "mec": CRACKS, "mew": 1.2, "zorder": 4}
     axes.plot(moment[at, joint], normal[at, joint], "o", label=label, **looks)

@@ -47,7 +47,7 @@ def handles_of_bolts(bolts: FrameBolts) -> list[Any]:
             continue
         largest = float(np.abs(forces).max())
         if largest > 0.0:
-            factor, unit = prefixed(largest, "N/m")
+            factor, unit = prefixed(float(np.abs(bolts.force).max()), "N/m")
             label = f"{label}, up to {factor * largest:.3g} {unit}"
         looks: dict[str, Any] = {
             "lw": _width(largest, bolts.force),
@@ -227,7 +227,7 @@ def reaction_arrows(results: Recording, frame: int, wide: float) -> list[Reactio
         if not size > 1e-6 * largest:
             continue
         length = wide * max(SHORTEST, LONGEST * size / largest)
-        factor, unit = prefixed(size, "N/m")
+        factor, unit = prefixed(largest, "N/m")
         back = -force / size
         arrows.append(
             ReactionArrow(

@@ -17,6 +17,7 @@ from clast.model.model import Floats, Ints
 from clast.rockmass.block_loops import Tidied
 from clast.rockmass.cut_lines import PLACES_NAMED, LineTable, SetLines, Site
 from clast.rockmass.faces import Whole
+from clast.rockmass.joints.plan import Plan
 from clast.rockmass.noding import CELLS_SHORT_OF, Noded
 from clast.rockmass.planar import Graph
 
@@ -67,6 +68,10 @@ def sizes(values: Floats) -> Sizes:
     )
 
 
+LEVEL_DEG = 1e-6
+"""Difference from level and from plumb, degrees, that goes down to no side."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SetReport:
     """Statistics of a joint set, or of the drawn traces of one name."""
@@ -89,6 +94,20 @@ class SetReport:
     """Share asked for: t/(t + g)."""
     kept: float
     """Share of the length that became edges of blocks."""
+    angle: float | None = None
+    """Mean angle of its traces in the section, degrees counter-clockwise from +x, in (-90, 90]; its
+    size is the apparent dip.  None: drawn traces, and sets without a direction."""
+    spacing_factor: float = 1.0
+    """Spacing in the section over spacing in space, for sets given by dip and dip direction."""
+
+    @property
+    def seen(self) -> str:
+        """Its apparent dip and to which side it goes down, "34.1° to the left"; "" without one."""
+        if self.angle is None:
+            return ""
+        steep = abs(self.angle)
+        side = "" if steep < LEVEL_DEG or steep > 90.0 - LEVEL_DEG else " to the "
+        return f"{steep:.3g}°" + (side and side + ("left" if self.angle > 0.0 else "right"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -331,7 +350,16 @@ def _set(some: Sequence[SetLines], kept: float) -> SetReport:
         persistence=total / carried if carried > 0.0 else 1.0,
         persistence_asked=1.0 if plan is None else float(plan.persistence),
         kept=min(kept / total, 1.0),
+        angle=_angle_of(plan),
+        spacing_factor=1.0 if plan is None else float(plan.direction.factor),
     )
+
+
+def _angle_of(plan: Plan | None) -> float | None:
+    """Return the mean angle of a set in the section, degrees in (-90, 90]; None for none."""
+    if plan is None or plan.direction.angle is None:
+        return None
+    return float(90.0 - (90.0 - np.degrees(plan.direction.angle)) % 180.0)
 
 
 def frequency(ends: Floats, scanline: Floats, area: float) -> float:

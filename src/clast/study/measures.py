@@ -180,7 +180,7 @@ MEASURES: dict[str, Measure] = {
         "", ("lining",), lambda of, name: np.nan_to_num(of.run.lining(name).utilisation).max(axis=1)
     ),
     "lining_moment": Measure(
-        "N", ("lining",), lambda of, name: np.abs(of.run.lining(name).moment).max(axis=1)
+        "N m/m", ("lining",), lambda of, name: np.abs(of.run.lining(name).moment).max(axis=1)
     ),
     "lining_force": Measure("N/m", ("lining",), _lining_force),
     "contact": Measure(

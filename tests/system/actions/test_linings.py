@@ -118,7 +118,8 @@ def test_a_section_yields_on_its_curve_and_goes_to_the_ledger(tmp_path: Path):
     assert ledger.yielding > 0.0
     assert abs(ledger.unaccounted) < 1e-9 * (abs(ledger.motions) + abs(ledger.loads))
     picture = clast.plot_interaction(run, tmp_path / "points.svg", "beam").read_text("utf-8")
-    assert "largest utilisation: 1" in picture
+    assert "largest utilisation: 100 %" in picture
+    assert "M (kN m/m)" in picture and "N (kN/m)" in picture
 
 
 @pytest.mark.parametrize("process", ["open-close", "modified"])

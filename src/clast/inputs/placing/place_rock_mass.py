@@ -23,7 +23,7 @@ from clast.inputs.builder import InputBuilder
 from clast.inputs.declaring.text import asked_by
 from clast.inputs.declaring.validation_messages import Fault, Place
 from clast.inputs.joint_sets import JointSetTable
-from clast.inputs.placing.plausibility import doubted_sets
+from clast.inputs.placing.plausibility import doubted_sets, seen_sets
 from clast.inputs.rock_mass import (
     SHAPES,
     BlockPatternTable,
@@ -127,7 +127,11 @@ class RockMass:
         joints = {one.joint for one in traces} | {name for _, name in self._named_joints()}
         return CutCase(
             cut=cut,
-            notes=(*notes, *(_renamed(note, places) for note in cut.report.notes)),
+            notes=(
+                *notes,
+                *seen_sets(self.joint_sets, cut.report.sets),
+                *(_renamed(note, places) for note in cut.report.notes),
+            ),
             warnings=(*cut.report.warnings, *doubted_sets(self.joint_sets)),
             fixed=_fixed(cut, np.asarray(domain.outline().corners), table.fixed_sides),
             line_joints=tuple(sorted(name for name in joints if name not in (None, DEFAULT))),

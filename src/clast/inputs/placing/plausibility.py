@@ -13,6 +13,7 @@ from clast.inputs.joint_sets import JointSetTable, SpreadTable
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.stages import Stage
+from clast.rockmass.cut_report import SetReport
 
 BOLT_AREA_MAX = 0.02
 """Cross-section above which a bolt is not a bolt, m2: 16 cm across."""
@@ -50,6 +51,19 @@ def doubts(
                 "excavated = true for a void from the start"
             )
     yield from _doubted_base(model, stages)
+
+
+def seen_sets(sets: Sequence[JointSetTable], reports: Sequence[SetReport]) -> Iterator[str]:
+    """Say at which dip, and at which spacing, the section shows sets given by dip and direction."""
+    seen = {report.name: report for report in reports if report.seen}
+    for one in sets:
+        if one.dip is not None and one.name in seen:
+            report = seen[one.name]
+            yield (
+                f"joint set '{shortened(one.name)}' ({one.dip:g}° towards {one.dip_direction:03g}) "
+                f"is seen in the section at {report.seen}, its spacing "
+                f"{report.spacing_factor:.3g} times the true one"
+            )
 
 
 def doubted_sets(sets: Sequence[JointSetTable]) -> Iterator[str]:

@@ -147,10 +147,20 @@ def _sizes(report: CutReport) -> str:
 def _joint_sets(report: CutReport) -> list[str]:
     if not report.sets:
         return []
-    headings = ("set", "lines", "length, m", "P21, m/m²", "asked", "P10, 1/m", "persistence")
+    headings = (
+        "set",
+        "apparent dip",
+        "lines",
+        "length, m",
+        "P21, m/m²",
+        "asked",
+        "P10, 1/m",
+        "persistence",
+    )
     rows = [
         (
             one.name,
+            one.seen or "–",
             f"{one.lines:,}",
             f"{one.length:.5g}",
             f"{one.p21:.4g}",

@@ -1,6 +1,6 @@
 // Curves over time by uPlot, with a cursor at the time of the frame that is shown.
 
-import { rounded, withUnit } from "./colours.js";
+import { rounded, withOneUnit, withUnit } from "./colours.js";
 
 const HEIGHT = 224;
 /** Height of a chart without its legend, pixels. */
@@ -38,7 +38,7 @@ export class Charts {
         scales: { x: { time: false } },
         axes: [
           { ...axis, values: (_, marks) => marks.map((mark) => `${mark} ${curve.along ? "m" : "s"}`) },
-          { ...axis, size: 74, values: (_, marks) => marks.map((mark) => withUnit(mark, curve.unit)) },
+          { ...axis, size: 74, values: (_, marks) => withOneUnit(marks, curve.unit) },
         ],
         series: [
           { label: curve.along ? "distance" : "time", value: (_, value) => (value == null ? "" : withUnit(value, curve.along ? "m" : "s", 5)) },

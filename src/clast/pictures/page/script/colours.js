@@ -129,13 +129,26 @@ export function rounded(value, error) {
   return error > 0 ? Number((Math.round(value / lastDigit(error)) * lastDigit(error)).toPrecision(12)) : value;
 }
 
-function inUnits(numbers, unit, digits) {
+/** Return numbers of one axis, all with the same unit and prefix. */
+export function withOneUnit(values, unit, digits = 4) {
+  const thousands = thousandsOf(values, unit);
+  return values.map((one) => `${plain(one * 10 ** (-3 * thousands), digits)} ${PREFIXES[thousands]}${unit}`.trim());
+}
+
+/** Return the power of a thousand in which numbers with a unit are shown; moments always in kN m/m. */
+function thousandsOf(numbers, unit) {
+  if (unit === "N m/m") return 1;
   const size = Math.max(...numbers.map(Math.abs));
   let thousands = 0;
   if (size > 0 && !["°", "%", ""].includes(unit)) {
     thousands = Math.floor(Math.log10(size * (1 + 1e-12)) / 3);
     thousands = Math.max(-3, Math.min(unit.startsWith("m") || unit === "s" ? 0 : 4, thousands));
   }
+  return thousands;
+}
+
+function inUnits(numbers, unit, digits) {
+  const thousands = thousandsOf(numbers, unit);
   const text = numbers.map((one) => plain(one * 10 ** (-3 * thousands), digits)).join(" ± ");
   return unit === "°" ? `${text}°` : `${text} ${PREFIXES[thousands]}${unit}`.trim();
 }

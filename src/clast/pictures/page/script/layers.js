@@ -3,7 +3,7 @@
 import { drawAxes } from "./axes.js";
 import { outline } from "./draw_canvas.js";
 import { scaleOfFaces } from "./colouring.js";
-import { withUnit } from "./colours.js";
+import { withOneUnit, withUnit } from "./colours.js";
 import { placeOfChosen } from "./chosen.js";
 import { largestResultant, resultantsOf } from "./contact_faces.js";
 import { drawLinks, drawReactions, layerOfDiagram, legendOfLinks, legendOfReactions } from "./supports.js";
@@ -408,7 +408,7 @@ function legendOfBolts({ run, frame }) {
   const [count, largest] = forcesOfBolts(run, frame);
   return run.scene.bolt_looks.flatMap(([name, colour], state) => {
     if (!count[state]) return [];
-    const force = largest[state] > 0 ? `, up to ${withUnit(largest[state], "N/m", 3)}` : "";
+    const force = largest[state] > 0 ? `, up to ${withOneUnit(largest, "N/m", 3)[state]}` : "";
     const wide = widthOfBolt(largest[state], Math.max(...largest));
     return [line(colour, wide, name + force, DASHES[state].length > 0)];
   });

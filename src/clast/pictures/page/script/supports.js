@@ -1,6 +1,6 @@
 // Links, reactions, and N, Q, M along linings, as in still pictures: see pictures/supports.
 
-import { withUnit } from "./colours.js";
+import { plain, withOneUnit, withUnit } from "./colours.js";
 
 const REACH = 0.018;
 /** Half of the length of the bar of a link, in units of the picture's width. */
@@ -103,7 +103,7 @@ export function drawReactions(pen, { run, view, frame, theme }) {
     const [tailX, tailY] = [x - length * ux, y - length * uy];
     pen.lines([[tailX, tailY, x - 6 * ux, y - 6 * uy]], colour, 2.4);
     pen.areas([[x, y, x - 10 * ux + 4 * uy, y - 10 * uy - 4 * ux, x - 10 * ux - 4 * uy, y - 10 * uy + 4 * ux]], colour);
-    pen.text(tailX + 6, tailY + (uy < 0 ? 10 : -8), `${name}: ${withUnit(size, "N/m", 3)}`, theme.ink, theme.paper);
+    pen.text(tailX + 6, tailY + (uy < 0 ? 10 : -8), `${name}: ${withOneUnit([size, largest], "N/m", 3)[0]}`, theme.ink, theme.paper);
   });
 }
 
@@ -124,6 +124,11 @@ function valuesOf(run, frame, column) {
   return run.scene.supports.linings.map(({ face }) => values.subarray(first, (first += face.length)));
 }
 
+/** Return a force or moment of a lining in the unit of diagrams, kN/m or kN m/m. */
+function inKilo(value, unit) {
+  return `${plain(1e-3 * value, 3)} ${unit}`;
+}
+
 function extremes(values) {
   const known = values.flatMap((one) => Array.from(one).filter(Number.isFinite));
   return known.length ? [Math.min(...known), Math.max(...known)] : null;
@@ -141,7 +146,7 @@ export function layerOfDiagram(name, label) {
 function legendOfDiagram({ run, frame }, [letter, column, unit, colour]) {
   const ends = extremes(valuesOf(run, frame, column));
   if (!ends) return [];
-  const [least, most] = ends.map((value) => withUnit(value, unit, 3));
+  const [least, most] = ends.map((value) => inKilo(value, unit));
   return [line(colour, 2, `${letter} of the lining, ${least} to ${most}`)];
 }
 
@@ -177,7 +182,7 @@ function drawDiagram(pen, { run, view, frame, theme }, [letter, column, unit, co
     if (!known.length) return;
     for (const value of new Set([Math.min(...known), Math.max(...known)])) {
       const [, , x, y] = feet[values.indexOf(value)];
-      pen.text(x + 4, y, `${letter} ${withUnit(value, unit, 3)}`, theme.ink, theme.paper);
+      pen.text(x + 4, y, `${letter} ${inKilo(value, unit)}`, theme.ink, theme.paper);
     }
   });
 }
