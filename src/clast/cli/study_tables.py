@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from clast.study.targeting.target import Target, TargetRun
 
 
+SUPPORTS_MAX = 20
+"""Rows of the table of supports, at most."""
+
+
 def print_trial(number: int, trial: Trial) -> None:
     """Print a line for a trial."""
     from clast.study.collapsing.collapse import listed
@@ -175,6 +179,7 @@ def _as_dict(columns: StudyResults) -> dict[str, Any]:
 def print_collapse(result: Collapse, as_json: bool, quiet: bool) -> None:
     """Write the report of a study of collapse; print its result."""
     from clast.study.collapsing.collapse_report import write_collapse
+    from clast.study.collapsing.support_forces import HEADS
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(result.folder or Path())
@@ -183,6 +188,12 @@ def print_collapse(result: Collapse, as_json: bool, quiet: bool) -> None:
         print_json(result.as_dict())
     elif not quiet:
         tell(result.sentence)
+        if result.supports:
+            title = f"supports with {result.by.SYMBOL} = {result.low:.6g}, which stands"
+            rows = [one.row for one in result.supports[:SUPPORTS_MAX]]
+            print_table(table_of(title, HEADS, rows, words=(0, 1, 2, 6)))
+            if len(result.supports) > SUPPORTS_MAX:
+                tell(f"all {len(result.supports)} are in {there.path / 'supports.csv'}")
         tell(f"report: {report}")
     for text in result.warnings:
         say(f"warning: {text}")

@@ -31,6 +31,7 @@ from clast.study.collapsing.search import (
     search_factor,
     trial_of,
 )
+from clast.study.collapsing.support_forces import SupportForce
 from clast.study.collapsing.trial import Settled, run_trial, settle_standing, trial_content
 from clast.study.description import COLLAPSE, Description
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
@@ -68,6 +69,14 @@ class Collapse(FactorBracket):
         return tuple(dict.fromkeys(texts))
 
     @property
+    def supports(self) -> tuple[SupportForce, ...]:
+        """Forces of anchors, linings and links in the last trial that stands."""
+        for one in self.trials:
+            if (one.factor, one.verdict) == (self.low, STANDS):
+                return one.supports
+        return ()
+
+    @property
     def is_settled(self) -> bool:
         """Whether the bracket is closed and as narrow as was asked for."""
         return self.width <= self.tolerance * (1.0 + 1e-9)
@@ -88,6 +97,7 @@ class Collapse(FactorBracket):
             "settled": self.is_settled,
             "sentence": self.sentence,
             "warnings": list(self.warnings),
+            "supports": [dict(vars(one)) for one in self.supports],
             "trials": [one.as_dict() for one in self.trials],
             "folder": None if self.folder is None else str(self.folder),
         }
@@ -177,6 +187,10 @@ def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
             for k, one in enumerate(result.trials, 1)
         )
         write_rows(folder.path / "trials.csv", [heads, *rows])
+        if result.supports:
+            names = list(vars(result.supports[0]))
+            values = ([*vars(one).values()] for one in result.supports)
+            write_rows(folder.path / "supports.csv", [names, *values])
         kept = [*ends(result), *undecided(result)]
         for number in range(1, len(result.trials) + 1):
             if number not in kept and folder.study.keep != "all":

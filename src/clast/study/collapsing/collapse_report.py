@@ -13,6 +13,7 @@ from clast.results import read_results
 from clast.rockmass.drawings.blocks_out import write_blocks_dxf
 from clast.run.stages.convergence import goes_from
 from clast.study.collapsing.collapse import Collapse, ends, listed, undecided
+from clast.study.collapsing.support_forces import HEADS
 from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.report_page import Page
 
@@ -47,6 +48,10 @@ def write_collapse(folder: StudyFolder, result: Collapse) -> Path:
             for k, one in enumerate(result.trials, 1)
         ],
     )
+    if result.supports:
+        page.head(f"Anchors, linings and links with {symbol} = {result.low:.6g}, which stands")
+        page.table(HEADS, [one.row for one in result.supports])
+        page.remark("All digits are in supports.csv, in N.")
     for k in undecided(result):
         _curves(page, folder, result, k)
     _failing(page, folder, result)

@@ -9,6 +9,7 @@ from typing import Any
 
 from clast.errors import CaseError
 from clast.study.collapsing.reduction import Reduction
+from clast.study.collapsing.support_forces import SupportForce, support_force_of
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
 LISTS = ("blocks", "warnings", "bolts")
@@ -76,16 +77,21 @@ class Trial:
     """Doubts about the state from which it begins."""
     bolts: tuple[str, ...] = ()
     """Bolts without a yield force that carry more than their pretension, each with its force."""
+    supports: tuple[SupportForce, ...] = ()
+    """Forces of anchors, linings and links at its end, where it stands."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
-        return {**vars(self), **{name: list(getattr(self, name)) for name in LISTS}}
+        lists = {name: list(getattr(self, name)) for name in LISTS}
+        return {**vars(self), **lists, "supports": [dict(vars(one)) for one in self.supports]}
 
 
 def trial_of(content: Any) -> Trial | None:
     """Return the trial that ``Trial.as_dict`` gave; None where a value is of another kind."""
     try:
-        trial = Trial(**{**content, **{name: tuple(content.get(name, ())) for name in LISTS}})
+        lists: dict[str, Any] = {name: tuple(content.get(name, ())) for name in LISTS}
+        lists["supports"] = tuple(map(support_force_of, content.get("supports", ())))
+        trial = Trial(**{**content, **lists})
     except (AttributeError, TypeError):
         return None
     like = vars(Trial(factor=0.0, verdict="", displacement=0.0, mover=""))

@@ -34,6 +34,7 @@ from clast.run.stages.convergence import goes_from
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Reduction, staged
 from clast.study.collapsing.search import FAILED, STANDS, UNDECIDED, Trial
+from clast.study.collapsing.support_forces import support_forces
 from clast.study.parameters import Content, changed, content_of
 
 if TYPE_CHECKING:
@@ -231,7 +232,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         return replace(trial, reason=run.report.outcome)
     last = records[-1]
     if last.outcome == REACHED:
-        return replace(trial, verdict=STANDS)
+        return replace(trial, verdict=STANDS, supports=support_forces(run))
     trial = replace(trial, reason=last.hindrance)
     fails = last.outcome == FAILS and far[farthest] > goes_from(start.model)
     if fails or (last.outcome == MOVING and is_driven(start, run)):
