@@ -120,7 +120,10 @@ def test_a_drawing_asks_for_what_it_cannot_know(tmp_path):
     assert content["region"][0]["rock"] == "shale"
     assert content["opening"][0]["name"] == "heading" and content["opening"][0]["excavated"]
     assert content["trace"] == [{"points": [[0, 3], [20, 4]], "joint": "bedding"}]
-    assert set(content["rock"]) == {"rock", "shale"} and set(content["joint"]) == {"bedding"}
+    assert set(content["rock"]) == {"rock", "shale"} and set(content["joint"]) == {
+        "default",
+        "bedding",
+    }
     with pytest.raises(CaseError, match="must be a number, not 'to be given'"):
         Case.validated(without_cutting({k: v for k, v in content.items() if k != "region"}), "x")
 
@@ -140,7 +143,7 @@ def test_no_name_breaks_the_text():
     )
     text = case_text(drawing)
     content = tomllib.loads(text)
-    assert list(content["rock"]) == list(content["joint"]) == [nasty]
+    assert list(content["rock"]) == list(content["joint"])[1:] == [nasty]
     assert content["opening"][0]["name"] == content["measured_point"][0]["name"] == nasty
     assert max(map(len, (line for line in text.splitlines() if line[:1] == "#"))) <= 98
     assert text.isprintable() or set(c for c in text if not c.isprintable()) <= {"\n", "\u202e"}

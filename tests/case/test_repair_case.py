@@ -190,6 +190,38 @@ def test_blocks_that_no_repair_makes_sound():
         put_together(bow, "x.csv", tolerance=5.0)
 
 
+def test_drawn_blocks_ask_for_the_default_joint(tmp_path):
+    """Only where blocks touch along a face that names no joint, and no pair does."""
+    path = tmp_path / "a.toml"
+    rows = [(0, 0, ""), (1, 0, ""), (1, 1, "bed"), (0, 1, "")]
+    upper = [(0, 1, "bed"), (1, 1, ""), (1, 2, ""), (0, 2, "")]
+    beside = [(1, 0, ""), (2, 0, ""), (2, 1, ""), (1, 1, "")]
+
+    def of(**loops) -> Case:
+        text = "block,x,y,joint\n"
+        text += "".join(f"{k},{x},{y},{j}\n" for k, loop in loops.items() for x, y, j in loop)
+        (tmp_path / "a.csv").write_text(text)
+        return Case.from_toml(path)
+
+    table = "[[block_file]]\nfile = 'a.csv'\nrock = 'granite'\n"
+    bare = HEAD.replace("[joint.default]\nfriction_angle = 30.0\n", "")
+    path.write_text(bare + table)
+    assert of(low=rows, up=upper).model().block_name == ("low", "up")
+    said = r"\[joint.default\]: there is none, but blocks 'low' and 'side' touch at \(1, 0.5\)"
+    with pytest.raises(ModelError, match=said):
+        of(low=rows, side=beside, up=upper).model()
+    path.write_text(bare.replace("[joint.bed]", "[joint.bed]\nbetween = [['low', '2']]") + table)
+    assert of(low=rows, side=beside).model().block_count == 2
+    path.write_text(HEAD + table)
+    assert of(low=rows, side=beside).model().block_count == 2
+    path.write_text(HEAD + table + table)
+    with pytest.raises(ModelError, match="overlaps"):  # the names of the second file are its own
+        of(low=rows, side=beside).model()
+    path.write_text(HEAD + table + "fixed_layers = ['a']\n")
+    with pytest.raises(ModelError, match="fixed_layers: the file has no layers"):
+        of(low=rows, side=beside).model()
+
+
 TURN, SHIFT = np.radians(28.0), np.array([300.0, -70.0])
 PLACES = {
     "measured point 'A'": (0.8, 2.0),

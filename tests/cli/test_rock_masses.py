@@ -147,6 +147,7 @@ def wall_of(path: Path) -> None:
 
 WRITERS = {".csv": write_blocks_csv, ".npz": write_blocks_npz, ".dxf": write_blocks_dxf}
 GIVEN = ("rock.granite={young=5e9, poisson=0.2, density=2000}", "time.step=1e-3", "time.end=1e-2")
+GIVEN += ("joint.default={friction_angle=30}",)
 
 
 @pytest.mark.parametrize("ending", WRITERS)
@@ -185,6 +186,7 @@ def test_check_says_what_was_repaired(tmp_path: Path):
     table = '[[block_file]]\nfile = "wall.npz"\nfixed = [1, 2, 3, 4, 5]\n'
     head = "schema = 1\n[time]\nstep = 1e-3\nend = 1e-2\n"
     rock = "[rock.granite]\nyoung = 5e9\npoisson = 0.2\ndensity = 2000.0\n"
+    rock += "[joint.default]\nfriction_angle = 30.0\n"
     path = tmp_path / "wall.toml"
     path.write_text(f"{head}{rock}{table}[repair]\ntolerance = 3e-3\n", encoding="utf-8")
     text = done("check", str(path))
@@ -194,9 +196,58 @@ def test_check_says_what_was_repaired(tmp_path: Path):
     assert not any("overlap" in one for one in content["warnings"])
 
 
+def facade(path: Path) -> None:
+    """Draw two piers, a lintel as a SOLID, a gable as a 3DFACE, and one pier once more."""
+    document = ezdxf.new("R2010", units=6)
+    space = document.modelspace()
+    pier = [(0, 0), (1, 0), (1, 3), (0, 3)]
+    for shift in (0.0, 4.0):
+        points = [(x + shift, y) for x, y in pier]
+        space.add_lwpolyline(points, close=True, dxfattribs={"layer": "Pier"})
+    space.add_lwpolyline(pier[2:] + pier[:2], close=True, dxfattribs={"layer": "Old"})
+    space.add_solid([(0, 3), (5, 3), (0, 4), (5, 4)], dxfattribs={"layer": "Lintel"})
+    space.add_3dface([(0, 4), (5, 4), (2.5, 5), (2.5, 5)], dxfattribs={"layer": "Gable"})
+    document.saveas(path)
+
+
+def test_drawn_blocks_have_names(tmp_path: Path):
+    facade(tmp_path / "facade.dxf")
+    target, picture = tmp_path / "a.toml", tmp_path / "names.svg"
+    words = ("import", str(tmp_path / "facade.dxf"), "-o", str(target), "--as", "blocks")
+    text = done(*words, "--names", str(picture), "--fixed-layers", "pier")
+    assert "taken over: 4 blocks" in text and "fixed: 2 blocks on pier" in text
+    again = "outlines drawn again were taken once: LWPOLYLINE"
+    assert again in text and "on layer Old (as LWPOLYLINE" in text
+    assert "4 Gable" in picture.read_text("utf-8") and "2 Pier-2" in picture.read_text("utf-8")
+    given = [one.replace("granite", name) for one in GIVEN[:1] for name in ("Pier", "Lintel")]
+    given += [GIVEN[0].replace("granite", "Gable"), *GIVEN[1:]]
+    case = Case.from_toml(target, [*given, "measured_point=[{name='a', at=[0.5, 3], block='1'}]"])
+    model = case.model()
+    assert model.block_name == ("Pier-1", "Pier-2", "Lintel", "Gable")
+    assert model.fixed.tolist() == [True, True, False, False]
+    assert model.measured_points.block.tolist() == [0]
+    assert model.area.tolist() == [3.0, 3.0, 5.0, 2.5]
+    cut = ("cut", str(tmp_path / "cut.toml"), "--names", str(tmp_path / "cut.png"))
+    (tmp_path / "cut.toml").write_text(CUT, encoding="utf-8")
+    assert "cut.png" in done(*cut) and (tmp_path / "cut.png").stat().st_size > 1000
+    assert ".png, .svg, .pdf" in refused(*cut[:3], "names.txt")
+
+
+CUT = """schema = 1
+time = {step = 1e-3, end = 1e-2}
+domain = {boundary = [[0, 0], [4, 0], [4, 2], [0, 2]]}
+rock.a = {young = 1e9, poisson = 0.2, density = 2e3}
+joint.default = {friction_angle = 30}
+joint_set = [{name = "a", spacing = 1.0, angle = 90.0}]
+"""
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
+        (("facade.dxf", "-o", "a.toml", "--as", "blocks", "--fixed-layers", "peer"), "'Pier'"),
+        (("wall.csv", "-o", "a.toml", "--fixed-layers", "a"), "the file has no layers"),
+        (("traces.csv", "-o", "a.toml", "--fixed-layers", "a"), "blocks are made by cutting"),
         (("wall.csv", "-o", "a.toml", "--tolerance", "0.3"), "median edge"),
         (("wall.csv", "-o", "a.toml", "--tolerance", "0"), "not a valid distance"),
         (("site.dxf", "-o", "a.toml", "--as", "drawing"), "--as blocks"),
@@ -208,6 +259,7 @@ def test_blocks_that_cannot_be_imported(words, said, tmp_path: Path, monkeypatch
     monkeypatch.chdir(tmp_path)
     for name in ("wall.csv", "site.dxf"):
         wall_of(Path(name))
+    facade(Path("facade.dxf"))
     Path("traces.csv").write_text("x1,y1,x2,y2\n0,0,1,1\n")
     assert said in refused("import", *words)
     assert not Path("a.toml").exists() and not Path("a-blocks.npz").exists()

@@ -56,6 +56,7 @@ def test_a_table_by_hand(tmp_path):
     found = read_blocks(path)
     assert found.polygon(0).tolist() == [[0, 0.5], [1, 0], [1, 1]]
     assert found.rock == ("rock", "rock") and set(found.edge_joint) == {""}
+    assert found.name == ("a", "b")
     assert found.notes == ("decimal commas were read as points",)
     assert "column colour" in str(found.left_out[0])
 
@@ -105,6 +106,7 @@ def test_a_drawing_of_closed_lines(tmp_path):
     assert "TITLE" in str(found.left_out[0])
     # nearer than a millionth of the drawing nothing lies along the joint
     assert set(read_blocks(path).edge_joint) == {""}
+    assert found.name == found.layer == ROCK
     layer = read_blocks(path, BlockReading(layer="SHALE", dxf=DxfReading(unit="m")))
     assert layer.count == 1 and layer.rock == ("rock",) and layer.vertices.max() == 2000.0
 
@@ -115,6 +117,41 @@ def test_drawings_without_blocks(tmp_path):
     assert any("closed line" in str(one) for one in read_blocks(path).left_out)
     with pytest.raises(CaseError, match="no closed line on the layer B"):
         read_blocks(path, BlockReading(layer="B"))
+
+
+def test_what_cannot_be_a_block_is_named(tmp_path):
+    document = ezdxf.new("R2010", units=6)
+    sheet = document.modelspace()
+    sheet.add_hatch(dxfattribs={"layer": "A"})
+    for y in (0, 1):
+        sheet.add_line((0, y), (1, y), dxfattribs={"layer": "A"})
+    document.saveas(tmp_path / "a.dxf")
+    with pytest.raises(CaseError, match="has no closed line, but 2 LINE, 1 HATCH") as caught:
+        read_blocks(tmp_path / "a.dxf")
+    assert "closed polyline, SOLID or 3DFACE; the layers are: A" in str(caught.value)
+
+
+@pytest.mark.parametrize("turn", [0.0, 33.0])
+@pytest.mark.parametrize("shift", [0, 1, 3])
+@pytest.mark.parametrize("way", [1, -1])
+def test_an_outline_drawn_again_is_one_block(tmp_path, turn, shift, way):
+    """Whichever corner it begins at, whichever way it runs, with a corner more on an edge."""
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    loop = np.array([(0, 0), (2, 0), (2, 1), (0, 1)]) @ np.array([[c, s], [-s, c]]) + 1e4
+    again = np.insert(np.roll(loop, shift, axis=0), 1, 0, axis=0)
+    again[1] = 0.5 * (again[0] + again[2])
+    document = ezdxf.new("R2010", units=6)
+    sheet = document.modelspace()
+    places = []
+    for points, layer in ((loop, "wall"), (again[::way], "wall"), (loop + 5.0, "wall")):
+        line = sheet.add_lwpolyline(points, close=True, dxfattribs={"layer": layer})
+        places.append(f"LWPOLYLINE {line.dxf.handle} on layer {layer}")
+    document.saveas(tmp_path / "a.dxf")
+    found = read_blocks(tmp_path / "a.dxf")
+    assert found.count == 2 and found.name == ("wall-1", "wall-2")
+    said = f"outlines drawn again were taken once: {places[1]} (as {places[0]})"
+    assert said in found.notes
+    np.testing.assert_allclose(found.polygon(1), loop + 5.0)
 
 
 COLUMNS, ROWS = 4, 3

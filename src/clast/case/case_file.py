@@ -49,6 +49,7 @@ from clast.inputs.measurements import (
 )
 from clast.inputs.method import Damping, MethodTable, OutputTable, TimeTable, chosen_damping
 from clast.inputs.placing import plausibility
+from clast.inputs.placing.place_rock_mass import DEFAULT as DEFAULT_JOINT
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import (
     BlockPatternTable,
@@ -329,6 +330,8 @@ class Case(BaseModel):
                 cut.check_room(self.block)
                 cut.add_to(builder)
             model = builder.build()
+            if self.block_file and DEFAULT_JOINT not in self.joint:
+                plausibility.refuse_unnamed_faces(model)
         vars(model)["made_by"] = self
         return model
 

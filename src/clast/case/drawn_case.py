@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from clast.model.surroundings import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
 from clast.rockmass.drawings.block_arrays import Blocks
 from clast.rockmass.drawings.drawing import (
+    DEFAULT_JOINT,
     Analysis,
     Drawing,
     DrawnRock,
@@ -252,7 +253,7 @@ def _rock(rock: DrawnRock) -> dict[str, Any]:
 
 
 def _joints(drawing: Drawing) -> dict[str, Any]:
-    """Return [joint.NAME] for every joint that a trace has."""
+    """Return [joint.NAME] for every joint that a trace has, and the default that faces need."""
     described = {
         joint.name: {
             "friction_angle": joint.friction_angle,
@@ -262,7 +263,9 @@ def _joints(drawing: Drawing) -> dict[str, Any]:
         for joint in drawing.analysis.joints
     }
     unknown = {"friction_angle": TO_BE_GIVEN}
-    return {name: described.get(name, unknown) for name in _named_joints(drawing)}
+    default = [] if described else [DEFAULT_JOINT]
+    names = dict.fromkeys([*default, *_named_joints(drawing)])
+    return {name: described.get(name, unknown) for name in names}
 
 
 def _named_joints(drawing: Drawing) -> list[str]:
@@ -411,6 +414,7 @@ class DrawnBlocks:
             "blocks": self.blocks.count,
             "rocks": {name: rocks.count(name) for name in dict.fromkeys(rocks)},
             "joints": joints_of(self.blocks),
+            "names": list(self.blocks.name),
             "tolerance": self.tolerance,
             "largest_movement": self.largest_movement,
             "repairs": [dataclasses.asdict(one) for one in self.repairs],
@@ -456,10 +460,15 @@ def joints_of(blocks: Blocks) -> list[str]:
     return sorted(name for name in names if not name.startswith(CONSTRUCTION))
 
 
-def blocks_text(drawn: DrawnBlocks, block_file: str) -> str:
-    """Return the text of a case file (TOML) whose blocks stand in another file beside it."""
+def blocks_text(drawn: DrawnBlocks, block_file: str, fixed: Sequence[int] = ()) -> str:
+    """Return the text of a case file (TOML) whose blocks stand in another file beside it.
+
+    ``fixed`` are numbers of blocks, from 1.
+    """
     unknown = dict.fromkeys(("young", "poisson", "density"), TO_BE_GIVEN)
-    joints = {name: {"friction_angle": TO_BE_GIVEN} for name in joints_of(drawn.blocks)}
+    named = dict.fromkeys((DEFAULT_JOINT, *joints_of(drawn.blocks)))
+    joints = {name: {"friction_angle": TO_BE_GIVEN} for name in named}
+    held = {"fixed": list(fixed)} if fixed else {}
     head = [
         *comment(f"From {drawn.file}. Lengths are metres."),
         *comment(f'Keys with "{TO_BE_GIVEN}" need a number before the case can run.'),
@@ -473,7 +482,7 @@ def blocks_text(drawn: DrawnBlocks, block_file: str) -> str:
         to_toml({"schema": 1, "title": title}),
         to_toml({"time": {"step": TO_BE_GIVEN, "end": TO_BE_GIVEN}}),
         to_toml({"rock": {name: unknown for name in dict.fromkeys(drawn.blocks.rock)}}),
-        to_toml({"joint": joints}) if joints else "",
-        to_toml({"block_file": [{"file": block_file}]}),
+        to_toml({"joint": joints}),
+        to_toml({"block_file": [{"file": block_file, **held}]}),
     ]
     return "\n\n".join(part.strip("\n") for part in parts if part.strip()) + "\n"

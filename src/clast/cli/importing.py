@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 import typer
 
 from clast.cli.options import AsJson
-from clast.cli.rock_masses import BLOCK_ENDINGS, check_file, write_blocks, write_cut
+from clast.cli.rock_masses import (
+    BLOCK_ENDINGS,
+    PICTURE_ENDINGS,
+    BlockNames,
+    check_file,
+    write_blocks,
+    write_cut,
+    write_names,
+)
 from clast.cli.terminal import print_json, tell
 from clast.errors import CaseError
 
@@ -56,6 +65,10 @@ RepairDistance = Annotated[
         "DXF, within it are joined.",
     ),
 ]
+FixedLayers = Annotated[
+    str,
+    typer.Option(metavar="NAME,NAME", help="Layers of a DXF whose blocks cannot move at all."),
+]
 
 
 def import_(
@@ -67,6 +80,8 @@ def import_(
     blocks: BlockFile = None,
     taken_as: TakenAs = None,
     tolerance: RepairDistance = None,
+    names: BlockNames = None,
+    fixed_layers: FixedLayers = "",
     as_json: AsJson = False,
 ) -> None:
     """Make a case from a drawing, blocks or another program's file."""
@@ -74,8 +89,9 @@ def import_(
     from clast.rockmass.drawings.dxf import DxfReading
     from clast.rockmass.readers import BlockReading, Reading, has_blocks
 
-    if blocks is not None:
-        check_file(blocks, BLOCK_ENDINGS)
+    for path, endings in ((blocks, BLOCK_ENDINGS), (names, PICTURE_ENDINGS)):
+        if path is not None:
+            check_file(path, endings)
     _check_new(output)
     if output.suffix.casefold() != ".toml":
         what, remedy = "is not a valid case file name", "use a name ending in .toml"
@@ -88,8 +104,14 @@ def import_(
     if taken_as == "blocks" or (taken_as is None and has_blocks(file)):
         target = blocks or output.with_name(f"{output.stem}-blocks.npz")
         _check_new(target)
-        done = _blocks(file, BlockReading(dxf=dxf, near=tolerance), tolerance, (output, target))
+        reading = BlockReading(dxf=dxf, near=tolerance)
+        held = [layer.strip() for layer in fixed_layers.split(",") if layer.strip()]
+        done = _blocks(file, reading, _Blocks(output, target, names, held), tolerance)
     else:
+        if fixed_layers:
+            what = f"{file.name} is a drawing, whose blocks are made by cutting"
+            remedy = "leave it out: [domain] fixed_sides holds blocks; or add --as blocks"
+            raise CaseError(what, where="--fixed-layers", remedy=remedy)
         if tolerance is not None and file.suffix.casefold() != ".dxf":
             raise CaseError(
                 f"{file.name} is a drawing, and --tolerance is for outlines drawn as separate "
@@ -98,8 +120,8 @@ def import_(
                 remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
                 "imported with --as blocks",
             )
-        reading = Reading(dxf=dxf, mass_unit=mass_unit)
-        done = _drawing(file, analysis, reading, (output, blocks))
+        drawn = Reading(dxf=dxf, mass_unit=mass_unit)
+        done = _drawing(file, analysis, drawn, (output, blocks, names))
     text, lines, content = done
     if as_json:
         print_json(content)
@@ -116,17 +138,23 @@ Imported = tuple[str, list[str], dict[str, Any]]
 
 
 def _drawing(
-    file: Path, analysis: Path | None, reading: Reading, targets: tuple[Path, Path | None]
+    file: Path,
+    analysis: Path | None,
+    reading: Reading,
+    targets: tuple[Path, Path | None, Path | None],
 ) -> Imported:
     """Make a case of a drawing, and blocks where a file for them is named."""
     from clast.case.drawn_case import case_text, cut_of, left_out_of, notes_of
     from clast.rockmass.readers import read_drawing
 
-    output, blocks = targets
+    output, blocks, names = targets
     drawing = read_drawing(file, analysis, reading)
     text = case_text(drawing)
-    if blocks is not None:
-        write_cut(blocks, cut_of(drawing))
+    cut = cut_of(drawing) if blocks or names else None
+    if cut is not None and blocks is not None:
+        write_cut(blocks, cut)
+    if cut is not None and names is not None:
+        write_names(names, cut.cut, (), output.stem)
     output.write_text(text, encoding="utf-8")
     counted = {
         "outline of the domain": int(drawing.boundary is not None),
@@ -142,7 +170,7 @@ def _drawing(
         f"taken over: {listed or 'nothing'} ({drawing.unit_source})",
         *(f"note: {one}" for one in notes),
         *(f"left out: {one}" for one in left),
-        *([] if blocks is None else [f"blocks: {blocks}"]),
+        *(f"{what}: {path}" for what, path in (("blocks", blocks), ("names", names)) if path),
     ]
     content = {
         "file": str(file),
@@ -156,24 +184,39 @@ def _drawing(
     return text, lines, content
 
 
+class _Blocks(NamedTuple):
+    """Files to write of finished blocks, and the layers that are fixed."""
+
+    case: Path
+    blocks: Path
+    names: Path | None
+    fixed_layers: list[str]
+
+
 def _blocks(
-    file: Path, reading: BlockReading, tolerance: float | None, targets: tuple[Path, Path]
+    file: Path, reading: BlockReading, wanted: _Blocks, tolerance: float | None
 ) -> Imported:
     """Make a case of finished blocks, which are put together and kept beside it."""
     from clast.case.drawn_case import blocks_text, put_together
+    from clast.inputs.blocks import on_layers
     from clast.rockmass.readers import read_blocks
 
-    output, blocks = targets
+    output, blocks, names, layers = wanted
     drawn = put_together(read_blocks(file, reading), file, tolerance)
+    held = on_layers(drawn.blocks, layers, "--fixed-layers")
     arrays = {
         "vertices": drawn.blocks.vertices,
         "block_start": drawn.blocks.block_start,
         "rock": drawn.blocks.rock,
         "edge_joint": drawn.blocks.edge_joint,
+        **({"name": drawn.blocks.name} if blocks.suffix.casefold() == ".npz" else {}),
     }
     check_file(blocks, BLOCK_ENDINGS)
     write_blocks(blocks, arrays)
-    text = blocks_text(drawn, Path(os.path.relpath(blocks, output.absolute().parent)).as_posix())
+    if names is not None:
+        write_names(names, drawn.blocks, drawn.blocks.name, output.stem)
+    beside = Path(os.path.relpath(blocks, output.absolute().parent)).as_posix()
+    text = blocks_text(drawn, beside, (np.flatnonzero(held) + 1).tolist())
     output.write_text(text, encoding="utf-8")
     content = drawn.as_dict()
     named = {"rocks": list(content["rocks"]), "joints": content["joints"]}
@@ -185,7 +228,9 @@ def _blocks(
         f"{drawn.largest_movement:.3g} m",
         *(f"note: {one}" for one in content["notes"]),
         *(f"left out: {one}" for one in content["left_out"]),
+        *([f"fixed: {held.sum()} blocks on {', '.join(layers)}"] if layers else []),
         f"blocks: {blocks}",
+        *([f"names: {names}"] if names else []),
     ]
     return text, lines, {**content, "written": str(blocks), "output": str(output)}
 

@@ -15,7 +15,16 @@ from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
     from clast.inputs.placing.place_rock_mass import CutCase
+    from clast.pictures.block_names import Corners
 
+BlockNames = Annotated[
+    Path | None,
+    typer.Option(
+        "--names",
+        metavar="FILE",
+        help="Write a picture of the blocks with their numbers and names: .png, .svg, .pdf.",
+    ),
+]
 BLOCK_ENDINGS = (".dxf", ".csv", ".npz")
 PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 
@@ -46,6 +55,13 @@ def write_blocks(path: Path, blocks: Mapping[str, Any]) -> None:
         blocks_out.write_blocks_npz(path, **blocks)
 
 
+def write_names(path: Path, blocks: Corners, names: Sequence[str], title: str) -> None:
+    """Write a picture of blocks with their numbers and names."""
+    from clast.pictures.block_names import plot_block_names
+
+    plot_block_names(blocks, path, names=names, title=title)
+
+
 def write_cut(path: Path, result: CutCase) -> None:
     """Write the blocks of a cut."""
     arrays = {
@@ -71,6 +87,7 @@ def cut(
     by: Annotated[
         Literal["set", "rock"], typer.Option(help="Colour the blocks of a picture by this.")
     ] = "set",
+    names: BlockNames = None,
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
@@ -79,6 +96,8 @@ def cut(
 
     if output is not None:
         check_file(output, (*BLOCK_ENDINGS, *PICTURE_ENDINGS, ".html"))
+    if names is not None:
+        check_file(names, PICTURE_ENDINGS)
     with status() as show:
         show("cutting")
         result = Case.from_toml(case, settings or ()).cut()
@@ -91,6 +110,8 @@ def cut(
             write_cut_report(result.cut, output, title=case.stem)
         else:
             plot_cut(result.cut, output, by=by, title=case.stem)
+    if names is not None:
+        write_names(names, result.cut, (), case.stem)
     if as_json:
         print_json({**cut_content(result), "output": None if output is None else str(output)})
         return
@@ -100,5 +121,6 @@ def cut(
     for note in result.notes:
         tell(f"note: {note}")
     warn(result.warnings)
-    if output is not None:
-        tell(f"wrote {output}")
+    for path in (output, names):
+        if path is not None:
+            tell(f"wrote {path}")

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
+from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
 from clast.inputs.declaring.text import asked_by
 from clast.inputs.declaring.validation_messages import FAULTS_LISTED_MAX, Fault, refusals
-from clast.model.model import Floats
+from clast.model.model import Bools, Floats
+
+if TYPE_CHECKING:
+    from clast.rockmass.drawings.block_arrays import Blocks
 
 
 class Corners(Table):
@@ -128,6 +132,8 @@ class BlockFileTable(Table):
     """Rock of all of them; the rocks named in the file if absent."""
     fixed: list[Annotated[StrictInt, Field(ge=1)]] = Field([])
     """Numbers in the file, from 1, of blocks that cannot move at all."""
+    fixed_layers: list[StrictStr] = Field([])
+    """Layers of a DXF drawing whose blocks cannot move at all."""
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Add the blocks, with joints that hold where edges are welded."""
@@ -144,6 +150,7 @@ class BlockFileTable(Table):
             remedy = f"the file has {blocks.count} blocks, numbered from 1"
             raise ModelError(what, where=f"block_file '{self.file}', fixed", remedy=remedy)
         held = np.isin(np.arange(1, blocks.count + 1), self.fixed)
+        held |= on_layers(blocks, self.fixed_layers, f"block_file '{self.file}', fixed_layers")
         for name in sorted(set(blocks.edge_joint)):
             if name == WELDED or name.startswith(CONSTRUCTION):
                 builder.add_weld(name)
@@ -154,10 +161,33 @@ class BlockFileTable(Table):
         builder.blocks(
             vertices=blocks.vertices,
             start=blocks.block_start,
+            names=_free_names(blocks.name, builder.block_names(), Path(self.file).stem),
             rock=list(blocks.rock) if self.rock is None else self.rock,
             fixed=held,
             edge_joint=blocks.edge_joint,
         )
+
+
+def on_layers(blocks: Blocks, layers: Sequence[str], where: str) -> Bools:
+    """Return True for blocks on some layers, case-blind, shape (nb,); refuse layers of none."""
+    own = [layer.casefold() for layer in blocks.layer]
+    if layers and not own:
+        remedy = "name the blocks by their numbers: fixed = [1, 2]"
+        raise ModelError("the file has no layers", where=where, remedy=remedy)
+    for layer in layers:
+        if layer.strip().casefold() not in own:
+            what = f"no block is on a layer '{shortened(layer)}'"
+            remedy = spelling.advice(layer, dict.fromkeys(blocks.layer), kind="layer")
+            raise ModelError(what, where=where, remedy=remedy)
+    asked = {layer.strip().casefold() for layer in layers}
+    return np.array([layer in asked for layer in own] or [False] * blocks.count, np.bool_)
+
+
+def _free_names(names: Sequence[str], taken: Sequence[str], file: str) -> list[str] | None:
+    """Return the names of blocks, with that of their file before them where one is taken."""
+    if not names:
+        return None
+    return [f"{file}-{one}" for one in names] if set(names) & set(taken) else list(names)
 
 
 class RepairTable(Table):

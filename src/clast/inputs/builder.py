@@ -448,16 +448,17 @@ class InputBuilder(Inputs):
             raise ModelError(what, where="title", remedy=remedy)
         check_names("rock", list(self.named(materials.Rock)))
         check_names("joint", list(self.named(materials.Joint)))
-        check_names("block", self._names())
+        check_names("block", self.block_names())
         check_names("amplitude", list(self.named(Amplitude)))
         check_point_names([one.name for one in self.all(MeasuredPoint)])
 
-    def _names(self) -> list[str]:
+    def block_names(self) -> list[str]:
+        """Return the names of the blocks until now, in their order."""
         return [name for entry in self._entries for name in entry.names]
 
     def _outlines(self) -> BlockOutlines:
         """Return all loops as flat arrays about an origin near the case."""
-        names = tuple(self._names())
+        names = tuple(self.block_names())
         loops = [entry.loops for entry in self._entries]
         counts = np.concatenate([np.zeros(1, np.int64), *(count for count, _ in loops)])
         start = np.cumsum(counts)

@@ -4,21 +4,25 @@
 | --- | --- |
 | .npz | what ``write_blocks_npz`` wrote |
 | .csv | rows of one ``block`` in their order: block, x, y [, joint [, rock]] [, vertex] |
-| .dxf | a closed line on any layer but JOINTS; its rock is the layer's name |
+| .dxf | a closed line or a face on any layer but JOINTS; its rock is the layer's name |
 | any other | a block of Shi's block file |
 
 Lines on the layers JOINTS and JOINTS_name of a DXF are the joints of the edges that lie on them.
+Blocks of a DXF have the name of their layer, with a number where it has several; those of a table
+the name in its column.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
 from clast.errors import CaseError, shortened
 from clast.model.arrays import Floats, following
@@ -30,9 +34,19 @@ from clast.rockmass.drawings.dda_xml import read_dda_xml
 from clast.rockmass.drawings.drawing import DEFAULT_JOINT, DEFAULT_ROCK, Drawing, LeftOut
 from clast.rockmass.drawings.drawing_files import checked_file
 from clast.rockmass.drawings.drawn_loops import without_repeats
-from clast.rockmass.drawings.dxf import DxfReading, MissingLayer, read_dda_dxf, read_dxf, role_of
-from clast.rockmass.drawings.dxf_entities import dxf_content
+from clast.rockmass.drawings.dxf import (
+    DxfReading,
+    MissingLayer,
+    numbered,
+    read_dda_dxf,
+    read_dxf,
+    role_of,
+)
+from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
+
+REPEATS_NAMED_MAX = 10
+"""Most outlines drawn again that a note names."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +57,7 @@ class BlockReading:
     layer: str | None = None
     """Layer of a DXF on which the blocks are, case-blind; all but JOINTS if absent."""
     near: float | None = None
-    """Edges this near to a joint of a DXF lie on it, m; ON_JOINT of the diagonal if absent."""
+    """Edges this near to a joint of a DXF lie on it, m; 1e-6 of the diagonal if absent."""
 
 
 def read_blocks(path: str | Path, reading: BlockReading | None = None) -> Blocks:
@@ -98,7 +112,10 @@ def read_blocks_csv(path: str | Path) -> Blocks:
         for name in table.columns
         if name not in BLOCK_COLUMNS
     ]
-    blocks = blocks_of(points, [*first, len(rows)], rocks, joints, table.file)
+    own = [names[k] for k in first]
+    if own == [str(k) for k in range(len(own))]:  # as clast writes them: numbers, no names
+        own = []
+    blocks = blocks_of(points, [*first, len(rows)], rocks, joints, table.file, own)
     return replace(blocks, notes=table.notes, left_out=tuple(left))
 
 
@@ -108,7 +125,7 @@ def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Bl
     asked = None if how.layer is None else how.layer.strip().casefold()
     content = dxf_content(path, lambda _: True, how.dxf.unit, how.dxf.sagitta)
     loops: list[Floats] = []
-    rocks: list[str] = []
+    drawn: list[Piece] = []
     lines: list[tuple[Floats, str]] = []
     left = [*content.left_out, *content.elsewhere]
     for piece in content.pieces:
@@ -129,16 +146,63 @@ def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Bl
             left.append(piece.left_out(piece.kind, reason))
         else:
             loops.append(points)
-            rocks.append(DEFAULT_ROCK if asked is not None else piece.layer.strip())
+            drawn.append(piece)
     if not loops:
-        what = f"has no closed line{'' if asked is None else f' on the layer {how.layer}'}"
-        remedy = f"draw each block as one; the layers are: {', '.join(content.layers[:20])}"
-        raise CaseError(what, where=str(path), remedy=remedy)
-    start = np.cumsum([0, *map(len, loops)])
-    blocks = blocks_of(np.concatenate(loops), start, rocks, where=str(path))
-    notes = (content.unit_source, *(n for n in content.notes if n != content.unit_source))
+        raise _no_blocks(path, content, how.layer)
+    repeats = _drawn_again(loops, how.near)
+    kept = [k for k in range(len(loops)) if k not in repeats]
+    start = np.cumsum([0, *(len(loops[k]) for k in kept)])
+    layers = [drawn[k].layer.strip() for k in kept]
+    rocks = layers if asked is None else [DEFAULT_ROCK] * len(kept)
+    names = list(numbered(layers, "block"))
+    corners = np.concatenate([loops[k] for k in kept])
+    blocks = blocks_of(corners, start, rocks, None, str(path), names)
+    notes = (
+        content.unit_source,
+        *(n for n in content.notes if n != content.unit_source),
+        *_again_note({drawn[k]: drawn[first] for k, first in repeats.items()}),
+    )
     joints = _joints(blocks, lines, how.near)
-    return replace(blocks, edge_joint=joints, notes=notes, left_out=tuple(left))
+    return replace(
+        blocks, edge_joint=joints, layer=tuple(layers), notes=notes, left_out=tuple(left)
+    )
+
+
+def _no_blocks(path: Path, content: DxfContent, layer: str | None) -> CaseError:
+    """Return the refusal of a drawing without blocks, with the kinds of entities that it has."""
+    what = f"has no closed line{'' if layer is None else f' on the layer {layer}'}"
+    kinds = Counter(one.kind for one in content.pieces)
+    kinds.update(one.place.split()[0] for one in content.left_out)
+    if kinds:
+        what += f", but {', '.join(f'{count} {kind}' for kind, count in kinds.items())}"
+    remedy = "draw each block as one closed polyline, SOLID or 3DFACE; the layers are: "
+    return CaseError(what, where=str(path), remedy=remedy + ", ".join(content.layers[:20]))
+
+
+def _drawn_again(loops: list[Floats], near: float | None) -> dict[int, int]:
+    """Return the loops that repeat an earlier one within a distance, m, and which that is."""
+    bounds = np.array([[*loop.min(axis=0), *loop.max(axis=0)] for loop in loops])
+    size = float(np.hypot(*(bounds[:, 2:].max(axis=0) - bounds[:, :2].min(axis=0))))
+    reach = 1e-6 * size if near is None else near
+    close = cKDTree(bounds - bounds[0]).query_pairs(reach, p=np.inf, output_type="ndarray")
+    pairs = np.sort(close, axis=1)
+    rings = np.array([shapely.LinearRing(loop) for loop in loops])
+    same = shapely.hausdorff_distance(rings[pairs[:, 0]], rings[pairs[:, 1]]) <= reach
+    first: dict[int, int] = {}
+    for one, other in sorted(pairs[same].tolist()):
+        first.setdefault(other, first.get(one, one))
+    return first
+
+
+def _again_note(repeats: dict[Piece, Piece]) -> Iterator[str]:
+    """Yield the note on outlines that were drawn again."""
+    if repeats:
+        listed = [
+            f"{one.place} on layer {one.layer} (as {first.place} on layer {first.layer})"
+            for one, first in islice(repeats.items(), REPEATS_NAMED_MAX)
+        ]
+        more = f" and {len(repeats) - len(listed)} more" if len(repeats) > len(listed) else ""
+        yield f"outlines drawn again were taken once: {', '.join(listed)}{more}"
 
 
 def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +16,8 @@ from clast.model.ranges import check_names
 
 TITLE_LENGTH_MAX = 1000
 """Most characters of a title."""
+PLAIN = re.compile(r"[1-9][0-9]{0,8}")
+"""A number of a block."""
 ACTION = ("begin", "contribution", "finish")
 """Methods of an action."""
 
@@ -60,11 +63,13 @@ def check_point_names(names: Sequence[str]) -> None:
 
 
 def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
-    """Return the index of a named thing, or suggest the nearest name."""
+    """Return the index of a named thing, of a block also by its number, or suggest a name."""
     if not isinstance(name, str):
         what = f"{shortened(repr(name))} is not a valid {kind} name"
         raise ModelError(what, where=where, remedy=f'name the {kind} by its text, e.g. "1"')
     if name not in number:
+        if kind == "block" and PLAIN.fullmatch(name) and int(name) <= len(number):
+            return int(name) - 1  # messages call blocks by number and name
         what = f"there is no {kind} '{shortened(name)}'"
         raise ModelError(what, where=where, remedy=spelling.advice(name, number, kind=kind))
     return number[name]

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+import shapely
 
-from clast.errors import shortened
+from clast.errors import ModelError, shortened
 from clast.inputs.bolts import BoltKind
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable, SpreadTable
+from clast.model.arrays import following, polygons_of
+from clast.model.checks import OVERLAP_TOLERANCE, point_text
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.stages import Stage
@@ -110,3 +113,29 @@ def _doubted_base(model: Model, stages: Sequence[Stage]) -> Iterator[str]:
                 f"{left} move the rest. Put them into blocks that stay"
             )
             return
+
+
+def refuse_unnamed_faces(model: Model) -> None:
+    """Refuse blocks that touch along an edge of the default joint, which the case does not give."""
+    after = following(model.block_start)
+    edges = np.flatnonzero(model.edge_joint < 0)
+    polygons = polygons_of(model.vertices, model.block_start)
+    middles = shapely.points(0.5 * (model.vertices[edges] + model.vertices[after[edges]]))
+    reach = OVERLAP_TOLERANCE * float(np.sqrt(np.abs(model.area)).max(initial=0.0))
+    edge, other = shapely.STRtree(polygons).query(middles, predicate="dwithin", distance=reach)
+    one, table = model.vertex_block[edges[edge]], model.joint_table
+    unnamed = (one != other) & (
+        table.rock_pair[model.block_rock[one], model.block_rock[other]] == 0
+    )
+    paired = {tuple(pair) for pair in table.block_pair.tolist()}
+    for k in np.flatnonzero(unnamed):
+        pair = tuple(sorted((int(one[k]), int(other[k]))))
+        if pair not in paired and not model.fixed[list(pair)].all():
+            names = " and ".join(f"'{shortened(model.block_name[block])}'" for block in pair)
+            at = shapely.get_coordinates(middles[edge[k]])[0] + model.origin
+            raise ModelError(
+                f"there is none, but blocks {names} touch at {point_text(at)}, where no joint is "
+                "named",
+                where="[joint.default]",
+                remedy="give it with friction_angle, degrees; 0 for faces without friction",
+            )

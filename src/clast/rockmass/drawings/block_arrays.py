@@ -26,6 +26,10 @@ class Blocks:
     """Rock of each block."""
     edge_joint: tuple[str, ...]
     """Joint of the edge that starts at each vertex; empty where there is none."""
+    name: tuple[str, ...] = ()
+    """Name of each block; their numbers from 1 if empty."""
+    layer: tuple[str, ...] = ()
+    """Layer of a drawing that each block is on; empty for other files."""
     notes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
 
@@ -45,8 +49,9 @@ def blocks_of(
     rock: Sequence[str],
     edge_joint: Sequence[str] | None = None,
     where: str = "blocks",
+    name: Sequence[str] = (),
 ) -> Blocks:
-    """Return blocks of plain arrays: (nv, 2), m, (nb + 1,), (nb,) and (nv,) names.
+    """Return blocks of plain arrays: (nv, 2), m, (nb + 1,), (nb,), (nv,) and (nb,) names.
 
     Raises CaseError where the arrays do not belong together, or where a coordinate is not finite.
     """
@@ -68,10 +73,13 @@ def blocks_of(
     }
     fault = next((what for what, there in faults.items() if there), "")
     fault = fault or _uneven(points, start, rocks, joints)
+    if not fault and len(name) not in (0, len(start) - 1):
+        fault = f"there are {len(name)} names for {len(start) - 1} blocks"
     if fault:
         remedy = "give vertices, block_start, rock and edge_joint of one system"
         raise CaseError(fault, where=where, remedy=remedy)
-    return Blocks(vertices=points, block_start=start, rock=rocks, edge_joint=joints)
+    names = tuple(map(str, name))
+    return Blocks(vertices=points, block_start=start, rock=rocks, edge_joint=joints, name=names)
 
 
 def counter_clockwise(blocks: Blocks) -> Blocks:

@@ -26,8 +26,11 @@ ARRAYS = {
     "block_start": ("iu", "does not hold numbers", "save it as numbers"),
     "rock": ("U", "is not a list of texts", "save names as texts"),
     "edge_joint": ("U", "is not a list of texts", "save names as texts"),
+    "name": ("U", "is not a list of texts", "save names as texts"),
 }
 """Arrays of an archive -> the kinds of dtype that it may have, the fault of others, its remedy."""
+NAMES = "name"
+"""Array of an archive with the names of blocks, where they have any."""
 
 
 def write_blocks_csv(
@@ -62,12 +65,14 @@ def write_blocks_npz(
     block_start: Any,
     rock: Sequence[str],
     edge_joint: Sequence[str] | None = None,
+    name: Sequence[str] = (),
 ) -> None:
-    """Write blocks to an archive of arrays: vertices, block_start, rock, edge_joint.
+    """Write blocks to an archive of arrays: vertices, block_start, rock, edge_joint, and name.
 
     Raises CaseError as ``write_blocks_dxf`` does.
     """
-    blocks = blocks_of(vertices, block_start, rock, edge_joint)
+    blocks = blocks_of(vertices, block_start, rock, edge_joint, name=name)
+    names = {NAMES: np.array(blocks.name, dtype=np.str_)} if blocks.name else {}
     with replaced(Path(path)) as file:
         np.savez_compressed(
             file,
@@ -75,6 +80,7 @@ def write_blocks_npz(
             block_start=blocks.block_start,
             rock=np.array(blocks.rock, dtype=np.str_),
             edge_joint=np.array(blocks.edge_joint, dtype=np.str_),
+            **names,
         )
 
 
@@ -112,21 +118,23 @@ def read_blocks_npz(path: str | Path) -> Blocks:
     try:
         _check_size(checked_file(Path(path)))
         with np.load(path, allow_pickle=False) as archive:
-            missing = [name for name in ARRAYS if name not in archive.files]
+            missing = [name for name in ARRAYS if name not in (NAMES, *archive.files)]
             if missing:
                 remedy = f"it has {shortened(', '.join(archive.files), 100) or 'none'}"
                 raise CaseError(f"has no array {', '.join(missing)}", where=file, remedy=remedy)
-            arrays = {name: archive[name] for name in ARRAYS}
+            arrays = {name: archive[name] for name in ARRAYS if name in archive.files}
     except CaseError:
         raise
     except Exception as error:  # damaged archives end in errors of zlib, struct and others
         what = f"is not an archive of blocks, or a damaged one: {shortened(str(error), 100)}"
         raise CaseError(what, where=file, remedy="write it again with write_blocks_npz") from None
-    for name, (kinds, what, remedy) in reversed(ARRAYS.items()):
+    for name in reversed(arrays):
+        kinds, what, remedy = ARRAYS[name]
         if arrays[name].dtype.kind not in kinds or (kinds == "U" and arrays[name].ndim != 1):
             raise CaseError(f"the array {name} {what}", where=file, remedy=remedy)
     rock, joints = arrays["rock"].tolist(), arrays["edge_joint"].tolist()
-    return blocks_of(arrays["vertices"], arrays["block_start"], rock, joints, file)
+    names = arrays[NAMES].tolist() if NAMES in arrays else ()
+    return blocks_of(arrays["vertices"], arrays["block_start"], rock, joints, file, names)
 
 
 FORBIDDEN = set('<>/\\":;?*|=`,')

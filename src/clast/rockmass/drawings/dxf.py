@@ -17,7 +17,7 @@ The layers, in capitals or not:
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -356,15 +356,24 @@ TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
 
 def _numbered(openings: list[DrawnOutline]) -> Iterator[DrawnOutline]:
     """Yield openings with different names: those without one, and twins, get a number."""
-    times = Counter(one.name for one in openings)
-    used = {name for name, count in times.items() if name and count == 1}
-    for one in openings:
-        name, number = one.name, 0
-        while not name or (times[one.name] > 1 and (number == 0 or name in used)):
-            number += 1
-            name = f"{one.name or 'opening'}-{number}"
-        used.add(name)
+    names = numbered([one.name for one in openings], "opening")
+    for one, name in zip(openings, names, strict=True):
         yield DrawnOutline(name=name, points=one.points, place=one.place)
+
+
+def numbered(names: Sequence[str], instead: str) -> Iterator[str]:
+    """Yield different names: empty ones are called otherwise, those and twins get a number."""
+    times = Counter(names)
+    used = {name for name, count in times.items() if name and count == 1}
+    last: dict[str, int] = {}
+    for given in names:
+        name, number = given, last.get(given, 0)
+        while not name or (times[given] > 1 and (name == given or name in used)):
+            number += 1
+            name = f"{given or instead}-{number}"
+        last[given] = number
+        used.add(name)
+        yield name
 
 
 def _dropped_height(content: DxfContent, path: Path) -> list[str]:

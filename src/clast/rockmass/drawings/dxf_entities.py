@@ -419,6 +419,11 @@ def _polyline(entity: Any, sagitta: float) -> Drawn:
     return _in_world(entity, points, elevation), bool(entity.is_closed), bool(bulges.any())
 
 
+def _face(entity: Any, _: float) -> Drawn:
+    """Return a SOLID, a TRACE or a 3DFACE: a filled area of three or four corners."""
+    return np.array([tuple(one) for one in entity.wcs_vertices()]).reshape(-1, 3), True, False
+
+
 DRAWN: dict[str, Callable[[Any, float], Drawn]] = {
     "LINE": lambda entity, _: _straight(entity.dxf.start, entity.dxf.end),
     "POINT": lambda entity, _: _straight(entity.dxf.location),
@@ -429,6 +434,9 @@ DRAWN: dict[str, Callable[[Any, float], Drawn]] = {
     "SPLINE": _curve,
     "LWPOLYLINE": _lwpolyline,
     "POLYLINE": _polyline,
+    "SOLID": _face,
+    "TRACE": _face,
+    "3DFACE": _face,
 }
 """How the points of each type of entity are found."""
 
