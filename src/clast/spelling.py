@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from clast.errors import CaseError, shortened
 
@@ -24,7 +24,17 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     """Return the known word that looks most like ``word``, or None where none looks like it."""
     by_lower = {name.lower(): name for name in known}
     close = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
-    return by_lower[close[0]] if close else None
+    return by_lower[close[0]] if close else _abbreviated(word.lower(), by_lower)
+
+
+def _abbreviated(word: str, by_lower: Mapping[str, str]) -> str | None:
+    """Return the only word that is "sigma_yy" for "syy": initials, and the last part as it is."""
+    found = []
+    for low, name in by_lower.items():
+        *first, last = low.split("_")
+        if first and word == "".join(part[:1] for part in first) + last:
+            found.append(name)
+    return found[0] if len(found) == 1 else None
 
 
 def advice(word: str, known: Iterable[str], *, kind: str) -> str:

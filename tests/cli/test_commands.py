@@ -188,6 +188,15 @@ def test_new(template, tmp_path, monkeypatch):
     assert "already exists" in result.stderr
 
 
+def test_a_case_called_as_a_template_is_made_from_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, template in {"heap": "heap", "arch.toml": "arch", "mine": "incline"}.items():
+        assert f"from the template {template};" in good("new", name)
+        written = (tmp_path / f"{name.removesuffix('.toml')}.toml").read_text("utf-8")
+        assert written == TEMPLATES[template]
+    assert "from the template wall;" in good("new", "dominoes", "--template", "wall")
+
+
 AFTER_A_WARMUP = """
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE

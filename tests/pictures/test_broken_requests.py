@@ -12,6 +12,8 @@ from scenes.command_line import clast_command
 REQUESTS = {
     # clast plot
     "field": (["plot", "FILE", "--field", "slipp"], "did you mean 'slip'"),
+    "initials of a field": (["plot", "FILE", "--field", "syy"], "did you mean 'sigma_yy'"),
+    "film": (["plot", "FILE", "-o", "film.gif"], "clast film FILE film.gif writes films"),
     "no field": (["plot", "FILE", "--field", ""], "there is no field ''"),
     "frame": (["plot", "FILE", "--frame", "99"], "99"),
     "frame before the first": (["plot", "FILE", "--frame", "-99"], "-99"),

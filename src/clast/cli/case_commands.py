@@ -216,23 +216,27 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 
 
 def new(
-    name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the case; .toml is added.")],
     template: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="incline, slope, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
-            "settling-wall, arch, spreading-arch, column, dominoes, shear-box or heap."
+            "settling-wall, arch, spreading-arch, column, dominoes, shear-box or heap; if absent "
+            "the one called as the case, else incline."
         ),
-    ] = "incline",
+    ] = None,
 ) -> None:
     """Write a case file from a template."""
     from clast.case.templates import TEMPLATES
 
+    if template is None:
+        own = Path(name).name.removesuffix(".toml")
+        template = own if own in TEMPLATES else "incline"
     require_known(template, TEMPLATES, kind="template", where="--template")
     path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
     _check_new(name, path)
     path.write_text(TEMPLATES[template], encoding="utf-8")
-    tell(f"wrote {path}; next: clast run {path}")
+    tell(f"wrote {path} from the template {template}; next: clast run {path}")
 
 
 def _check_new(name: str, path: Path) -> None:

@@ -75,6 +75,8 @@ class Sheet:
         return box[0] / width, box[1] / height, box[2] / width, box[3] / height
 
 
+FILMS = (".gif", ".mp4")
+"""Endings of films alone; .webp is one of pictures as well."""
 Part = tuple[Floats, Floats]
 """Lower left and upper right corner of the picture, m, (2,) each."""
 
@@ -343,6 +345,9 @@ def save(figure: Figure, path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     formats = sorted(FigureCanvasAgg(figure).get_supported_filetypes())
+    if path.suffix.lower() in FILMS:
+        what = f"a picture is not written as '{path.suffix}', the ending of a film"
+        raise CaseError(what, where=str(path), remedy=f"clast film FILE {path} writes films")
     if path.suffix.lower().lstrip(".") not in formats:
         raise CaseError(
             f"pictures cannot be written as '{path.suffix or path.name}'",

@@ -12,10 +12,11 @@ from clast.pictures import canvas
 from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.page.document import BUDGET, page_text, widget_script
 from clast.pictures.page.scene import scene_of
-from clast.pictures.plot import draw_results
+from clast.pictures.plot import draw_on, draw_results
 from clast.results import Recording
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -79,8 +80,12 @@ def plot(
     field: str = "displacement",
     contacts: bool = True,
     look: Look = DEFAULT,
+    ax: Axes | None = None,
 ) -> Picture:
-    """Return the picture of a frame, as ``plot_results`` draws it."""
+    """Return the picture of a frame, as ``plot_results`` draws it; on ``ax`` without arrows."""
+    if ax is not None:
+        draw_on(ax, results, frame=frame, field=field, look=look)
+        return Picture(ax.get_figure())
     return Picture(draw_results(results, frame=frame, field=field, contacts=contacts, look=look))
 
 

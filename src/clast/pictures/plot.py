@@ -23,6 +23,7 @@ from clast.pictures.supports import ReactionArrow, draw_reactions, reaction_arro
 from clast.results import Recording
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["Look", "plot_bolt_history", "plot_history", "plot_results", "plot_two_frames"]
@@ -99,6 +100,25 @@ def draw_results(
     if "gravity" in look.layers:
         draw_gravity(figure, sheet, results)
     return figure
+
+
+def draw_on(axes: Axes, results: Recording, *, frame: int, field: str, look: Look) -> None:
+    """Draw the blocks of a frame on axes of a figure of one's own, with the scale of the field."""
+    canvas.check_installed()
+    if not hasattr(axes, "add_collection"):
+        what = f"a {type(axes).__name__} is not axes of matplotlib"
+        raise CaseError(what, where="ax", remedy="give those of: figure, ax = plt.subplots()")
+    number = results.frame(frame).number
+    drawing = FrameDrawing(results, [number], field, look.zoom, look.layers)
+    box = axes.get_window_extent()
+    dots = axes.figure.dpi
+    size = max(box.width / dots, 0.1), max(box.height / dots, 0.1)
+    seen = canvas.seen(*drawing.part, size)
+    canvas.view(axes, *seen, size)
+    scale = drawing.scale([number], seen, look.limits)
+    coloured, label = drawing.draw(axes, number, seen, scale)
+    if scale is not None:
+        axes.figure.colorbar(coloured, ax=axes, label=label, extend=scale.extend)
 
 
 def _reactions(

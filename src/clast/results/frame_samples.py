@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
 
@@ -254,6 +254,18 @@ def point_velocity(offset: Floats, velocity: Floats) -> Floats:
     return out
 
 
+@dataclass(frozen=True, kw_only=True)
+class PlaceOfFrame:
+    """Where a frame is in its run."""
+
+    name: str
+    """Name of its stage, "" where the run has no stages."""
+    stage: int
+    """Number of its stage."""
+    counts: Mapping[str, int]
+    """Rows of each table when it was kept."""
+
+
 class FramesInMemory:
     """The frames of a run in memory, as states; their fields are computed when asked for.
 
@@ -263,8 +275,8 @@ class FramesInMemory:
     def __init__(self, model: Model, limit: float) -> None:
         self._model = model
         self._fields = FrameFields(model)
-        self._frames: list[tuple[State, NDArray[Any], FrameFields]] = []
-        self._stages: list[str] = []
+        self.kept: list[tuple[State, NDArray[Any], FrameFields, PlaceOfFrame]] = []
+        """The frames: state, rows of contacts, the maker of fields, and the place in the run."""
         self._bytes = 0
         self._limit = limit
         self.left_out_from: float | None = None
@@ -274,28 +286,27 @@ class FramesInMemory:
         """Make ``fields`` compute the requested fields of the frames that follow."""
         self._fields = fields
 
-    def add(self, state: State, contacts: NDArray[Any], stage: str) -> None:
-        """Keep a state, the rows of its contacts and the name of its stage."""
+    def add(self, state: State, contacts: NDArray[Any], place: PlaceOfFrame) -> None:
+        """Keep a state, the rows of its contacts and its place in the run."""
         state = replace(state, memory=ContactMemory())
         arrays = (state.vertices, state.velocity, state.stress, state.rotation, contacts)
         self._bytes += sum(array.nbytes for array in arrays)
-        if self._bytes > self._limit and len(self._frames) > 1:
+        if self._bytes > self._limit and len(self.kept) > 1:
             if self.left_out_from is None:
-                self.left_out_from = self._frames[-1][0].time
-            self._frames.pop()
-            self._stages.pop()
-        self._frames.append((state, contacts, self._fields))
-        self._stages.append(stage)
+                self.left_out_from = self.kept[-1][0].time
+            self.kept.pop()
+        self.kept.append((state, contacts, self._fields, place))
 
     @property
     def times(self) -> Floats:
         """Time of each frame, s, shape (frames,)."""
-        return np.array([state.time for state, *_ in self._frames])
+        return np.array([state.time for state, *_ in self.kept])
 
     @property
     def frame_stages(self) -> tuple[str, ...]:
         """Name of the stage of each frame; empty where the run has no stages."""
-        return tuple(self._stages) if any(self._stages) else ()
+        names = tuple(place.name for *_, place in self.kept)
+        return names if any(names) else ()
 
     @property
     def block_start(self) -> Ints:
@@ -313,17 +324,17 @@ class FramesInMemory:
 
     def contact_rows(self, frame: int) -> NDArray[Any]:
         """Return a row for every contact of a frame that carries a force."""
-        return self._frames[frame][1]
+        return self.kept[frame][1]
 
     def bolt_points(self, frame: int) -> Floats:
         """Return the points of the bolts in a frame, m, shape (q, 2)."""
         rows = self._model.point_slices.bolts
-        return np.asarray(self._frames[frame][0].points[rows] + self._model.origin)
+        return np.asarray(self.kept[frame][0].points[rows] + self._model.origin)
 
     def _one(self, name: str, frame: int) -> NDArray[Any]:
         """Return a field of one frame, shape (n, ...), or its vertices, (nv, 2)."""
         model = self._model
-        state, _, fields = self._frames[frame]
+        state, _, fields, _ = self.kept[frame]
         kinds: dict[str, NDArray[Any]] = {
             "block": np.arange(model.block_count),
             "rock": model.block_rock,

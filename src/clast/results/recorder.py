@@ -81,6 +81,7 @@ class RunRecorder:
         self._framed = RecordMark()
         self._recorded = recorded
         self.checkpoint: Path | None = None
+        self._about: Mapping[str, Any] = {}
         self._stages: list[str] = []
         self._begins: dict[str, str] = {}
         self._stage = 0
@@ -116,7 +117,8 @@ class RunRecorder:
 
         ``about`` says how the run is simulated (``clast.results.run_report``).
         """
-        about, recorded = about or {}, self._recorded
+        self._about = about = about or {}
+        recorded = self._recorded
         self._stages = list(about.get("stages", ()))
         self._begins = dict(about.get("begins", {}))
         if self._file is not None:
@@ -186,7 +188,11 @@ class RunRecorder:
 
     def _keep(self, state: State, rows: NDArray[Any]) -> None:
         if self._kept is not None:
-            self._kept.add(state, rows, self._stages[self._stage] if self._stages else "")
+            from clast.results.frame_samples import PlaceOfFrame
+
+            name = self._stages[self._stage] if self._stages else ""
+            place = PlaceOfFrame(name=name, stage=self._stage, counts=self._counts())
+            self._kept.add(state, rows, place)
         if self._file is not None:
             points = state.points[self._model.point_slices.bolts] + self._model.origin
             self._file.stage = self._stage
@@ -270,6 +276,8 @@ class RunRecorder:
             tables={name: table.rows for name, table in self._tables.items()},
             open_frames=partial(_opened, self._kept, path, self._model.title, times),
             begins=self._begins,
+            case_text=self._case_text,
+            about=self._about,
             **parts_of(self._model),
         )
 

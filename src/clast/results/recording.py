@@ -400,8 +400,8 @@ class Recording:
     def plot(self, **wishes: Any) -> Any:
         """Return the picture of a frame, which a notebook shows; ``.save("run.pdf")`` writes it.
 
-        ``frame``, ``field``, ``contacts`` and ``look`` as in ``clast.plot_results``.  Raises
-        CaseError as it does.
+        ``frame``, ``field``, ``contacts`` and ``look`` as in ``clast.plot_results``; ``ax``: axes
+        to draw on, without arrows.  Raises CaseError as it does.
         """
         return import_module(NOTEBOOK).plot(self, **wishes)
 
@@ -502,6 +502,10 @@ class Run(Recording):
     """Number of the signal that ended the run early, 0 where none did."""
     checkpoint: Path | None = None
     """The last checkpoint of the run, which ``clast resume`` goes on from; None without any."""
+    case_text: str = ""
+    """The case as a TOML text; "" where no text can hold it."""
+    about: Mapping[str, Any] = field(default_factory=dict)
+    """How the run was simulated (results.provenance)."""
 
     @property
     def final(self) -> State:
@@ -522,6 +526,20 @@ class Run(Recording):
     def file(self) -> Path | None:
         """The result file; None where nothing was written."""
         return self.output
+
+    def save(self, path: str | Path) -> Path:
+        """Write the run to a result file (.vtkhdf), as with ``output``; return its path.
+
+        Frames that were dropped as they did not fit into memory are not in it.  Raises CaseError
+        for a file that cannot be written.
+        """
+        from clast.results.saving import save_run
+
+        return save_run(self, Path(path))
+
+    def frames_made(self) -> Any:
+        """Return the place of its frames, in memory or in its file."""
+        return self._frames
 
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
         rows = self.tables[table.name]

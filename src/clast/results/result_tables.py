@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast import thumbnails
+from clast import spelling, thumbnails
+from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.results.schema import (
     BOLT_STATES,
@@ -109,9 +110,20 @@ class Columns(dict[str, NDArray[Any]]):
             self.update(zip(names.get(name, parts), values.T, strict=True))
 
     def __getattr__(self, name: str) -> NDArray[Any]:
+        if name.startswith("__"):  # asked by copy, pickle, numpy
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except CaseError as error:
+            raise AttributeError(str(error)) from None
+
+    def __missing__(self, name: str) -> NDArray[Any]:
         rows = self.__dict__.get("rows")
-        if rows is None or name not in (rows.dtype.names or ()):
-            raise AttributeError(f"{type(self).__name__} has no column '{name}'")
+        vectors = () if rows is None else rows.dtype.names or ()
+        if rows is None or name not in vectors:
+            known = [*self, *(one for one in vectors if one not in self)]
+            remedy = spelling.advice(str(name), known, kind="column")
+            raise CaseError(f"{type(self).__name__} has no column '{name}'", remedy=remedy)
         column: NDArray[Any] = rows[name]
         return column
 
