@@ -257,6 +257,10 @@ class ModelBuilder:
         """
         ...
 
+    def block_names(self) -> Names:
+        """Return the names of the blocks until now, in their order."""
+        ...
+
     def blocks(
         self,
         *,
