@@ -138,8 +138,8 @@ def print_measured(content: dict[str, Any]) -> None:
         for name, one in content["reactions"].items()
     ]
     if supports:
-        heads = ("support", "x, kN/m", "y, kN/m", "moment, kN m/m")
-        print_table(table_of("reactions at the end", heads, supports))
+        of_supports = ("support", "x, kN/m", "y, kN/m", "moment, kN m/m")
+        print_table(table_of("reactions at the end", of_supports, supports))
 
 
 def print_stages(stages: Sequence[StageRecord]) -> None:

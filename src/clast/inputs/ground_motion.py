@@ -34,8 +34,6 @@ GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase] | type[Incoming
     "base": MovingBase,
     "incoming": IncomingWave,
 }
-OFFSET_SHARE = 0.05
-"""Mean acceleration, as a share of the peak, above which a record's base line is off."""
 OF_FILES = ("format", "quantity", "unit", "direction")
 """Keys that only a record in a file has."""
 NEED_UNIT = frozenset({*OF_FILES, "baseline", "after"})
@@ -286,7 +284,8 @@ def _offset(samples: Samples, file: str) -> Iterator[str]:
     record = samples.accelerogram()
     end, peak = float(record.time[-1]), float(np.abs(record.acceleration).max())
     mean = float(np.hypot(*record.velocity(end))) / (end - float(record.time[0]))
-    if mean > OFFSET_SHARE * peak:
+    # Mean acceleration, as a share of the peak, above which a record's base line is off
+    if mean > 0.05 * peak:
         yield (
             f"the mean acceleration of {shortened(file)} is {mean:.3g} m/s2, "
             f"{100.0 * mean / peak:.2g} % of its peak: an instrument offset, removed by "

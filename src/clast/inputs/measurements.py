@@ -190,8 +190,6 @@ class Supported:
 NONE = np.zeros(0, np.int64)
 SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
 """Axis of each side, and whether it is the low or the high end."""
-ON_SIDE = 1e-6
-"""Distance from a side at which a fixed point is on it, as a share of the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,7 +280,8 @@ def _on_side(side: Side, supports: Supported, where: str) -> tuple[Ints, Ints, I
     blocks = owner[ground.fixed[owner] & ~np.isin(owner, supports.moved)]
     low, high = outlines.vertices.min(axis=0), outlines.vertices.max(axis=0)
     axis, end = SIDES[side]
-    beside = np.abs(at[:, axis] - (low, high)[end][axis]) <= ON_SIDE * float(np.hypot(*high - low))
+    # Distance from a side at which a fixed point is on it, as a share of the model
+    beside = np.abs(at[:, axis] - (low, high)[end][axis]) <= 1e-6 * float(np.hypot(*high - low))
     points, viscous = np.flatnonzero(beside), np.isin(supports.viscous_edges, edges).nonzero()[0]
     if not len(blocks) + len(points) + len(viscous):
         what = f"no fixed block, fixed point or viscous edge is on the {side} side"

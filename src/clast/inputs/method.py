@@ -183,8 +183,6 @@ def chosen_damping(value: Any) -> Chosen | GivenObject:
     return DAMPING.validate(value)
 
 
-SECONDS_OF_A_STEP = 1e-5
-"""Wall time of a step that none falls below, s."""
 TRAVEL_SHARE = 0.05
 """Default max_displacement, as a share of the size (square root of area) of the smallest block."""
 FRAMES = 100
@@ -210,9 +208,10 @@ class TimeTable(Table):
     def _in_order(self) -> Self:
         steps = min(self.end / self.step, 1e300)
         if steps > ranges.STEPS_MAX:
+            # Wall time of a step that none falls below, s
             what = (
                 f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
-                f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours"
+                f"{steps * 1e-5 / 3600.0:.2g} hours"
             )
             raise refusal(what, "lower end, or raise step", "end")
         if self.step > self.end:

@@ -150,8 +150,6 @@ ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)
 """Whether outer edges and whether joints are wetted, by the name in ``acts_on``."""
 OPENED = {"open-and-closed": 1.0, "closed": 0.0}
 """Opening of a joint at which its water runs out, in lengths of the joint."""
-CLOSED_OPENING = 1e-3
-"""Opening that counts as closed, in units of the distance that faces may lie apart."""
 
 
 @dataclass(frozen=True)
@@ -308,11 +306,12 @@ def _joints(
     length = np.hypot(*(one[:, 1] - one[:, 0]).T)
     gap = np.hypot(*np.moveaxis(other - one, -1, 0)).max(axis=1)
     opened, ends = OPENED[given.wetted], _middle(joints, edges)
+    # Opening that counts as closed, in units of the distance that faces may lie apart
     joints = WetJoints(
         edge=joints.edge,
         share=joints.share,
         lowered=joints.lowered,
-        widest=gap + np.maximum(opened * length, CLOSED_OPENING * near),
+        widest=gap + np.maximum(opened * length, 1e-3 * near),
         ends=ends,
         near=near,
         conducts=np.asarray(~bed.waits[bed.ground.outlines.owner[joints.edge]].any(axis=1)),

@@ -26,8 +26,6 @@ VALUES_MAX = 1_000_000
 """Values of a list or a range, at most."""
 QUADRATURE_POINTS = 4000
 """Points by which mean and standard deviation of a truncated distribution are integrated."""
-LARGE_DEVIATIONS = 4.0
-"""Values further than this many standard deviations above the mean are not counted on."""
 
 
 class Distribution:
@@ -155,7 +153,8 @@ class Truncated(Continuous):
     @property
     def large(self) -> float:
         """A value that is hardly ever exceeded."""
-        value = float(self._at_score(LARGE_DEVIATIONS))
+        # Values further than this many standard deviations above the mean are not counted on
+        value = float(self._at_score(4.0))
         return value if self.high is None else min(value, self.high)
 
     @property

@@ -26,9 +26,6 @@ from clast.model.water import Water, surface_at
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
 
-FLOW_MIN = 1e-9
-"""Flow that is none, as a share of that of the whole lowering along the shortest joint."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
@@ -127,7 +124,8 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
     # a drain takes water, or lies above what the others leave and has no pressure: by turns, which
     # ends for equations like these (Hintermueller, Ito & Kunisch 2002)
     for _ in range(len(drains)):
-        none = FLOW_MIN * float(level.max())
+        # Flow that is none, as a share of that of the whole lowering along the shortest joint
+        none = 1e-9 * float(level.max())
         takes = _outflow(network, level) >= -none / float(network.length.min())
         presses = network.deep - level > none
         drained = network.at_drain & np.where(network.drained, takes, presses)

@@ -19,9 +19,6 @@ import numpy as np
 
 from clast.model.arrays import Floats
 
-POWER_FRACTION = 0.95
-"""Share of a record's power that is in frequencies up to its highest significant one."""
-
 
 def highest_frequency(time: Floats, values: Floats) -> float:
     """Return the frequency, Hz, below which 95 % of the power of a record about its mean is.
@@ -47,7 +44,8 @@ def highest_frequency(time: Floats, values: Floats) -> float:
     whole = np.cumsum(power)
     if not whole[-1] > 0.0:
         return 0.0
-    return float(np.searchsorted(whole, POWER_FRACTION * whole[-1]) / length)
+    # Share of a record's power that is in frequencies up to its highest significant one
+    return float(np.searchsorted(whole, 0.95 * whole[-1]) / length)
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 LETTER_SIZES = (1.0, 8.0)
 """Smallest and largest letters, points: smaller ones are read by zooming into a vector picture."""
-LETTER_WIDTH = 0.6
-"""Width of a letter over its size."""
 
 
 class Corners(Divided, Protocol):
@@ -82,7 +80,8 @@ def _figure(blocks: Corners, labels: Sequence[str], title: str, look: Look) -> F
     middles = np.where(inside, shapely.get_coordinates(centroids), circles)
     for label, middle, radius in zip(labels, middles, shapely.length(spans), strict=True):
         room = 2.0 * float(radius) * points_per_metre
-        size = float(np.clip(room / (LETTER_WIDTH * len(label)), *LETTER_SIZES))
+        # Width of a letter over its size
+        size = float(np.clip(room / (0.6 * len(label)), *LETTER_SIZES))
         looks = {"ha": "center", "va": "center", "fontsize": size, "color": INK}
         axes.text(*middle.tolist(), canvas.literal(label), clip_on=True, **looks)
     return figure

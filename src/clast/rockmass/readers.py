@@ -45,9 +45,6 @@ from clast.rockmass.drawings.dxf import (
 from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
 
-REPEATS_NAMED_MAX = 10
-"""Most outlines drawn again that a note names."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class BlockReading:
@@ -197,9 +194,10 @@ def _drawn_again(loops: list[Floats], near: float | None) -> dict[int, int]:
 def _again_note(repeats: dict[Piece, Piece]) -> Iterator[str]:
     """Yield the note on outlines that were drawn again."""
     if repeats:
+        # Most outlines drawn again that a note names
         listed = [
             f"{one.place} on layer {one.layer} (as {first.place} on layer {first.layer})"
-            for one, first in islice(repeats.items(), REPEATS_NAMED_MAX)
+            for one, first in islice(repeats.items(), 10)
         ]
         more = f" and {len(repeats) - len(listed)} more" if len(repeats) > len(listed) else ""
         yield f"outlines drawn again were taken once: {', '.join(listed)}{more}"

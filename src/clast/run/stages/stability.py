@@ -39,8 +39,6 @@ from clast.step.start import StepContext, begin, diagonal_terms
 
 ITERATIONS_MAX = 20
 """Lanczos iterations at most."""
-ACCURACY = 1e-3
-"""Change of q in two iterations, as a share of it, at which it is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,7 +244,8 @@ def _largest_ratio(tangent: _Tangent) -> tuple[float, Floats]:
         values, vectors = np.linalg.eigh(products[: k + 1, : k + 1])
         ratios.append(float(values[-1]))
         mode = vectors[:, -1]
-        if k > 2 and abs(ratios[-1] - ratios[-3]) <= ACCURACY * abs(ratios[-1]):
+        # Change of q in two iterations, as a share of it, at which it is known
+        if k > 2 and abs(ratios[-1] - ratios[-3]) <= 1e-3 * abs(ratios[-1]):
             break
     if not ratios:
         return 0.0, motion

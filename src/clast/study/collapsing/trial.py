@@ -44,14 +44,10 @@ LONGER = 3
 """By how much a trial is longer that was undecided."""
 AT_REST_RATIO = 5e-4
 """Unbalanced acceleration over gravity below which blocks are not driven."""
-STEADY_SPEED_RATIO = 0.9
-"""Speed in the last third of a trial, over that before, that has not become less."""
 MOVEMENT_PER_STEP_MAX = 0.05
 """Movement in a step of a trial, in units of that from which blocks fail, at most."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that fail."""
-BASE_FACTOR_MIN = 1.0 / 64.0
-"""Least factor at which blocks are let settle where they do not stand at 1."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +129,8 @@ def settle_standing(case: Case, by: Reduction) -> Settled:
         if start.record.outcome == REACHED:
             return start
         base *= 0.5
-        if not by.DIVIDES or base < BASE_FACTOR_MIN:
+        # Least factor at which blocks are let settle where they do not stand at 1
+        if not by.DIVIDES or base < 1.0 / 64.0:
             raise CaseError(
                 "the blocks do not come to rest before the factor acts"
                 + (f", nor with the factor {2.0 * base:g}" if by.DIVIDES else "")
@@ -274,7 +271,8 @@ def is_driven(start: Settled, run: Run) -> bool:
         for k in range(2)
     ]
     least = AT_REST_RATIO * model.usual_gravity * start.method.integrator.theta * step
-    return speeds[1] > least and speeds[1] >= STEADY_SPEED_RATIO * speeds[0]
+    # Speed in the last third of a trial, over that before, that has not become less
+    return speeds[1] > least and speeds[1] >= 0.9 * speeds[0]
 
 
 def moved(model: Model, before: Floats, after: Floats) -> Floats:
