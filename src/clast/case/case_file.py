@@ -61,6 +61,7 @@ from clast.inputs.rock_mass import (
 from clast.inputs.stages import StageTable
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
+from clast.inputs.surcharges import Fill, LoadTrain
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
 from clast.model.model import Model
@@ -131,6 +132,10 @@ class Case(BaseModel):
     """Tractions along lines."""
     pressure: list[Pressure] = []
     """Pressures on edges."""
+    fill: list[Fill] = []
+    """Fill that rests on blocks."""
+    load_train: list[LoadTrain] = []
+    """Axles on paths over the blocks."""
     motion: list[Motion] = []
     """Prescribed motions of blocks: settlements, presses, driven walls."""
     link: list[Link] = []

@@ -73,6 +73,7 @@ from clast.inputs.placing.place_blocks import BlockArrays, Names, Vector, rocks_
 from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
+from clast.inputs.surcharges import Fill, LoadTrain, SurfaceLoading, joined, surcharge_in
 from clast.inputs.viscous_boundaries import (
     ViscousBoundary,
     Where,
@@ -168,6 +169,10 @@ class InputBuilder(Inputs):
     """Apply a traction along a line of a block: ``[[line_load]]``."""
     pressure = gives("pressure", Pressure, "start", "end", "value", "block", "amplitude", "name")
     """Press on the edges along a line: ``[[pressure]]``."""
+    fill = gives("fill", Fill, "surface", "density")
+    """Let the weight of fill rest on blocks: ``[[fill]]``."""
+    load_train = gives("load_train", LoadTrain, "path", "position", "axles", "loads")
+    """Let axles stand on a path over the blocks: ``[[load_train]]``."""
     measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
     measured_convergence = gives("measured_convergence", MeasuredConvergence, "name", "of")
@@ -300,6 +305,9 @@ class InputBuilder(Inputs):
         check_incoming(self.ground_motion, viscous, outlines)
         check_actions(self.actions)
         gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
+        gravity_factor = ground.amplitude(self.gravity_amplitude, "gravity_amplitude")
+        surface = SurfaceLoading(gravity=gravity, gravity_factor=gravity_factor, there=~waits)
+        surcharge = surcharge_in(self.all(Fill), self.all(LoadTrain), ground, surface)
         density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
         openings = openings_of(self.all(OpeningTable), block_number, edge_joint)
@@ -325,7 +333,7 @@ class InputBuilder(Inputs):
             title=self.title,
             plane=self.plane,
             gravity=gravity + self._push(gravity),
-            gravity_factor=ground.amplitude(self.gravity_amplitude, "gravity_amplitude"),
+            gravity_factor=gravity_factor,
             origin=outlines.origin,
             rocks=rocks,
             joint_table=table,
@@ -341,7 +349,8 @@ class InputBuilder(Inputs):
             viscous_edges=viscous,
             area=outlines.area,
             fixed_points=ground.points,
-            point_loads=points,
+            point_loads=joined([points, surcharge.loads]),
+            surcharge=surcharge.shown,
             line_loads=lines,
             pressures=pressures,
             bolts=bolts,
@@ -362,6 +371,7 @@ class InputBuilder(Inputs):
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
+                *surcharge.notes,
                 *idle_note(bolts),
                 *everything.beside_note(
                     (*points_placed((fixed, measured, points, lines)), *ends_of(bolts))

@@ -26,6 +26,7 @@ from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joints import JointTable
 from clast.model.supports import Bolts, LiningJoints, LinkLines, Reactions, numbered
+from clast.model.surcharge import Surcharge
 from clast.model.surroundings import (
     InSituStress,
     OpeningBlocks,
@@ -263,6 +264,8 @@ class Model:
     """Contacts recorded every step."""
     pressures: EdgePressures = field(default_factory=EdgePressures)
     """Pressures on edges."""
+    surcharge: Surcharge = field(default_factory=Surcharge)
+    """Fill and axles, whose forces are among the point loads, as pictures show them."""
     bolts: Bolts = field(default_factory=Bolts)
     """Rock bolts."""
     water: tuple[Water, ...] = ()

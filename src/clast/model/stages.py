@@ -94,8 +94,9 @@ def load_names(model: Model) -> tuple[str, ...]:
 
 
 def names_that_act(model: Model) -> tuple[str, ...]:
-    """Return the names of loads, pressures and water."""
+    """Return the names of loads, pressures, fill, load trains and water."""
     named = [name for kind in KINDS for name in getattr(model, kind).name if name]
+    named += [name for name in model.surcharge.names if name not in named]
     return *named, *(water.name for water in model.water if water.name)
 
 

@@ -52,12 +52,7 @@ class PressureDiagrams:
 
 def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
     """Return the waters that press in a frame, those that a later stage brings left out."""
-    stages = results.frame_stages
-    since: dict[str, float | None] = {}
-    for name, stage in results.begins.items():
-        # a stage begins with the last frame of the one before
-        first = stages.index(stage) if stage in stages else len(stages)
-        since[name] = None if first > frame else float(results.times[max(0, first - 1)])
+    since = results.begun_at(frame)
     now = float(results.times[frame])
     standings = (standing(water, since) for water in results.water)
     return tuple(water for water in standings if water.pressure_of_head(now) > 0.0)

@@ -11,6 +11,12 @@ from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE
+from clast.pictures.draw_surcharge import (
+    draw_surcharge,
+    handles_of_surcharge,
+    surcharge_of,
+    with_surcharge,
+)
 from clast.pictures.draw_water import (
     draw_water,
     handles_of_water,
@@ -98,6 +104,7 @@ class FrameDrawing:
             *_block_handles(results, self.field, frame),
             *handles_of(self._edges(frame), self.part),
             *handles_of_water(waters, pressures),
+            *handles_of_surcharge(surcharge_of(results, frame)),
             *handles_of_bolts(results.bolts(frame)),
             *handles_of_links(results, frame),
             *(handle for layer in self.layers for handle in layer(results, frame)[0]),
@@ -130,6 +137,7 @@ class FrameDrawing:
                 coloured.set_facecolor([*map(draw_blocks.kind_colour, kinds)])
         else:
             label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
+        draw_surcharge(axes, surcharge_of(results, frame))
         draw_water(axes, results, waters_of(results, frame), frame, seen)
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
         draw_bolts(axes, results.bolts(frame))
@@ -164,6 +172,7 @@ def _part(
         if part is not None and frame in frames:
             passed = passed or bool(draw_blocks.within(results, here, *part).any())
     if part is None:
+        low, high = with_surcharge(surcharge_of(results, frames[-1]), (low, high))
         return with_levels(results, waters_of(results, frames[-1]), (low, high))
     if not passed:
         raise canvas.empty_part(low, high)

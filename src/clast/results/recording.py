@@ -19,6 +19,7 @@ from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stage_records import DRAWN, Event, StageRecord
 from clast.model.state import State
 from clast.model.supports import LiningJoints, LinkLines
+from clast.model.surcharge import Surcharge
 from clast.model.water import Water
 from clast.results.frames import ABSENT, VERTICES, FrameStore
 from clast.results.result_tables import (
@@ -131,6 +132,8 @@ class Recording:
     """Acceleration of gravity, m/s2, shape (2,)."""
     water: tuple[Water, ...] = ()
     """Water on outer faces and in joints."""
+    surcharge: Surcharge = field(default_factory=Surcharge)
+    """Fill and axles of load trains, about the ``origin``."""
     report: Report | None
     """How the run went; None where it never came to write one."""
     begins: Mapping[str, str] = field(default_factory=dict)
@@ -140,6 +143,15 @@ class Recording:
     def file(self) -> Path | None:
         """The result file; None where nothing was written."""
         raise NotImplementedError
+
+    def begun_at(self, frame: int) -> dict[str, float | None]:
+        """Return when the loads that stages name have begun, s, by name; None: not by a frame."""
+        stages, begun = self.frame_stages, dict[str, float | None]()
+        for name, stage in self.begins.items():
+            # a stage begins with the last frame of the one before
+            first = stages.index(stage) if stage in stages else len(stages)
+            begun[name] = None if first > frame else float(self.times[max(0, first - 1)])
+        return begun
 
     @property
     def name(self) -> str:
@@ -478,6 +490,7 @@ def parts_of(model: Model) -> dict[str, Any]:
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,
+        "surcharge": model.surcharge,
     }
 
 

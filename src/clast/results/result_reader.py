@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats
+from clast.model.surcharge import Surcharge
 from clast.results import validate
 from clast.results.frames import VERTICES, FrameStore, absent_in_frame
 from clast.results.open_file import AGAIN, QUICKLY_CHECKED, ask, check_ours
@@ -173,6 +174,7 @@ def _results(path: Path, file: Any) -> Results:
         origin=np.asarray(about["origin"]),
         gravity=np.asarray(about["gravity"]),
         water=waters_in(file["model"], int(parts["block_start"][-1])),
+        surcharge=Surcharge.of_plain(made.get("surcharge")),
         report=validate.report_of(file),
         frame_stages=validate.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,

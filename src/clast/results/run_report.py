@@ -13,6 +13,7 @@ from typing import Any
 from clast.model.model import Model
 from clast.model.stage_records import Event, StageRecord, events_from, records_from
 from clast.model.state import Ledger, Overlap
+from clast.model.surcharge import Surcharge
 from clast.results.checkpoints.encode import fits
 from clast.step.method import Method
 
@@ -116,8 +117,10 @@ def about_method(method: Method, step: float, end: float) -> dict[str, Any]:
 
 
 def about_model(model: Model) -> dict[str, Any]:
-    """Return the materials of a model, ready for JSON."""
+    """Return the materials of a model, fill and axles, ready for JSON."""
+    surcharge = model.surcharge.plain()
     return {
+        **({"surcharge": surcharge} if surcharge else {}),
         "rocks": [dataclasses.asdict(rock) for rock in model.rocks],
         "joints": [dataclasses.asdict(joint) for joint in model.joint_table.joints],
     }
@@ -125,6 +128,14 @@ def about_model(model: Model) -> dict[str, Any]:
 
 def _is_part(part: Any) -> bool:
     return isinstance(part, dict) and isinstance(part.get("name"), str)
+
+
+def _is_surcharge(given: Any) -> bool:
+    try:
+        Surcharge.of_plain(given)
+    except (KeyError, TypeError, ValueError):
+        return False
+    return True
 
 
 def _is_rock(rock: Any) -> bool:
@@ -136,6 +147,7 @@ CHECKS: dict[str, Callable[[Any], bool]] = {
     "process": _is_part,
     "contact_law": _is_part,
     "rocks": lambda rocks: isinstance(rocks, list) and all(map(_is_rock, rocks)),
+    "surcharge": _is_surcharge,
     "stages": lambda names: fits(names, list[str]),
     "begins": lambda names: fits(names, dict[str, str]),
     "step": lambda time: isinstance(time, float),

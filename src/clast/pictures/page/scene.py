@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from clast.model.model import Floats
 from clast.pictures.canvas import check_installed
+from clast.pictures.draw_surcharge import AXLE, FILL
 from clast.pictures.fields import SCALARS, colours_between
 from clast.pictures.histories import History, histories_of
 from clast.pictures.joint_values import JOINT_FIELDS, THICK, THIN
@@ -60,12 +62,35 @@ def scene_of(
         "joint_looks": _joint_looks(results),
         "bolt_looks": [(label, colour) for label, colour, _ in BOLT_LOOKS],
         "waters": [(one.surface + results.origin - origin).tolist() for one in results.water],
+        "surcharge": _surcharge(results, origin),
         "colours": _colours(),
         "curve_colours": CURVE_COLOURS,
         "line_widths": [THIN, THICK],
         "supports": supports_of(results),
         **moving(results, numbers, budget),
         **words_of(results),
+    }
+
+
+def _surcharge(results: Recording, origin: Floats) -> dict[str, Any]:
+    """Return fill and axles about the page's origin, and when each begins to act, s."""
+    every, shift = results.surcharge, results.origin - origin
+    begun = results.begun_at(len(results.times) - 1)
+
+    def since(name: str) -> float | None:
+        return begun.get(name, float(results.times[0]))
+
+    return {
+        "colours": [FILL, AXLE],
+        "fill": [
+            {"outline": (outline + shift).tolist(), "since": since(name)}
+            for outline, name in zip(every.fill, every.fill_name, strict=True)
+        ],
+        "axles": [
+            {"at": (at + shift).tolist(), "load": load, "name": name, "since": since(name)}
+            for at, load, name in zip(every.axle, every.load.tolist(), every.axle_name, strict=True)
+            if load > 0.0
+        ],
     }
 
 

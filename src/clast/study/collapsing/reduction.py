@@ -27,7 +27,7 @@ FORCES = tuple(key for key in STRENGTHS if key not in (*ANGLES, DILATION, ROUGH)
 """Strengths of a joint that are forces, cohesion and the like: they are divided themselves."""
 SEISMIC = "seismic_coefficient"
 """Key of a push that lasts."""
-LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
+LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value", "load_train": "loads"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS_MIN = 300
 """Steps of a stage, at least, where a process does not carry steps of any length."""
@@ -195,7 +195,7 @@ class Load(Reduction):
         named = [one.get("name") for key in LOADS for one in content.get(key, [])]
         if self.name not in named:
             known = [one for one in named if one is not None]
-            remedy = "give a [[point_load]], [[line_load]] or [[pressure]] a name"
+            remedy = "give a [[point_load]], [[line_load]], [[pressure]] or [[load_train]] a name"
             remedy = advice(self.name, known, kind="load") if known else remedy
             what = f"there is no load '{shortened(self.name)}'"
             raise CaseError(what, where="by", remedy=remedy)

@@ -68,7 +68,7 @@ export class Page {
   async start() {
     await this.run.decode();
     this.state.frame = this.run.frameCount - 1;
-    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water", "links", "axes"].includes(name)));
+    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated", "water", "surcharge", "links", "axes"].includes(name)));
     this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
     this.canvas = this.$("blocks");
     this.above = this.$("above");
@@ -423,6 +423,9 @@ export class Page {
     const { run, state } = this;
     const [was, is] = [run.start, run.vertices(state.frame)].map((points) => run.boxOf(points, counts));
     const box = [0, 1, 2, 3].map((k) => (k < 2 ? Math.min(was[k], is[k]) : Math.max(was[k], is[k])));
+    for (const [x, y] of room ? [] : run.surroundings) {
+      [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
+    }
     const margin = room * Math.max(box[2] - box[0], box[3] - box[1]);
     this.view.fit(box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin);
   }

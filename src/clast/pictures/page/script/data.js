@@ -251,6 +251,12 @@ export class RunData {
     return found;
   }
 
+  /** Corners of fill, and wheels, m. */
+  get surroundings() {
+    const { fill = [], axles = [] } = this.scene.surcharge ?? {};
+    return [...fill.flatMap(({ outline }) => outline), ...axles.map(({ at }) => at[0])];
+  }
+
   /** Return the frame nearest to a time, s. */
   frameAt(time) {
     let low = 0;

@@ -37,6 +37,7 @@ export const LAYERS = {
     draw: drawWater,
     legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
   },
+  surcharge: { label: "Fill and axles", draw: drawSurcharge, legend: legendOfSurcharge },
   displacements: layerOfVectors("displacement", "Displacement vectors"),
   velocities: layerOfVectors("velocity", "Velocity vectors"),
   contacts: { label: "Contact forces", draw: drawContacts, legend: legendOfForces },
@@ -78,6 +79,7 @@ export function layersOf(run) {
     slip: run.faces.slip?.shown > 0,
     opening: run.faces.opening?.shown > 0,
     water: scene.waters?.length > 0,
+    surcharge: scene.surcharge?.fill.length > 0 || scene.surcharge?.axles.length > 0,
     displacements: true,
     velocities: true,
     contacts: run.contacts.shown > 0,
@@ -182,6 +184,36 @@ function drawWater(pen, seen) {
     pen.areas([[x, y, x - 5, y - 9, x + 5, y - 9]], theme.paper);
     pen.lines([[x, y, x - 5, y - 9, x + 5, y - 9, x, y]], LEVEL, 1.2);
   });
+}
+
+/** Return fill and axles that act in a frame. */
+function surchargeOf({ run, frame }) {
+  const acts = ({ since }) => since !== null && since <= run.times[frame];
+  return { fill: run.scene.surcharge.fill.filter(acts), axles: run.scene.surcharge.axles.filter(acts) };
+}
+
+/** Draw the outlines of fill, and axles as arrows, as long as they are heavy, with their loads. */
+function drawSurcharge(pen, seen) {
+  const { run, view, theme } = seen;
+  const { fill, axles } = surchargeOf(seen);
+  const [ground, colour] = run.scene.surcharge.colours;
+  const screen = ([x, y]) => [view.screenX(x), view.screenY(y)];
+  pen.lines(fill.map(({ outline }) => [...outline, outline[0]].flatMap(screen)), ground, 2);
+  const largest = Math.max(...axles.map(({ load }) => load));
+  for (const { at, load } of axles) {
+    const [[x, y], ...feet] = at.map(screen);
+    const tail = y - 12 - (24 * load) / largest;
+    pen.lines(feet.map((foot) => [x, y, ...foot]), colour, 0.8, [4, 3]);
+    pen.lines([[x, tail, x, y - 6]], colour, 2.2);
+    pen.areas([[x, y, x - 4, y - 9, x + 4, y - 9]], colour);
+    pen.text(x, tail - 8, withUnit(load, "N/m", 3), theme.ink, theme.paper, "middle");
+  }
+}
+
+function legendOfSurcharge(seen) {
+  const { fill, axles } = surchargeOf(seen);
+  const [ground, colour] = seen.run.scene.surcharge.colours;
+  return [...(fill.length ? [line(ground, 2, "fill")] : []), ...(axles.length ? [line(colour, 2.2, "axle")] : [])];
 }
 
 /**

@@ -1,0 +1,278 @@
+"""[[fill]] and [[load_train]]: dead and moving loads that rest on the surface of blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, StrictStr, model_validator
+
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.table import Coordinate, Loop, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault, refusals
+from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.surface import (
+    BESIDE,
+    Resting,
+    SurfaceParts,
+    footprint,
+    surface_parts,
+    under_fill,
+    under_wheel,
+)
+from clast.model import ranges
+from clast.model.model import Bools, Floats, PointLoads
+from clast.model.ranges import check_text
+from clast.model.surcharge import Surcharge
+
+STEEPEST = 80.0
+"""Largest angle at which a load spreads, degrees from the vertical."""
+ROUND_OFF = 1e-9
+"""How far beyond its ends an axle is still on a path, in units of its length."""
+SEAM = 1e-4
+"""Gaps of fill that are not drawn, in units of its length."""
+
+
+def _turns(points: Loop, key: str) -> Iterator[Fault]:
+    """Report a line that has no two points, or does not go one way."""
+    if len(points) < 2:
+        yield Fault(f"has {len(points)} point(s)", "give at least 2", (key,))
+        return
+    steps = np.diff([x for x, _ in points])
+    back = np.flatnonzero(steps * steps[0] <= 0.0) if steps[0] else [0]
+    for k in back[:1]:
+        what = f"turns back, or rises vertically, from point {k + 1} to point {k + 2}"
+        yield Fault(what, "let it run from left to right, or from right to left", (key,))
+
+
+class Fill(Table):
+    """Fill that rests on the blocks below its surface: a weight without strength."""
+
+    surface: Loop
+    """Points [x, y] of its surface, from one side to the other, m."""
+    density: Annotated[Positive, within(ranges.DENSITY)]
+    """Density, kg/m3."""
+    name: StrictStr | None = None
+    """Name by which stages refer to it."""
+
+    @model_validator(mode="after")
+    def _goes_one_way(self) -> Self:
+        faults = list(_turns(self.surface, "surface"))
+        if faults:
+            raise refusals(faults)
+        return self
+
+
+class LoadTrain(Table):
+    """Axles of a vehicle or a train on a path over the blocks, at one position."""
+
+    path: Loop
+    """Points [x, y] of the line that the wheels run on, in the direction of travel, m."""
+    position: Coordinate
+    """Distance of the front from the beginning of the path, along it, m."""
+    axles: list[Coordinate]
+    """Distances of the axles behind the front, m."""
+    loads: list[Annotated[Number, Field(ge=0.0), within(ranges.FORCE)]]
+    """Load of each axle, downwards, N per metre of thickness."""
+    spread_angle: Annotated[Number, Field(ge=0.0, le=STEEPEST)] = 0.0
+    """Angle from the vertical at which loads spread down to the blocks, degrees."""
+    contact_length: Annotated[Number, Field(ge=0.0), within(ranges.LENGTH)] = 0.0
+    """Length of the path on which a wheel or a sleeper rests, m."""
+    amplitude: StrictStr | None = None
+    """Amplitude over time by which the loads are multiplied; constant if absent."""
+    name: StrictStr | None = None
+    """Name by which stages and studies refer to it."""
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        faults = list(_turns(self.path, "path"))
+        if not self.axles:
+            faults.append(Fault("has no axle", "give at least one", ("axles",)))
+        elif len(self.axles) != len(self.loads):
+            what = f"has {len(self.loads)} load(s) for {len(self.axles)} axle(s)"
+            faults.append(Fault(what, "give one load for each axle", ("loads",)))
+        if faults:
+            raise refusals(faults)
+        return self
+
+    def wheels(self, origin: Floats) -> tuple[Floats, Bools]:
+        """Return the wheel of each axle about the origin, m, (k, 2).
+
+        And whether it is on the path, (k,).
+        """
+        path = np.array(self.path) - origin
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+        place = self.position - np.array(self.axles)
+        slack = ROUND_OFF * along[-1]
+        on = (place >= -slack) & (place <= along[-1] + slack)
+        return np.stack([np.interp(place, along, x) for x in path.T], axis=1), on
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurchargeLoads:
+    """Fill and load trains as a model has them."""
+
+    loads: PointLoads
+    """Their forces on blocks that are not fixed."""
+    shown: Surcharge
+    notes: tuple[str, ...]
+    """Axles without a load."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceLoading:
+    """What loads on the surface depend on beside the blocks."""
+
+    gravity: Floats
+    """Acceleration of gravity, m/s2, shape (2,)."""
+    gravity_factor: int
+    """Number of its amplitude."""
+    there: Bools
+    """Blocks that are there from the start, shape (n,)."""
+
+
+def surcharge_in(
+    fills: Sequence[Fill], trains: Sequence[LoadTrain], ground: Ground, of: SurfaceLoading
+) -> SurchargeLoads:
+    """Return the forces of fill and load trains on the blocks of a ground."""
+    loads, shown, notes = [PointLoads()], Surcharge(), list[str]()
+    for number, fill in enumerate(fills, 1):
+        label = _label("fill", number, fill.name)
+        force, outlines = _of_fill(fill, label, ground, of)
+        loads.append(force)
+        kept = {"fill": (*shown.fill, *outlines)}
+        names = (*shown.fill_name, *[fill.name or ""] * len(outlines))
+        shown = replace(shown, **kept, fill_name=names)
+    for number, train in enumerate(trains, 1):
+        label = _label("load train", number, train.name)
+        placed = _of_train(train, label, ground, of)
+        loads.append(placed.loads)
+        notes += placed.notes
+        shown = replace(
+            shown,
+            axle=np.concatenate([shown.axle, placed.shown.axle]),
+            load=np.concatenate([shown.load, placed.shown.load]),
+            axle_name=(*shown.axle_name, *placed.shown.axle_name),
+        )
+    names = tuple(dict.fromkeys(one.name for one in (*fills, *trains) if one.name))
+    return SurchargeLoads(
+        loads=joined(loads), shown=replace(shown, names=names), notes=tuple(notes)
+    )
+
+
+def joined(loads: Sequence[PointLoads]) -> PointLoads:
+    """Return point loads as one."""
+    keys = ("block", "at", "force", "factor")
+    arrays = {key: np.concatenate([getattr(one, key) for one in loads]) for key in keys}
+    return PointLoads(**arrays, name=tuple(name for one in loads for name in one.name))
+
+
+def _label(kind: str, number: int, name: str | None) -> str:
+    if name is None:
+        return f"{kind} {number}"
+    check_text(name, f"{kind} {number}")
+    return f"{kind} '{shortened(name)}'"
+
+
+def _rising(points: Loop, origin: Floats) -> Floats:
+    """Return a line about the origin with x rising, m, shape (m, 2)."""
+    line = np.array(points) - origin
+    return line if line[0, 0] < line[-1, 0] else line[::-1].copy()
+
+
+def _loads(resting: Resting, force: Floats, ground: Ground, named: tuple[str, int]) -> PointLoads:
+    """Return forces per unit of amount (2,) on blocks that are not fixed."""
+    free = ~ground.fixed[resting.block]
+    amount = resting.amount[free]
+    name, factor = named
+    return PointLoads(
+        block=resting.block[free],
+        at=resting.at[free],
+        force=amount[:, None] * force,
+        factor=np.full(len(amount), factor, np.int64),
+        name=(name,) * len(amount),
+    )
+
+
+def _of_fill(
+    fill: Fill, label: str, ground: Ground, of: SurfaceLoading
+) -> tuple[PointLoads, list[Floats]]:
+    """Return the weight of fill on blocks, and the outlines of the fill."""
+    line = _rising(fill.surface, ground.outlines.origin)
+    span = float(line[0, 0]), float(line[-1, 0])
+    parts = surface_parts(line, span, ground.outlines, of.there)
+    resting = under_fill(line, parts)
+    if not len(resting.block):
+        remedy = "draw its surface above the blocks that carry it"
+        raise ModelError("rests on no block", where=label, remedy=remedy)
+    weight = _loads(
+        resting, fill.density * of.gravity, ground, (fill.name or "", of.gravity_factor)
+    )
+    return weight, _outlines(line, parts)
+
+
+def _outlines(line: Floats, parts: SurfaceParts) -> list[Floats]:
+    """Return the outlines of fill between a line (m, 2) and the parts below it, m, (c, 2) each."""
+    apart = SEAM * (line[-1, 0] - line[0, 0])
+    cut = np.flatnonzero(parts.x[1:, 0] - parts.x[:-1, 1] > apart) + 1
+    outlines = []
+    for x, y in zip(np.split(parts.x, cut), np.split(parts.y, cut), strict=True):
+        low, high = x.min(), x.max()
+        inner = line[(line[:, 0] > low) & (line[:, 0] < high)]
+        ends = np.array([[one, np.interp(one, *line.T)] for one in (low, high)])
+        above = np.concatenate([ends[:1], inner, ends[1:]])[::-1]
+        outlines.append(np.concatenate([np.stack([x.ravel(), y.ravel()], axis=1), above]))
+    return outlines
+
+
+def _of_train(train: LoadTrain, label: str, ground: Ground, of: SurfaceLoading) -> SurchargeLoads:
+    """Return the forces of a load train, its axles, and which of them have no load."""
+    outlines = ground.outlines
+    wheels, on = train.wheels(outlines.origin)
+    line = _rising(train.path, outlines.origin)
+    half = max(0.5 * train.contact_length, BESIDE * float(np.sqrt(np.abs(outlines.area).min())))
+    spread = float(np.tan(np.radians(train.spread_angle)))
+    reach = half + spread * float(wheels[:, 1].max() - outlines.vertices[:, 1].min())
+    span = float(wheels[:, 0].min() - reach), float(wheels[:, 0].max() + reach)
+    parts = surface_parts(line, span, outlines, of.there)
+    named = train.name or "", ground.amplitude(train.amplitude, f"{label}, amplitude")
+    loads, shown, nowhere = [PointLoads()], [], []
+    for k in np.flatnonzero(on).tolist():
+        _refuse_inside(wheels[k], parts, ground, f"{label}, axle {k + 1}")
+        foot = footprint(wheels[k], half, spread, parts)
+        if not len(foot.block):
+            nowhere.append(k)
+            continue
+        loads.append(_loads(under_wheel(foot), np.array([0.0, -train.loads[k]]), ground, named))
+        ends = ((foot.x.flat[e], foot.y.flat[e]) for e in (foot.x.argmin(), foot.x.argmax()))
+        shown.append((k, [wheels[k], *ends]))
+    carried = [k for k, _ in shown]
+    return SurchargeLoads(
+        loads=joined(loads),
+        shown=Surcharge(
+            axle=np.array([one for _, one in shown], float).reshape(-1, 3, 2),
+            load=np.array(train.loads)[carried],
+            axle_name=(train.name or "",) * len(carried),
+        ),
+        notes=tuple(_idle(label, np.flatnonzero(~on).tolist(), nowhere)),
+    )
+
+
+def _refuse_inside(wheel: Floats, parts: SurfaceParts, ground: Ground, where: str) -> None:
+    """Refuse a wheel where the path runs within a block."""
+    for low, high, block in parts.hidden:
+        if low <= wheel[0] <= high:
+            what = f"at {ground.text(wheel)} is inside {ground.outlines.label(block)}"
+            remedy = "draw the path on or above the blocks that carry it"
+            raise ModelError(what, where=where, remedy=remedy)
+
+
+def _idle(label: str, off: Sequence[int], nowhere: Sequence[int]) -> Iterator[str]:
+    """Give notes of the axles that have no load."""
+    for axles, place in ((off, "off its path"), (nowhere, "over no block")):
+        if axles:
+            called = ", ".join(str(k + 1) for k in axles)
+            yield f"{label} has no load of axle(s) {called}, which are {place}"
