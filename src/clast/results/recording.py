@@ -147,6 +147,7 @@ class Recording:
     def begun_at(self, frame: int) -> dict[str, float | None]:
         """Return when the loads that stages name have begun, s, by name; None: not by a frame."""
         stages, begun = self.frame_stages, dict[str, float | None]()
+        frame %= len(self.times)
         for name, stage in self.begins.items():
             # a stage begins with the last frame of the one before
             first = stages.index(stage) if stage in stages else len(stages)

@@ -15,6 +15,7 @@ NAMES = (
     "settling-wall",
     "arch",
     "spreading-arch",
+    "arch-bridge",
     "column",
     "dominoes",
     "shear-box",

@@ -111,7 +111,8 @@ def under_fill(line: Floats, parts: SurfaceParts) -> Resting:
 def footprint(wheel: Floats, half: float, spread: float, parts: SurfaceParts) -> SurfaceParts:
     """Return the parts under a wheel (2,), m: within ``half``, m, and ``spread`` times the depth.
 
-    None where it stands over no block: all of them lie to one side of it.
+    None where it stands over no block: all of them lie to one side of it.  Gaps that are deeper
+    than wide are bridged.
     """
     run = np.ptp(parts.x, axis=1)
     depth = wheel[1] - parts.y
@@ -130,12 +131,25 @@ def footprint(wheel: Floats, half: float, spread: float, parts: SurfaceParts) ->
         kept[past + 1 :] = False
     for past in np.flatnonzero((parts.x[:, 0] < wheel[0]) & ((begin > 0.0) | ~kept))[-1:]:
         kept[:past] = False
-    share = np.stack([begin, end], axis=1)[kept]
-    x = parts.x[kept, :1] + share * np.diff(parts.x[kept], axis=1)
-    y = parts.y[kept, :1] + share * np.diff(parts.y[kept], axis=1)
+    share = np.stack([begin, end], axis=1)
+    x = parts.x[:, :1] + share * np.diff(parts.x, axis=1)
+    y = parts.y[:, :1] + share * np.diff(parts.y, axis=1)
+    kept[kept] = ~_bridged(x[kept], y[kept])
+    x, y = x[kept], y[kept]
     if not len(x) or x.min() > wheel[0] + 0.5 * half or x.max() < wheel[0] - 0.5 * half:
         kept, x, y = kept & False, x[:0], y[:0]
     return SurfaceParts(block=parts.block[kept], x=x, y=y, hidden=parts.hidden)
+
+
+def _bridged(x: Floats, y: Floats) -> Bools:
+    """Return whether parts (k, 2) are the bottom of a gap that is deeper than it is wide, (k,)."""
+    bridged = np.zeros(len(x), np.bool_)
+    for k, top in enumerate(y.max(axis=1)):
+        before, after = np.flatnonzero(y[:k, 1] > top), np.flatnonzero(y[k + 1 :, 0] > top) + k + 1
+        if len(before) and len(after):
+            left, right = before[-1], after[0]
+            bridged[k] = min(y[left, 1], y[right, 0]) - top > x[right, 0] - x[left, 1]
+    return bridged
 
 
 def under_wheel(parts: SurfaceParts) -> Resting:
