@@ -50,8 +50,15 @@ Boundary = Annotated[Loop | FileTable, OR_TABLE]
 class DomainTable(Table):
     """The rock mass that [[joint_set]], [[trace]], [[opening]] and [[block_pattern]] cut."""
 
-    boundary: Boundary
+    boundary: Boundary | None = None
     """Corners [x, y] of its outline, m; or {file = "site.dxf", layer = "BOUNDARY"}."""
+    profile: Boundary | None = None
+    """Points [x, y] of the ground surface from side to side, an open line, m; or
+    {file = "site.csv"}; instead of boundary."""
+    depth: Length | None = None
+    """Depth of the bottom below the lowest point of the profile, m."""
+    sides: tuple[Least, Least] = (0.0, 0.0)
+    """How far the ground goes on, level, left and right of the profile, m."""
     rock: StrictStr | None = None
     """Rock of all blocks that lie in no region; may be left out where there is only one."""
     section_azimuth: Number | None = None
@@ -71,6 +78,18 @@ class DomainTable(Table):
     fixed_sides: list[Side] = Field([])
     """Sides of the smallest rectangle about the boundary: blocks with a vertex on one of them
     cannot move at all."""
+
+    @model_validator(mode="after")
+    def _has_one_outline(self) -> Self:
+        remedy = "give the closed outline as boundary, or the ground surface as profile with depth"
+        check_one(self, ("boundary", "profile"), remedy)
+        if self.profile is not None and self.depth is None:
+            remedy = "give how far the model goes below the lowest point of the profile, m"
+            raise refusal("is missing beside profile", remedy, "depth")
+        for key in ("depth", "sides") if self.boundary is not None else ():
+            if key in self.model_fields_set:
+                raise refusal("goes with a profile, not a boundary", "leave it out", key)
+        return self
 
 
 class TraceTable(Table):

@@ -4,7 +4,17 @@ from clast.model.distributions import Distribution, Exponential, Lognormal, Norm
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
 from clast.rockmass.cutting import Cut, cut
-from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
+from clast.rockmass.domain import (
+    Box,
+    Circle,
+    Domain,
+    Horseshoe,
+    Opening,
+    Polygon,
+    Region,
+    Trace,
+    profile_outline,
+)
 from clast.rockmass.joints.joint_models import (
     Baecher,
     CrossJointed,
@@ -59,5 +69,6 @@ __all__ = [
     "Voronoi",
     "apparent",
     "cut",
+    "profile_outline",
     "repaired",
 ]

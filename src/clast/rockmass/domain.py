@@ -312,6 +312,30 @@ def points_of(points: Any, where: str, least: int) -> Floats:
     return array
 
 
+def profile_outline(points: Any, depth: float, sides: tuple[float, float] = (0.0, 0.0)) -> Floats:
+    """Return the outline (k, 2), m, counter-clockwise, of the ground below a profile (n, 2), m.
+
+    The profile is an open line from side to side, in either direction; overhangs are allowed.  The
+    bottom is level, ``depth`` below its lowest point, m; the ground goes on, level, by ``sides``
+    left and right of its ends, m.  ModelError where no ground lies between the sides.
+    """
+    where, surface = "domain, profile", points_of(points, "domain, profile", 2)
+    if surface[0, 0] > surface[-1, 0]:
+        surface = surface[::-1]
+    left, right = float(surface[0, 0] - sides[0]), float(surface[-1, 0] + sides[1])
+    for k in np.flatnonzero((surface[:, 0] < left) | (surface[:, 0] > right))[:1]:
+        x, y = surface[k]
+        what = f"({x:.9g}, {y:.9g}) lies beyond the sides of the model, x = {left:g} and {right:g}"
+        remedy = "begin and end it at the sides, where the ground goes on, or give larger sides"
+        raise ModelError(what, where=where, remedy=remedy)
+    if not depth > 0.0:
+        raise ModelError(f"{depth} is not a depth", where="domain, depth", remedy="give m, above 0")
+    bottom = float(surface[:, 1].min()) - depth
+    ends = [(right, bottom), (right, surface[-1, 1])], [(left, surface[0, 1])]
+    corners = np.array([(left, bottom), *ends[0], *surface[::-1].tolist(), *ends[1]])
+    return outline(corners, where).corners
+
+
 def outline(points: Any, where: str) -> Outline:
     """Return a closed outline, counter-clockwise; the last point may repeat the first.
 

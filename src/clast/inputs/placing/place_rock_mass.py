@@ -101,7 +101,7 @@ class RockMass:
         table = self.domain
         keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
         domain = rockmass.Domain(
-            boundary=_outline(table.boundary, folder, "domain, boundary", notes),
+            boundary=_boundary(table, folder, notes),
             rock=self.rocks[0] if table.rock is None else table.rock,
             **{key: getattr(table, key) for key in keys},
         )
@@ -282,6 +282,37 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
             raise ModelError(what, where="domain, fixed_sides", remedy=remedy)
         held |= here
     return held
+
+
+def _boundary(table: DomainTable, folder: Path, notes: list[str]) -> Any:
+    """Return the corners of the domain, m, (k, 2): as given, or of the ground below a profile."""
+    from clast.rockmass import profile_outline
+
+    if table.profile is None:
+        return _outline(table.boundary, folder, "domain, boundary", notes)
+    points: Any = table.profile
+    if isinstance(points, FileTable):
+        points = _profile(points, folder, "domain, profile", notes)
+    return profile_outline(points, float(table.depth or 0.0), table.sides)
+
+
+def _profile(source: FileTable, folder: Path, where: str, notes: list[str]) -> Floats:
+    """Return the open line that a file holds, in one piece or in several end to end, m, (k, 2)."""
+    from clast.rockmass.drawings.csv_lines import read_points
+
+    path, layer = folder / source.file, _layer(source, where)
+    if layer is None:
+        with asked_by(where):
+            points, said = read_points(path)
+        notes += [f"{where}: {note}" for note in said]
+        return points
+    traces = _lines(TraceTable(**dict(source)), folder, where, notes)
+    lines = [shapely.linestrings(one.points) for one in traces]
+    joined = shapely.line_merge(shapely.multilinestrings(lines))
+    if joined.geom_type != "LineString":
+        what = f"the layer {layer} has {len(shapely.get_parts(joined))} lines that do not join"
+        raise ModelError(what, where=where, remedy="draw the profile as one open line")
+    return shapely.get_coordinates(joined)
 
 
 def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:

@@ -142,6 +142,18 @@ def read_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
     return drawing.boundary, _notes(drawing)
 
 
+def read_points(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
+    """Return the points of an open line in a CSV file with the columns x, y, m, (n, 2), and notes.
+
+    Raises CaseError where the file has no such columns.
+    """
+    table = table_of(Path(path))
+    if not {"x", "y"} <= set(table.columns):
+        remedy = "a profile has the heading x,y and a row for each point, from side to side"
+        raise CaseError("is not a profile", where=table.heading, remedy=remedy)
+    return np.array([row.point() for row in table.rows]), table.notes
+
+
 def table_of(path: Path) -> CsvTable:
     """Return the rows of a file by the names of their columns; CaseError where it has none."""
     file = str(path)
