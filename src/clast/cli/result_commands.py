@@ -73,7 +73,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     print_measured(content)
 
 
-def _lining(extremes: dict[str, float | None]) -> str:
+def _lining(extremes: dict[str, Any]) -> str:
     """Return the extremes along a lining, in words."""
     parts = [
         f"{letter} {1e-3 * extremes[f'least_{key}']:.4g} to "

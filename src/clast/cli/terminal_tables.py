@@ -294,6 +294,8 @@ def sets_table(result: CutCase) -> Table:
         )
         for one in result.cut.report.sets
     ]
-    heads = ("set", "apparent dip", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m")
-    heads = (*heads, "persistence", "asked", "became edges")
+    heads = (
+        *("set", "apparent dip", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m"),
+        *("persistence", "asked", "became edges"),
+    )
     return table_of("joint sets", heads, rows, words=(0, 1))

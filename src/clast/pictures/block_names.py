@@ -82,6 +82,7 @@ def _figure(blocks: Corners, labels: Sequence[str], title: str, look: Look) -> F
         room = 2.0 * float(radius) * points_per_metre
         # Width of a letter over its size
         size = float(np.clip(room / (0.6 * len(label)), *LETTER_SIZES))
-        looks = {"ha": "center", "va": "center", "fontsize": size, "color": INK}
-        axes.text(*middle.tolist(), canvas.literal(label), clip_on=True, **looks)
+        x, y = middle.tolist()
+        one = axes.text(x, y, canvas.literal(label), ha="center", va="center", fontsize=size)
+        one.set(color=INK, clip_on=True)
     return figure

@@ -72,7 +72,7 @@ def write_blocks_npz(
     Raises CaseError as ``write_blocks_dxf`` does.
     """
     blocks = blocks_of(vertices, block_start, rock, edge_joint, name=name)
-    names = {NAMES: np.array(blocks.name, dtype=np.str_)} if blocks.name else {}
+    names: dict[str, Any] = {NAMES: np.array(blocks.name, dtype=np.str_)} if blocks.name else {}
     with replaced(Path(path)) as file:
         np.savez_compressed(
             file,
