@@ -6,7 +6,7 @@ import json
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from clast.pictures import canvas
 from clast.pictures.figure_options import DEFAULT, Look
@@ -85,7 +85,7 @@ def plot(
     """Return the picture of a frame, as ``plot_results`` draws it; on ``ax`` without arrows."""
     if ax is not None:
         draw_on(ax, results, frame=frame, field=field, look=look)
-        return Picture(ax.get_figure())
+        return Picture(cast("Figure", ax.get_figure()))
     return Picture(draw_results(results, frame=frame, field=field, contacts=contacts, look=look))
 
 
