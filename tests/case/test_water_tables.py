@@ -51,7 +51,6 @@ WARNED = {
         "water 1 has no effect: all blocks that it touches are fixed",
     ),
     "factor of zero": (["water.1.amplitude=0.0"], "water 1 has no effect: its amplitude is zero"),
-    "above everything": (["water.1.level=7"], "water 1 stands 5 m above the highest block"),
     "odd density": (["water.1.density=800"], "water 1 has a density of 800 kg/m3"),
 }
 
@@ -61,6 +60,13 @@ def test_what_is_odd_is_warned_of(name: str):
     settings, said = WARNED[name]
     warnings = clast.Case.from_toml(CASE, settings).examine().warnings
     assert any(said in text for text in warnings), warnings
+
+
+def test_a_model_at_depth_under_water_is_not_warned_of():
+    case = clast.Case.from_toml(CASE, ["water.1.level=7"])
+    assert not any("water" in text for text in case.examine().warnings)
+    (note,) = case.model().notes
+    assert "its level is 5 m above the highest block" in note
 
 
 def test_sound_water_is_not_warned_of():

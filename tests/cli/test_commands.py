@@ -197,6 +197,16 @@ def test_a_case_called_as_a_template_is_made_from_it(tmp_path, monkeypatch):
     assert "from the template wall;" in good("new", "dominoes", "--template", "wall")
 
 
+def test_run_counts_the_notes_that_check_lists(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    good("new", "slope")
+    run = ["run", "slope.toml", *(f"--set=stage.{k}.time=0.002" for k in (1, 2, 3))]
+    listed, short, long = good("check", "slope.toml"), good(*run), good(*run, "--verbose")
+    assert all("wets" in text for text in (listed, long)) and "wets" not in short
+    assert "notes on the model, which clast check lists: 2" in short
+    assert "normal_stiffness = " in short
+
+
 AFTER_A_WARMUP = """
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE

@@ -244,3 +244,14 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(give, share, to
     overlaps = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     across = {("1", "4"), ("2", "3")}
     assert across & {one.blocks for one in overlaps} == (across if told else set())
+
+
+@pytest.mark.parametrize("size", [1.0, 100.0])
+@pytest.mark.parametrize(("corner", "seen"), [(3e-4, False), (3e-3, True)])
+def test_a_corner_of_less_than_a_millionth_of_a_block_is_no_reason_for_doubt(size, corner, seen):
+    """1e-7 m2 of blocks of 1 m2: deeper than a fiftieth of critdis, and nothing to worry about."""
+    model = system([box(-size, 0, size, size), box(0, size, size, size)], fixed=[0])
+    vertices = model.vertices.copy()
+    vertices[4:] += size * np.array([-corner, -corner])
+    found = unseen_overlaps(model, at_start(model, vertices), 0.005 * size)
+    assert len(found) == seen

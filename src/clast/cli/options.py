@@ -36,7 +36,10 @@ Limits = Annotated[
 Zoom = Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show only this part, m.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 Verbose = Annotated[
-    bool, typer.Option("--verbose", "-v", help="Print steps, energies and times of the solver too.")
+    bool,
+    typer.Option(
+        "--verbose", "-v", help="Print all notes, steps, energies and times of the solver too."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 

@@ -41,16 +41,21 @@ def print_run(
     report = run.report
     if as_json:
         content = {"title": run.model.title, "output": str(run.output), "time": run.state.time}
-        known = {"measured_points": points, "references": [one.as_dict() for one in deviations]}
-        print_json({**content, **report.as_dict(), **known})
+        found = {"measured_points": points, "references": [one.as_dict() for one in deviations]}
+        print_json({**content, **report.as_dict(), **found})
         return
     if quiet:
         return
     wall = f"; {report.wall_seconds:.3g} s of wall time"
+    # clast check lists those on the model
+    known = set() if verbose else {*map(str, run.model.repairs), *run.model.notes}
+    notes = [one for one in report.notes if one not in known]
+    if left := len(report.notes) - len(notes):
+        notes.append(f"notes on the model, which clast check lists: {left}")
     rows = {
         "outcome": report.outcome,
         "simulated time": f"{run.state.time:.6g} s in {report.steps} steps{wall}",
-        "chosen by clast": "\n".join(report.notes),
+        "chosen by clast": "\n".join(notes),
     }
     print_table(two_columns(run.model.title, rows))
     print_stages(run.stages)

@@ -444,4 +444,6 @@ def _said(label: str, water: WetWater, edges: Edges) -> str:
         )
         most = max(most, float(joints.head.max()))
     rises = f", times amplitude '{water.factor.name}'" if water.factor else ""
-    return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"
+    over = float(water.surface[:, 1].min() - edges.vertices[:, 1].max())
+    deep = f"; its level is {over:.3g} m above the highest block" if over > 0.0 else ""
+    return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}{deep}"

@@ -388,7 +388,6 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
 
 
 def _water_warnings(model: Model) -> Iterator[str]:
-    top = float(model.vertices[:, 1].max())
     gravity = float(np.hypot(*model.gravity))
     for number, water in enumerate(model.water, 1):
         called = f"water {number}" + (f" '{shortened(water.name)}'" if water.name else "")
@@ -398,12 +397,6 @@ def _water_warnings(model: Model) -> Iterator[str]:
         if never or model.fixed[np.concatenate(wetted)].all():
             why = "its amplitude is zero" if never else "all blocks that it touches are fixed"
             yield f"{called} has no effect: {why}. Remove it, or give it blocks that it can move"
-        if float(water.surface[:, 1].min()) > top:
-            over = float(water.surface[:, 1].min()) - top
-            yield (
-                f"{called} stands {over:.3g} m above the highest block: everything is under water. "
-                "Lower it if that is not intended"
-            )
         density = water.weight / gravity
         if not is_usual("density of water", density):
             yield f"{called} has a density of {density:g} kg/m3; water has 1000, sea water 1025"

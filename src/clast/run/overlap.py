@@ -28,6 +28,8 @@ DEPTH_RATIO_MIN = 1.5
 """Depth of an overlap that is reported, in units of the deepest contact of the pair."""
 DEPTH_MIN = 0.02
 """The same, in units of critdis."""
+AREA_MIN = 1e-6
+"""Area of an overlap that is reported, in units of the smaller block's."""
 TIP_RADIUS = 0.01
 """Radius by which corners count as rounded where more blocks meet, by the smaller block's size."""
 
@@ -36,7 +38,8 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     """Return the overlaps that contacts do not account for, in the order of the pairs of blocks.
 
     A contact accounts for its penetration as far as its spring is compressed by it; overlaps less
-    deep than a fiftieth of ``critdis``, m, are not reported.
+    deep than a fiftieth of ``critdis``, m, or of less than 1e-6 of the smaller block are not
+    reported.
     """
     vertices, block_start = state.vertices, model.block_start
     near = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, absent=model.absent)
@@ -49,6 +52,7 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     inside = edge_intersections.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
     np.maximum.at(deepest, contacts[2], -contacts[3])
+    block_area, _, _ = polygon.moments(vertices, block_start)
     give = np.zeros(model.block_count)
     np.maximum.at(give, pairs, deepest[:, None])
     result = []
@@ -61,7 +65,7 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
             2.0 * float(shapely.length(circles).max(initial=0.0)),
             float(shapely.area(parts).sum()),
         )
-        if depth > explained:
+        if depth > explained and area > AREA_MIN * block_area[pairs[q]].min():
             blocks = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
             known = float(deepest[q])
             result.append(
