@@ -426,6 +426,16 @@ class ModelBuilder:
         """
         ...
 
+    def fill(self, surface: Points, density: float, *, name: str | None = None) -> None:
+        """Fill that rests on the blocks below its surface: a weight without strength.
+
+        Args:
+            surface: Points [x, y] of its surface, from one side to the other, m.
+            density: Density, kg/m3.
+            name: Name by which stages refer to it.
+        """
+        ...
+
     def fixed_point(self, at: Pair, block: str | None = None) -> None:
         """A point of a block that is held in place by a stiff spring.
 
@@ -545,6 +555,32 @@ class ModelBuilder:
             rotation_damping: Moment per angular velocity, N s.
             contacts: False: the two blocks may overlap, and have no contacts with each other in the whole run; with a link to the ground, the block and all fixed ones.
             stage: Stage that installs it, without force; it exists from the start if absent.
+        """
+        ...
+
+    def load_train(
+        self,
+        path: Points,
+        position: float,
+        axles: Numbers,
+        loads: Numbers,
+        *,
+        spread_angle: float = 0.0,
+        contact_length: float = 0.0,
+        amplitude: str | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Axles of a vehicle or a train on a path over the blocks, at one position.
+
+        Args:
+            path: Points [x, y] of the line that the wheels run on, in the direction of travel, m.
+            position: Distance of the front from the beginning of the path, along it, m.
+            axles: Distances of the axles behind the front, m.
+            loads: Load of each axle, downwards, N per metre of thickness.
+            spread_angle: Angle from the vertical at which loads spread down to the blocks, degrees.
+            contact_length: Length of the path on which a wheel or a sleeper rests, m.
+            amplitude: Amplitude over time by which the loads are multiplied; constant if absent.
+            name: Name by which stages and studies refer to it.
         """
         ...
 
