@@ -307,7 +307,9 @@ class InputBuilder(Inputs):
         gravity = check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION)
         gravity_factor = ground.amplitude(self.gravity_amplitude, "gravity_amplitude")
         surface = SurfaceLoading(gravity=gravity, gravity_factor=gravity_factor, there=~waits)
-        surcharge = surcharge_in(self.all(Fill), self.all(LoadTrain), ground, surface)
+        resting, surcharge, idle = surcharge_in(
+            self.all(Fill), self.all(LoadTrain), ground, surface
+        )
         density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
         openings = openings_of(self.all(OpeningTable), block_number, edge_joint)
@@ -349,8 +351,8 @@ class InputBuilder(Inputs):
             viscous_edges=viscous,
             area=outlines.area,
             fixed_points=ground.points,
-            point_loads=joined([points, surcharge.loads]),
-            surcharge=surcharge.shown,
+            point_loads=joined([points, resting]),
+            surcharge=surcharge,
             line_loads=lines,
             pressures=pressures,
             bolts=bolts,
@@ -371,7 +373,7 @@ class InputBuilder(Inputs):
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
-                *surcharge.notes,
+                *idle,
                 *idle_note(bolts),
                 *everything.beside_note(
                     (*points_placed((fixed, measured, points, lines)), *ends_of(bolts))

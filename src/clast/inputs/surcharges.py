@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Self
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, StrictStr, model_validator
@@ -112,17 +112,6 @@ class LoadTrain(Table):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurchargeLoads:
-    """Fill and load trains as a model has them."""
-
-    loads: PointLoads
-    """Their forces on blocks that are not fixed."""
-    shown: Surcharge
-    notes: tuple[str, ...]
-    """Axles without a load."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class SurfaceLoading:
     """What loads on the surface depend on beside the blocks."""
 
@@ -134,33 +123,38 @@ class SurfaceLoading:
     """Blocks that are there from the start, shape (n,)."""
 
 
+Axle = tuple[list[Any], float, str]
+"""Wheel and ends of the footprint (3, 2), m, load, N per metre of thickness, and train."""
+
+
 def surcharge_in(
     fills: Sequence[Fill], trains: Sequence[LoadTrain], ground: Ground, of: SurfaceLoading
-) -> SurchargeLoads:
-    """Return the forces of fill and load trains on the blocks of a ground."""
-    loads, shown, notes = [PointLoads()], Surcharge(), list[str]()
+) -> tuple[PointLoads, Surcharge, tuple[str, ...]]:
+    """Return the forces of fill and trains, what pictures show of them, and notes.
+
+    Forces on fixed blocks, which have no effect, are left out.
+    """
+    loads, notes = [PointLoads()], list[str]()
+    rings, axles = list[tuple[Floats, str]](), list[Axle]()
     for number, fill in enumerate(fills, 1):
-        label = _label("fill", number, fill.name)
-        force, outlines = _of_fill(fill, label, ground, of)
+        force, outlines = _of_fill(fill, _label("fill", number, fill.name), ground, of)
         loads.append(force)
-        kept = {"fill": (*shown.fill, *outlines)}
-        names = (*shown.fill_name, *[fill.name or ""] * len(outlines))
-        shown = replace(shown, **kept, fill_name=names)
+        rings += [(ring, fill.name or "") for ring in outlines]
     for number, train in enumerate(trains, 1):
         label = _label("load train", number, train.name)
-        placed = _of_train(train, label, ground, of)
-        loads.append(placed.loads)
-        notes += placed.notes
-        shown = replace(
-            shown,
-            axle=np.concatenate([shown.axle, placed.shown.axle]),
-            load=np.concatenate([shown.load, placed.shown.load]),
-            axle_name=(*shown.axle_name, *placed.shown.axle_name),
-        )
-    names = tuple(dict.fromkeys(one.name for one in (*fills, *trains) if one.name))
-    return SurchargeLoads(
-        loads=joined(loads), shown=replace(shown, names=names), notes=tuple(notes)
+        forces, shown, told = _of_train(train, label, ground, of)
+        loads += forces
+        axles += shown
+        notes += told
+    surcharge = Surcharge(
+        fill=tuple(ring for ring, _ in rings),
+        fill_name=tuple(name for _, name in rings),
+        axle=np.array([one[0] for one in axles], float).reshape(-1, 3, 2),
+        load=np.array([one[1] for one in axles]),
+        axle_name=tuple(one[2] for one in axles),
+        names=tuple(dict.fromkeys(one.name for one in (*fills, *trains) if one.name)),
     )
+    return joined(loads), surcharge, tuple(notes)
 
 
 def joined(loads: Sequence[PointLoads]) -> PointLoads:
@@ -184,16 +178,15 @@ def _rising(points: Loop, origin: Floats) -> Floats:
 
 
 def _loads(resting: Resting, force: Floats, ground: Ground, named: tuple[str, int]) -> PointLoads:
-    """Return forces per unit of amount (2,) on blocks that are not fixed."""
+    """Return forces per unit of amount (2,) on blocks that are not fixed, by name and amplitude."""
     free = ~ground.fixed[resting.block]
     amount = resting.amount[free]
-    name, factor = named
     return PointLoads(
         block=resting.block[free],
         at=resting.at[free],
         force=amount[:, None] * force,
-        factor=np.full(len(amount), factor, np.int64),
-        name=(name,) * len(amount),
+        factor=np.full(len(amount), named[1], np.int64),
+        name=(named[0],) * len(amount),
     )
 
 
@@ -208,10 +201,8 @@ def _of_fill(
     if not len(resting.block):
         remedy = "draw its surface above the blocks that carry it"
         raise ModelError("rests on no block", where=label, remedy=remedy)
-    weight = _loads(
-        resting, fill.density * of.gravity, ground, (fill.name or "", of.gravity_factor)
-    )
-    return weight, _outlines(line, parts)
+    named = fill.name or "", of.gravity_factor
+    return _loads(resting, fill.density * of.gravity, ground, named), _outlines(line, parts)
 
 
 def _outlines(line: Floats, parts: SurfaceParts) -> list[Floats]:
@@ -220,26 +211,26 @@ def _outlines(line: Floats, parts: SurfaceParts) -> list[Floats]:
     cut = np.flatnonzero(parts.x[1:, 0] - parts.x[:-1, 1] > apart) + 1
     outlines = []
     for x, y in zip(np.split(parts.x, cut), np.split(parts.y, cut), strict=True):
-        low, high = x.min(), x.max()
-        inner = line[(line[:, 0] > low) & (line[:, 0] < high)]
-        ends = np.array([[one, np.interp(one, *line.T)] for one in (low, high)])
-        above = np.concatenate([ends[:1], inner, ends[1:]])[::-1]
-        outlines.append(np.concatenate([np.stack([x.ravel(), y.ravel()], axis=1), above]))
+        inner = line[(line[:, 0] > x.min()) & (line[:, 0] < x.max()), 0]
+        above = np.concatenate([[x.max()], inner[::-1], [x.min()]])
+        top = np.stack([above, np.interp(above, *line.T)], axis=1)
+        outlines.append(np.concatenate([np.stack([x.ravel(), y.ravel()], axis=1), top]))
     return outlines
 
 
-def _of_train(train: LoadTrain, label: str, ground: Ground, of: SurfaceLoading) -> SurchargeLoads:
-    """Return the forces of a load train, its axles, and which of them have no load."""
-    outlines = ground.outlines
+def _of_train(
+    train: LoadTrain, label: str, ground: Ground, of: SurfaceLoading
+) -> tuple[list[PointLoads], list[Axle], list[str]]:
+    """Return the forces of a train, its axles that have a load, and notes of those that do not."""
+    outlines, name = ground.outlines, train.name or ""
     wheels, on = train.wheels(outlines.origin)
-    line = _rising(train.path, outlines.origin)
     half = max(0.5 * train.contact_length, BESIDE * float(np.sqrt(np.abs(outlines.area).min())))
     spread = float(np.tan(np.radians(train.spread_angle)))
-    reach = half + spread * float(wheels[:, 1].max() - outlines.vertices[:, 1].min())
+    reach = half + spread * float(np.ptp([*outlines.vertices[:, 1], *wheels[:, 1]]))
     span = float(wheels[:, 0].min() - reach), float(wheels[:, 0].max() + reach)
-    parts = surface_parts(line, span, outlines, of.there)
-    named = train.name or "", ground.amplitude(train.amplitude, f"{label}, amplitude")
-    loads, shown, nowhere = [PointLoads()], [], []
+    parts = surface_parts(_rising(train.path, outlines.origin), span, outlines, of.there)
+    named = name, ground.amplitude(train.amplitude, f"{label}, amplitude")
+    loads, axles, nowhere = list[PointLoads](), list[Axle](), list[int]()
     for k in np.flatnonzero(on).tolist():
         _refuse_inside(wheels[k], parts, ground, f"{label}, axle {k + 1}")
         foot = footprint(wheels[k], half, spread, parts)
@@ -248,17 +239,14 @@ def _of_train(train: LoadTrain, label: str, ground: Ground, of: SurfaceLoading) 
             continue
         loads.append(_loads(under_wheel(foot), np.array([0.0, -train.loads[k]]), ground, named))
         ends = ((foot.x.flat[e], foot.y.flat[e]) for e in (foot.x.argmin(), foot.x.argmax()))
-        shown.append((k, [wheels[k], *ends]))
-    carried = [k for k, _ in shown]
-    return SurchargeLoads(
-        loads=joined(loads),
-        shown=Surcharge(
-            axle=np.array([one for _, one in shown], float).reshape(-1, 3, 2),
-            load=np.array(train.loads)[carried],
-            axle_name=(train.name or "",) * len(carried),
-        ),
-        notes=tuple(_idle(label, np.flatnonzero(~on).tolist(), nowhere)),
-    )
+        axles.append(([wheels[k], *ends], train.loads[k], name))
+    places = {"off its path": np.flatnonzero(~on).tolist(), "over no block": nowhere}
+    notes = [
+        f"{label} has no load of axle(s) {', '.join(str(k + 1) for k in idle)}, which are {place}"
+        for place, idle in places.items()
+        if idle
+    ]
+    return loads, axles, notes
 
 
 def _refuse_inside(wheel: Floats, parts: SurfaceParts, ground: Ground, where: str) -> None:
@@ -268,11 +256,3 @@ def _refuse_inside(wheel: Floats, parts: SurfaceParts, ground: Ground, where: st
             what = f"at {ground.text(wheel)} is inside {ground.outlines.label(block)}"
             remedy = "draw the path on or above the blocks that carry it"
             raise ModelError(what, where=where, remedy=remedy)
-
-
-def _idle(label: str, off: Sequence[int], nowhere: Sequence[int]) -> Iterator[str]:
-    """Give notes of the axles that have no load."""
-    for axles, place in ((off, "off its path"), (nowhere, "over no block")):
-        if axles:
-            called = ", ".join(str(k + 1) for k in axles)
-            yield f"{label} has no load of axle(s) {called}, which are {place}"

@@ -171,7 +171,7 @@ def write_curves(page: Page, columns: StudyResults, units: Units, name: str) -> 
     if name:
         ends = statistics.extremes(columns, columns.measures[name])
         texts = [
-            f"{word} {one.value:.5g}{f' {unit}' if unit else ''} in run {one.run}"
+            f"{word} {one.value:.5g}{f' {unit}' if unit else ''} in run {one.run}{_where(one)}"
             for word, one in (ends or {}).items()
         ]
         text = f"{', '.join(texts)}." if texts else "no run has a value of it."
@@ -185,6 +185,12 @@ def write_curves(page: Page, columns: StudyResults, units: Units, name: str) -> 
         if count > MOST_PANELS:
             shown = f"The first {MOST_PANELS} of {count} matrices"
             page.remark(f"{shown}; all runs are in {trial_table.CSV}.")
+
+
+def _where(extreme: statistics.Extreme) -> str:
+    """Return the parameters of an extreme in brackets."""
+    values = extreme.parameters.items()
+    return f" ({', '.join(f'{name} = {value}' for name, value in values)})" if values else ""
 
 
 def _sweep(grid: SweepGrid, path: Path, caption: str) -> list[tuple[Path, str]]:
