@@ -221,8 +221,8 @@ def new(
         str | None,
         typer.Option(
             help="incline, slope, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
-            "settling-wall, arch, spreading-arch, arch-bridge, column, dominoes, shear-box or heap; "
-            "if absent the one called as the case, else incline."
+            "settling-wall, arch, spreading-arch, arch-bridge, column, dominoes, shear-box or heap;"
+            " if absent the one called as the case, else incline."
         ),
     ] = None,
 ) -> None:
