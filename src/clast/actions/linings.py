@@ -38,9 +38,6 @@ from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.supports import LiningJoints
 
-MOMENT_SHARE_MIN = 0.02
-"""Moment, in units of the largest, below which the curve is near one of its ends."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class InteractionCurve:
@@ -70,7 +67,8 @@ class InteractionCurve:
         pressed = np.where(normal < 0.0, normal / least, 0.0)
         pulled = np.where(normal > 0.0, normal / max(most, np.finfo(float).tiny), 0.0)
         # at its ends the curve is steep, and the normal force says how near it is
-        carries = np.maximum(self.moment_at(normal), MOMENT_SHARE_MIN * self.largest)
+        # Moment, in units of the largest, below which the curve is near one of its ends
+        carries = np.maximum(self.moment_at(normal), 0.02 * self.largest)
         return np.maximum(np.abs(moment) / carries, np.maximum(pressed, pulled))
 
 
@@ -162,8 +160,6 @@ class LiningStates:
 
 ALONG, ACROSS, TURNING = range(3)
 """Components of a joint."""
-MOMENT_EXCESS_MAX = 0.02
-"""Moment beyond its strength, in units of the largest, with which no step is kept."""
 STRENGTH_TOLERANCE = 1e-6
 """Difference of a moment from its strength that is none, in units of the largest strength."""
 
@@ -286,7 +282,8 @@ class Linings(Action):
         for one, curve, normal, moment in self._sections(self.forces(state)):
             beyond = (np.abs(moment) - curve.moment_at(normal)) / curve.largest
             worst = int(beyond.argmax())
-            if beyond[worst] > MOMENT_EXCESS_MAX:
+            # Moment beyond its strength, in units of the largest, with which no step is kept
+            if beyond[worst] > 0.02:
                 x, y = one.at[worst] + model.origin
                 raise StepRejected(
                     StepOutcome.NOT_CONVERGED,

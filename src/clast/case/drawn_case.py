@@ -385,8 +385,6 @@ def _ends(line: Segment) -> str:
     return f"{_at(line.ends[0])} to {_at(line.ends[1])}"
 
 
-TOLERANCE_OF_EDGE = 1e-2
-"""Tolerance as a share of the median edge where none is given."""
 TOLERANCE_MAX = 1.5e-3
 """Largest such tolerance, m: corners rounded to millimetres lie sqrt(2) of them apart at most."""
 
@@ -432,7 +430,8 @@ def put_together(blocks: Blocks, file: str | Path, tolerance: float | None = Non
     start = blocks.block_start
     edges = np.hypot(*(blocks.vertices[following(start)] - blocks.vertices).T)
     if tolerance is None:
-        tolerance = min(TOLERANCE_OF_EDGE * float(np.median(edges)), TOLERANCE_MAX)
+        # Tolerance as a share of the median edge where none is given
+        tolerance = min(1e-2 * float(np.median(edges)), TOLERANCE_MAX)
     try:
         whole = repaired(blocks.vertices, start, tolerance)
         names = tuple(map(str, range(1, blocks.count + 1)))

@@ -32,8 +32,6 @@ STEEPEST = 80.0
 """Largest angle at which a load spreads, degrees from the vertical."""
 ROUND_OFF = 1e-9
 """How far beyond its ends an axle is still on a path, in units of its length."""
-SEAM = 1e-4
-"""Gaps of fill that are not drawn, in units of its length."""
 
 
 def _turns(points: Loop, key: str) -> Iterator[Fault]:
@@ -207,7 +205,8 @@ def _of_fill(
 
 def _outlines(line: Floats, parts: SurfaceParts) -> list[Floats]:
     """Return the outlines of fill between a line (m, 2) and the parts below it, m, (c, 2) each."""
-    apart = SEAM * (line[-1, 0] - line[0, 0])
+    # Gaps of fill that are not drawn, in units of its length
+    apart = 1e-4 * (line[-1, 0] - line[0, 0])
     cut = np.flatnonzero(parts.x[1:, 0] - parts.x[:-1, 1] > apart) + 1
     outlines = []
     for x, y in zip(np.split(parts.x, cut), np.split(parts.y, cut), strict=True):

@@ -45,8 +45,6 @@ from clast.model.water import (
     wetted,
 )
 
-LIQUID_DENSITY_MIN = 100.0
-"""Densities below are not kg/m3."""
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
 """Ranges of density in other units, and the factors that convert them."""
 SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
@@ -105,7 +103,8 @@ class Water(Table):
         if not self.density > 0.0:
             what = f"{self.density:g} is not a valid density"
             raise refusal(what, remedy, "density")
-        if self.density < LIQUID_DENSITY_MIN:
+        # Densities below are not kg/m3
+        if self.density < 100.0:
             what = f"{self.density:g} kg/m3 is not the density of a liquid"
             raise refusal(what, remedy, "density")
         return self

@@ -18,11 +18,6 @@ from clast.model.model import Model
 from clast.model.stages import Stage
 from clast.rockmass.cut_report import SetReport
 
-BOLT_AREA_MAX = 0.02
-"""Cross-section above which a bolt is not a bolt, m2: 16 cm across."""
-K0_MAX = 10.0
-"""Largest ratio of horizontal to vertical stress that rock near the surface has."""
-
 
 def doubts(
     kinds: Mapping[str, BoltKind],
@@ -33,14 +28,16 @@ def doubts(
     """Warn of kinds of bolts, in-situ stress and stages that are hardly meant."""
     for name, kind in kinds.items():
         area = kind.area or 0.0
-        if area > BOLT_AREA_MAX:
+        # Cross-section above which a bolt is not a bolt, m2: 16 cm across
+        if area > 0.02:
             unit, factor = ("mm2", 1e-6) if area > 20.0 else ("cm2", 1e-4)
             yield (
                 f"bolt_kind '{shortened(name)}': area is {area:g} m2, too large for a bolt; the "
                 f"unit is m2: {area:g} {unit} are {area * factor:g}"
             )
     k0 = (in_situ.k0 if in_situ else None) or 0.0
-    if k0 > K0_MAX:
+    # Largest ratio of horizontal to vertical stress that rock near the surface has
+    if k0 > 10.0:
         yield (
             f"in_situ: k0 is {k0:g}: horizontal stress {k0:g} times the vertical one, which no "
             f"rock has (0.2 to 5); it is a ratio: {k0:g} % are {k0 / 100.0:g}"

@@ -15,8 +15,6 @@ from clast.model.model import Bools, Floats, Ints
 
 BESIDE = 1e-3
 """How far a line may run within a block and be taken to lie on it, in units of its size."""
-SLIVER = 1e-9
-"""Parts shorter than this fraction of the whole are round-off."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +49,8 @@ def surface_parts(
     marks = np.unique(np.clip(np.concatenate([low, high, line[:, 0], span]), *span))
     seen, hidden = [], []
     for x in np.stack([marks[:-1], marks[1:]], axis=1):
-        if x[1] - x[0] <= SLIVER * (span[1] - span[0]):
+        # Parts shorter than this fraction of the whole are round-off
+        if x[1] - x[0] <= 1e-9 * (span[1] - span[0]):
             continue
         middle = float(x.mean())
         here = np.flatnonzero((low < middle) & (middle < high))
