@@ -89,3 +89,38 @@ def test_searches_that_lead_nowhere_are_refused(wrong: dict[str, float]) -> None
     with pytest.raises(CaseError) as refused:
         FactorSettings(**wrong).of(reduction("strength"))
     assert refused.value.where == next(iter(wrong))
+
+
+@pytest.mark.parametrize("limit", [700.0, 5e3, 1.04e5, 3.3e8])
+def test_a_small_load_goes_on_in_a_larger_bracket(limit: float) -> None:
+    def make(number: int, factor: float) -> Trial:
+        verdict = STANDS if factor < limit else FAILED
+        return Trial(factor=factor, verdict=verdict, displacement=0.0, mover="")
+
+    search = FactorSettings(start=1.0, growth=2.0, tolerance=0.01)
+    usual = search_factor(search, make)
+    trials = search_factor(search, make, 1e9)
+    found = bracket_of(trials)
+    assert found.low < limit <= found.high and found.width <= 0.01 * (1.0 + 1e-12)
+    assert math.isinf(bracket_of(usual).high) and trials[: len(usual)] == usual
+    assert len(trials) < 30
+
+
+def test_a_load_beyond_what_is_tried_has_no_limit() -> None:
+    search = FactorSettings(start=1.0, growth=2.0)
+
+    def make(number: int, factor: float) -> Trial:
+        return Trial(factor=factor, verdict=STANDS, displacement=0.0, mover="")
+
+    assert 1e9 / 16.0 < bracket_of(search_factor(search, make, 1e9)).low <= 1e9
+
+
+def test_loads_are_compared_with_the_weight() -> None:
+    content = {
+        "point_load": [{"name": "a", "force": [3.0, -4.0]}, {"name": "b", "force": [1e9, 0.0]}],
+        "line_load": [{"name": "a", "traction": [0.0, -2.0], "start": [0, 0], "end": [3, 4]}],
+        "pressure": [{"name": "a", "value": [1.0, 5.0], "start": [0, 0], "end": [0, 1]}],
+    }
+    by = reduction("load a")
+    assert by.over_weight(content, 100.0) == pytest.approx((5.0 + 10.0 + 5.0) / 100.0)
+    assert by.over_weight(content, 0.0) == 0.0

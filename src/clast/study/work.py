@@ -33,7 +33,13 @@ from clast.study.collapsing.search import (
     bracket_of,
     search_factor,
 )
-from clast.study.collapsing.trial import Settled, run_trial, settle_standing
+from clast.study.collapsing.trial import (
+    Settled,
+    largest_of,
+    over_weight,
+    run_trial,
+    settle_standing,
+)
 from clast.study.description import WORST, Description
 from clast.study.folder import (
     CASE,
@@ -216,7 +222,8 @@ class One:
         Raises CaseError where every trial is undecided: nothing is known of it.
         """
         by = self.by
-        trials = search_factor(self.how.of(by), lambda _, factor: self.trial(factor))
+        most = largest_of(over_weight(self.case, by))
+        trials = search_factor(self.how.of(by), lambda _, factor: self.trial(factor), most)
         bracket = bracket_of(trials)
         if bracket.low == 0.0 and math.isinf(bracket.high):
             raise CaseError(

@@ -170,6 +170,27 @@ def test_a_push_and_a_load_at_collapse(slab, tmp_path):
     assert 1e4 * found.value == pytest.approx(load, rel=0.01)
 
 
+@pytest.mark.parametrize("turned", [0.0, 90.0])
+def test_a_unit_load_goes_on_until_it_tells(slab, tmp_path, turned):
+    """1 N down the plane has spare() as its factor; 1 N into the plane has none."""
+    content = tomllib.loads(slab.file.read_text())
+    corners = content["block"][1]["vertices"]
+    middle = [sum(xy) / 4.0 for xy in zip(*corners, strict=True)]
+    angle = math.radians(38.0 + 180.0 + turned)
+    force = [math.cos(angle), math.sin(angle)]
+    content["point_load"] = [{"at": middle, "force": force, "block": "slab", "name": "jack"}]
+    loaded = tmp_path / "loaded.toml"
+    loaded.write_text(to_toml(content))
+    found = clast.collapse_load(loaded, "load jack", tolerance=0.005)
+    if not turned:
+        assert found.value == pytest.approx(slab.spare(), rel=0.01)
+        assert len(found.trials) < 30
+    else:
+        assert math.isnan(found.value)
+        weight = found.sentence.split("the load is ")[1]
+        assert 1e3 / 16.0 < float(weight.split()[0]) <= 1e3
+
+
 def test_an_arch_under_push(tmp_path):
     arch = arch_push.OPPENHEIM
     builder = clast.ModelBuilder(title="Arch", gravity=(0.0, -9.8))

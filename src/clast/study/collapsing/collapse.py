@@ -32,7 +32,14 @@ from clast.study.collapsing.search import (
     trial_of,
 )
 from clast.study.collapsing.support_forces import SupportForce
-from clast.study.collapsing.trial import Settled, run_trial, settle_standing, trial_content
+from clast.study.collapsing.trial import (
+    Settled,
+    largest_of,
+    over_weight,
+    run_trial,
+    settle_standing,
+    trial_content,
+)
 from clast.study.description import COLLAPSE, Description
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
 from clast.study.parameters import content_of
@@ -53,6 +60,8 @@ class Collapse(FactorBracket):
     """Width of the bracket that was asked for, as a share of its upper end."""
     folder: Path | None = None
     """Where the study is kept; None: in memory."""
+    over_weight: float = 0.0
+    """A load with factor 1 over the weight of all blocks; 0 of other quantities."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -84,7 +93,11 @@ class Collapse(FactorBracket):
     @property
     def sentence(self) -> str:
         """The answer in words, with its reservations."""
-        return self.describe(self.by.TITLE)
+        text = self.describe(self.by.TITLE)
+        if self.over_weight and math.isinf(self.high) and self.low:
+            share = f"{self.low * self.over_weight:.3g}"
+            text += f", where the load is {share} times the weight of all blocks that can move"
+        return text
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
@@ -221,7 +234,8 @@ class TrialMaker:
 
     def all(self) -> Collapse:
         """Return the result of all trials."""
-        trials = search_factor(self.how.of(self.by), self.trial)
+        share = over_weight(self.case, self.by)
+        trials = search_factor(self.how.of(self.by), self.trial, largest_of(share))
         for factor in self._more(bracket_of(trials)):
             trials += (self.trial(len(trials) + 1, factor),)
         return Collapse(
@@ -229,6 +243,7 @@ class TrialMaker:
             trials=trials,
             by=self.by,
             tolerance=self.how.tolerance,
+            over_weight=share,
             folder=None if self.folder is None else self.folder.path,
         )
 

@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from clast.errors import CaseError, shortened
 from clast.model.stages import STRENGTHS
 from clast.spelling import advice, require_known
@@ -206,6 +208,20 @@ class Load(Reduction):
                     where="by",
                     remedy="remove it from the stages: the study starts it",
                 )
+
+    def over_weight(self, content: Content, weight: float) -> float:
+        """Return the sum of the sizes of the loads over a weight, N/m; 0 where there is none."""
+        sizes = [
+            # of a pressure that varies the larger end
+            (max if key == "pressure" else math.hypot)(
+                *map(abs, np.atleast_1d(one[value]).tolist()), 0.0
+            )
+            * math.dist(one.get("start", (0.0, 0.0)), one.get("end", (1.0, 0.0)))
+            for key, value in LOADS.items()
+            for one in content.get(key, [])
+            if one.get("name") == self.name
+        ]
+        return math.fsum(sizes) / weight if weight > 0.0 else 0.0
 
     def base(self, content: Content, factor: float) -> Content:
         """Return the case in which blocks come to rest: without the load."""

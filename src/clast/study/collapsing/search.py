@@ -17,7 +17,9 @@ LISTS = ("blocks", "warnings", "bolts")
 TRIALS_MAX = 100
 """Trials of a search, at most."""
 FACTOR_RATIO_MIN, FACTOR_RATIO_MAX = 1e-4, 1e3
-"""Least and largest factor that is tried, over the first one."""
+"""Least and largest factor that is tried, over the first one; a small load goes on beyond."""
+GROWTH_BEYOND = 16.0
+"""Growth from trial to trial beyond the largest factor."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,8 +155,13 @@ def bracket_of(trials: Sequence[Trial]) -> FactorBracket:
     return FactorBracket(low=low, high=high, undecided=tuple(open_))
 
 
-def next_factor(search: FactorSettings, trials: Sequence[Trial]) -> float | None:
-    """Return the factor to try next; None where enough is known, or no more can be."""
+def next_factor(
+    search: FactorSettings, trials: Sequence[Trial], beyond: float = 0.0
+) -> float | None:
+    """Return the factor to try next; None where enough is known, or no more can be.
+
+    ``beyond`` is the largest one, where that is more than usual.
+    """
     start, growth = search.start or 0.0, search.growth or 0.0
     if not trials:
         return start
@@ -163,12 +170,17 @@ def next_factor(search: FactorSettings, trials: Sequence[Trial]) -> float | None
     bracket = bracket_of(trials)
     tried = [one.factor for one in trials]
     if math.isinf(bracket.high):
-        factor = max(tried) * growth
-        return factor if factor <= FACTOR_RATIO_MAX * start * (1.0 + 1e-9) else None
+        factor, most = max(tried) * growth, FACTOR_RATIO_MAX * start * (1.0 + 1e-9)
+        if factor > most:
+            factor, most = max(tried) * GROWTH_BEYOND, beyond
+        return factor if factor <= most else None
     if bracket.low == 0.0:
         # the steps down grow: a limit may be anywhere below
         factor = min(tried) / growth ** (1 + sum(one < start for one in tried))
         return factor if factor >= FACTOR_RATIO_MIN * start else None
+    if bracket.high > max(GROWTH_BEYOND**0.5 * bracket.low, FACTOR_RATIO_MAX * start):
+        if not bracket.undecided:
+            return math.sqrt(bracket.low * bracket.high)
     ends = [bracket.low, *bracket.undecided, bracket.high]
     return next_between(ends, search.tolerance * bracket.high)
 
@@ -184,9 +196,14 @@ def next_between(ends: Sequence[float], enough: float) -> float | None:
     return 0.5 * (below + above) if width > enough else None
 
 
-def search_factor(search: FactorSettings, make: Callable[[int, float], Trial]) -> tuple[Trial, ...]:
-    """Return the trials of a search; ``make`` gives that of a number, from 1, with a factor."""
+def search_factor(
+    search: FactorSettings, make: Callable[[int, float], Trial], beyond: float = 0.0
+) -> tuple[Trial, ...]:
+    """Return the trials of a search; ``make`` gives that of a number, from 1, with a factor.
+
+    ``beyond`` is the largest factor, where that is more than usual.
+    """
     trials: list[Trial] = []
-    while (factor := next_factor(search, trials)) is not None:
+    while (factor := next_factor(search, trials, beyond)) is not None:
         trials.append(make(len(trials) + 1, factor))
     return tuple(trials)

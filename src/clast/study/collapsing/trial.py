@@ -32,7 +32,7 @@ from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.run.stages.convergence import goes_from
 from clast.step.method import Method, is_stable_for_any_step
-from clast.study.collapsing.reduction import Reduction, staged
+from clast.study.collapsing.reduction import Load, Reduction, staged
 from clast.study.collapsing.search import FAILED, STANDS, UNDECIDED, Trial
 from clast.study.collapsing.support_forces import support_forces
 from clast.study.parameters import Content, changed, content_of
@@ -48,6 +48,8 @@ MOVEMENT_PER_STEP_MAX = 0.05
 """Movement in a step of a trial, in units of that from which blocks fail, at most."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that fail."""
+WEIGHT_RATIO_MAX = 1e3
+"""Largest load that is tried, over the weight of all blocks that can move."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,6 +140,20 @@ def settle_standing(case: Case, by: Reduction) -> Settled:
                 where=case.file,
                 remedy=REMEDY + ("" if is_stable_for_any_step(start.method.process) else SLOW),
             )
+
+
+def over_weight(case: Case, by: Reduction) -> float:
+    """Return the load of a factor of 1 over the weight of all blocks that can move; 0: no load."""
+    if not isinstance(by, Load):
+        return 0.0
+    model = case.model()
+    weight = float((model.mass * ~model.fixed).sum()) * float(np.hypot(*model.gravity))
+    return by.over_weight(content_of(case), weight)
+
+
+def largest_of(share: float) -> float:
+    """Return the largest factor of a load that has a share of the weight at 1; 0: the usual."""
+    return WEIGHT_RATIO_MAX / share if share > 0.0 else 0.0
 
 
 REMEDY = "see the moving blocks: clast run; if they only need time, raise time.end"
