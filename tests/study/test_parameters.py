@@ -2,15 +2,17 @@
 
 import math
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import clast
 from clast.errors import CaseError
 from clast.study.description import Description, described, parameters_of
 from clast.study.expressions import read
 from clast.study.fitting.observations import FitSettings, Observation
-from clast.study.parameters import ParameterPlaces, keys_of, places
+from clast.study.parameters import ParameterPlaces, content_of, keys_of, places
 from clast.study.sampling import Random
 
 CASE = tomllib.loads(
@@ -328,3 +330,60 @@ def test_measures_have_units_where_they_are_known(text, unit) -> None:
         measure={"u": "displacement(A)", "v": text},
     ).checked()
     assert study.units == {"u": "m", "v": unit}
+
+
+# Studies of a script -----------------------------------------------------------------------------
+
+
+def slab() -> clast.Case:
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=2600.0)
+    builder.add_joint("plane", friction_angle=34.0)
+    builder.block(name="base", vertices=[(-1, -1), (4, -1), (4, 0), (-1, 0)], fixed=True)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    builder.block(name="slab", vertices=corners, edge_joint=["plane", "", "", ""])
+    builder.measured_point("A", (1, 1), block="slab")
+    builder.point_load((0.5, 1.0), (0.0, -1e3), block="slab", name="load")
+    return builder.case(step=0.01, end=0.02)
+
+
+PHI = "joint.plane.friction_angle"
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"measure": {"u": "displacment(A)"}}, "did you mean 'displacement'"),
+        ({"measure": {"u": "displacement(B)"}}, "no point or block 'B'"),
+        ({"measure": {"u": "displacement(A, x, 5)"}}, "the run ends at 0.02 s"),
+        ({"measure": {"u": "factor_of_safety(A)"}}, "is of no names"),
+        ({"measure": "displacement(A)"}, "has no names with expressions"),
+        ({"fail": "u > 0.1"}, "no measure 'u'"),
+        ({"fail": "displacement(A)"}, "is a number, not a failure condition"),
+        ({"vary": {"joint.plan.friction_angle": [30.0]}}, "plan"),
+        ({"vary": {"joint.plane.friction_angel": [30.0]}}, "friction_angle"),
+        ({"vary": {"joint.plane.friction_angel": "normal(30, 2)"}}, "friction_angle"),
+        ({"vary": {"point_load.2.at": [[1.0, 1.0]]}}, "no entry '2'"),
+        ({"vary": {"point_load.load.at": [1.0, 2.0]}}, "at"),
+        ({"vary": {"point_load.load.at": [[1.0, 2.0, 3.0]]}}, "at"),
+        ({"vary": {"point_load.load.at.3": [1.0]}}, "1 to 2"),
+        ({"vary": PHI}, "has no paths with values"),
+    ],
+)
+def test_a_misspelt_study_is_refused_when_it_is_made(changes: dict, what: str) -> None:
+    with pytest.raises(CaseError) as refused:
+        clast.Study(slab(), **{"vary": {PHI: [30.0]}, "measure": {"v": "end()"}, **changes})
+    assert what in str(refused.value)
+
+
+def test_a_place_is_varied_as_a_whole_or_by_a_coordinate() -> None:
+    places = {"point_load.load.at": [[0.25, 1.0], (0.75, 1.0)]}
+    whole = clast.Study(slab(), vary=places, measure={"v": "end()"}).described()
+    assert whole.values(2) == ((0.75, 1.0),)
+    again = described(replace(whole, case="base/case.toml").text, "study.toml")
+    assert again.values(2) == whole.values(2) and again.n == 2
+    part = clast.Study(slab(), vary={"point_load.1.at.1": [0.25, 0.75]}, measure={"v": "end()"})
+    content = content_of(slab())
+    by_part = ParameterPlaces.of(content, part.described().vary).case((0.75,))
+    assert by_part == ParameterPlaces.of(content, whole.vary).case(((0.75, 1.0),))
+    assert content["point_load"][0]["at"] == [0.5, 1.0]

@@ -120,7 +120,8 @@ def test_loads_are_compared_with_the_weight() -> None:
         "point_load": [{"name": "a", "force": [3.0, -4.0]}, {"name": "b", "force": [1e9, 0.0]}],
         "line_load": [{"name": "a", "traction": [0.0, -2.0], "start": [0, 0], "end": [3, 4]}],
         "pressure": [{"name": "a", "value": [1.0, 5.0], "start": [0, 0], "end": [0, 1]}],
+        "load_train": [{"name": "a", "loads": [2.0, 2.0, 3.0]}],
     }
     by = reduction("load a")
-    assert by.over_weight(content, 100.0) == pytest.approx((5.0 + 10.0 + 5.0) / 100.0)
+    assert by.over_weight(content, 100.0) == pytest.approx((5.0 + 10.0 + 5.0 + 7.0) / 100.0)
     assert by.over_weight(content, 0.0) == 0.0

@@ -153,6 +153,18 @@ class Description:
         """The values of each parameter of a sweep; raises CaseError where one is no list."""
         return [tuple(one.at(k) for k in range(len(one))) for one in map(_list_of, self.vary)]
 
+    @property
+    def typical(self) -> tuple[Value, ...]:
+        """The first value of each list, the median of each distribution."""
+        return tuple(
+            one.drawn.at(0)
+            if isinstance(one.drawn, Values | Range)
+            else one.drawn.first
+            if isinstance(one.drawn, Numbered)
+            else one.drawn.quantile(0.5)
+            for one in self.vary
+        )
+
     # Measures ------------------------------------------------------------------------------------
 
     @cached_property
@@ -491,6 +503,9 @@ def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
 
     A key may be several paths, separated by commas, and begin with a name: "phi: joint.a.x, ...".
     """
+    if not isinstance(vary, Mapping):
+        what = f"{shortened(repr(vary))} has no paths with values"
+        raise CaseError(what, where="vary", remedy='give {"time.end": [1.0, 2.0]}')
     parameters = []
     for key, value in vary.items():
         head, colon, tail = key.partition(":")

@@ -34,7 +34,7 @@ from clast.study.executors import Driver, ThisProcess, Watch, workers_of
 from clast.study.folder import StudyFolder, writing
 from clast.study.statistics import columns_of
 from clast.study.trial_table import TrialTable
-from clast.study.work import Bench, check_study, keep_worst
+from clast.study.work import Bench, check_run, check_study, keep_worst
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,11 +95,14 @@ USUAL = HowMade()
 class Study:
     """A case whose runs differ in some of its keys, and the measures of its runs.
 
-    It is a sweep where ``vary`` has lists alone.  Raises CaseError for invalid arguments.
+    It is a sweep where ``vary`` has lists alone.  Raises CaseError for invalid arguments, for paths
+    that the case does not have, and for measures of nothing that is in it.
 
     Args:
         case: Name of a case file, ``clast.load(file)``, a ModelBuilder or ``builder.build()``.
         vary: Paths -> distributions (``clast.Normal(35, 5)``), lists, or texts as in case files.
+            A place is varied as a whole, {"point_load.1.at": [[1, 5], [2, 5]]}, or by a coordinate,
+            "point_load.1.at.1".
         correlate: Pairs of paths with the correlation of their normal scores, -1 to 1.
         measure: Names -> expressions, e.g. {"crest": "displacement(A)"}.
         fail: Expression that is true where a run fails, e.g. "crest > 0.05".
@@ -122,6 +125,9 @@ class Study:
     ) -> None:
         self.case = case_of(case)
         parameters = parameters_of(vary)
+        if measure is not None and not isinstance(measure, Mapping):
+            what = f"{shortened(repr(measure))} has no names with expressions"
+            raise CaseError(what, where="measure", remedy='give {"crest": "displacement(A)"}')
         listed = bool(parameters) and all(one.drawn.LISTED for one in parameters)
         self._description = Description(
             kind=SWEEP if listed else MONTECARLO,
@@ -133,6 +139,8 @@ class Study:
             keep=keep,
             together=together,
         )
+        run = "the first run" if listed else "a run with the median of each distribution"
+        check_run(self.case, self._description, self._description.typical, run)
 
     def described(
         self, n: int = 100, sampling: str = "random", kind: str = "", **numbers: int

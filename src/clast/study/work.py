@@ -19,6 +19,7 @@ from typing import Any
 from clast.case.case_file import Case
 from clast.case.resume import resume
 from clast.errors import CaseError, ClastError, ResultsLost, shortened
+from clast.model.distributions import Value
 from clast.results import Run
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
@@ -79,13 +80,18 @@ def check_study(case: Case, study: Description) -> None:
 
     Before its folder is made: what is refused leaves nothing behind.
     """
+    check_run(case, study, study.values(1), "the first run")
+
+
+def check_run(case: Case, study: Description, values: Sequence[Value], run: str) -> None:
+    """Raise CaseError where a run of a study, which ``run`` names, cannot be made or measured."""
     settings = ParameterPlaces.of(content_of(case), study.vary)
     try:
-        first = changed(case, settings.case(study.values(1)))
+        first = changed(case, settings.case(values))
         known = known_names(first.model())
     except CaseError as error:
         raise CaseError(
-            f"the first run cannot be made: {error.what}",
+            f"{run} cannot be made: {error.what}",
             where=error.where,
             remedy=error.remedy or "check the values that vary",
         ) from None

@@ -31,6 +31,10 @@ SEISMIC = "seismic_coefficient"
 """Key of a push that lasts."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value", "load_train": "loads"}
 """Tables of loads, and the keys of their values."""
+OF_SEVERAL = {"pressure": max, "load_train": lambda *loads: math.fsum(loads)}
+"""Tables whose values are no vectors -> the size of several: the larger pressure, all axles."""
+ALONG_LINES = ("line_load", "pressure")
+"""Tables whose values are by length."""
 STATIC_STEPS_MIN = 300
 """Steps of a stage, at least, where a process does not carry steps of any length."""
 
@@ -212,11 +216,8 @@ class Load(Reduction):
     def over_weight(self, content: Content, weight: float) -> float:
         """Return the sum of the sizes of the loads over a weight, N/m; 0 where there is none."""
         sizes = [
-            # of a pressure that varies the larger end
-            (max if key == "pressure" else math.hypot)(
-                *map(abs, np.atleast_1d(one[value]).tolist()), 0.0
-            )
-            * math.dist(one.get("start", (0.0, 0.0)), one.get("end", (1.0, 0.0)))
+            OF_SEVERAL.get(key, math.hypot)(*map(abs, np.atleast_1d(one[value]).tolist()), 0.0)
+            * (math.dist(one["start"], one["end"]) if key in ALONG_LINES else 1.0)
             for key, value in LOADS.items()
             for one in content.get(key, [])
             if one.get("name") == self.name
