@@ -280,9 +280,7 @@ def film(
         Path | None,
         typer.Argument(metavar="OUTPUT", help=".mp4, .webp or .gif; FILE with .mp4 if absent."),
     ] = None,
-    field: Annotated[
-        str, typer.Option(help="Colour of the blocks or joints, as of clast plot.")
-    ] = "displacement",
+    field: ColourField = "displacement",
     stage: Annotated[str | None, typer.Option(metavar="NAME", help="Show only this stage.")] = None,
     fps: Annotated[float, typer.Option(metavar="N", help="Frames per second.")] = 25.0,
     speed: Annotated[
