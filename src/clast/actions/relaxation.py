@@ -2,7 +2,7 @@
 
     f(t) = r (1 - relax) f_0 (1 - (t - t_0)/T) + (1 - r) f_0,    t_0 <= t <= t_0 + T
 
-r is the share that a stage releases; what it holds a later stage releases.  f_0 are the contact
+r is the share that a stage releases; the rest is held until a later stage.  f_0 are the contact
 forces between a block and the blocks beside it when it was excavated at t_0, at
 their places: on the edges of the neighbours, and at their corners.  These points move with their
 blocks; the forces keep their directions.
@@ -98,7 +98,7 @@ def released_at(state: State) -> float:
 def released(
     forces: SupportForces, fraction: Floats, relax: float, relax_time: float, time: float
 ) -> SupportForces:
-    """Return the forces after excavated blocks have released a ``fraction`` (n,) of what they hold.
+    """Return the forces after excavated blocks have released a ``fraction`` (n,) of those held.
 
     The share ``relax`` of it ends at the time, s, the rest within ``relax_time``, s.
     """

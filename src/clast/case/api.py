@@ -58,7 +58,7 @@ takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
 
 
 class ShowsOwnNames(type):
-    """Class of a class that lists what users call: neither machinery nor private names."""
+    """Class of a class that lists the names users call: neither machinery nor private names."""
 
     def __dir__(cls) -> list[str]:
         hidden = {*vars(Inputs), "add_block", "opening_outlines"} - {*vars(object)}

@@ -134,7 +134,7 @@ def import_(
 
 
 Imported = tuple[str, list[str], dict[str, Any]]
-"""Text of the case; lines on what was taken over, repaired, noted and left out; all for JSON."""
+"""Text of the case; lines on the parts taken over, repaired, noted and left out; all for JSON."""
 
 
 def _drawing(

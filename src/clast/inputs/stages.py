@@ -85,7 +85,7 @@ class StageTable(Table):
     relax: Fraction = 1.0
     """Share of the support forces released by the stage that ends at once."""
     relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
-    """Time over which the rest of what is released ends, s."""
+    """Time over which the rest of the released forces ends, s."""
     release: Annotated[Fraction | dict[str, Fraction], OR_TABLE] = Field({})
     """Share of the support forces of excavated blocks that is released by now, 0 to 1; all of it if
     absent.  A later stage releases the rest: {heading = 1.0}."""

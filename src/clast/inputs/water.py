@@ -120,7 +120,7 @@ class Water(Table):
 
     @property
     def drains(self) -> list[Any]:
-        """What drains it: points, lines, names."""
+        """Its drains: points, lines, names."""
         return [self.drained_at] if isinstance(self.drained_at, str) else self.drained_at
 
     def add_to(self, builder: Inputs, key: str, folder: Path) -> None:

@@ -346,9 +346,9 @@ def locate(
     """Return the block that carries each point or line, shape (k,).
 
     ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the label
-    of a shape for messages; ``tree`` is that of the blocks' polygons.  What no block carries
-    belongs to the one that lies within the ``tolerance`` of it, m, or BESIDE_SHARE of the block if
-    that is more.
+    of a shape for messages; ``tree`` is that of the blocks' polygons.  A point that no block
+    carries belongs to the one that lies within the ``tolerance`` of it, m, or BESIDE_SHARE of the
+    block if that is more.
     """
     reach = OVERLAP_TOLERANCE * np.sqrt(np.abs(outlines.area))
     carrying = _carrying(shapes, reach, tree)

@@ -362,7 +362,7 @@ class Listed(Distribution):
             object.__setattr__(self, "values", listed)
 
     def validate(self) -> None:
-        """Raise CaseError for what is not a list of numbers and texts, or an empty one."""
+        """Raise CaseError for anything but a list of numbers and texts that is not empty."""
         if not _is_list(self.values):
             raise fault(self, "needs a list", "e.g. [20, 30, 40]")
         if not 0 < len(self.values) <= VALUES_MAX:

@@ -64,7 +64,7 @@ class Stage:
     relax: float = 1.0
     """Share of the support forces released by the stage that ends at once."""
     relax_time: float = 0.0
-    """Time over which the rest of what is released ends, s."""
+    """Time over which the rest of the released forces ends, s."""
     release: Mapping[str, float] = field(default_factory=dict)
     """Share of the support forces of excavated blocks that is released by now, from 0 to 1:
     {"heading": 0.5}; all of it if absent.  A later stage releases the rest."""

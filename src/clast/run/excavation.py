@@ -152,7 +152,7 @@ def _numbers(blocks: Any, count: int) -> Ints:
 def release(
     model: Model, method: Method, state: State, fraction: Floats, relax: float, relax_time: float
 ) -> State:
-    """Return the state after excavated blocks have released a ``fraction`` (n,) of what they hold.
+    """Return the state after excavated blocks have released a ``fraction`` (n,) of those held.
 
     The share ``relax`` of it ends at once, the rest within ``relax_time``, s.
     """

@@ -58,7 +58,8 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     result = []
     for q in np.unique(np.concatenate((crossed[3], np.flatnonzero(inside)))):
         explained = max(DEPTH_RATIO_MIN * deepest[q], give[pairs[q]].sum(), DEPTH_MIN * critdis)
-        # The largest inscribed circle's diameter, m, and the area, m2, of an overlap.
+        if width_max(*_loops(model, vertices, pairs[q])) <= explained:
+            continue  # what rests on springs overlaps in every frame
         parts = _overlap(model, vertices, pairs[q])
         circles = shapely.maximum_inscribed_circle(parts)
         depth, area = (
@@ -112,6 +113,22 @@ def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
 def _loops(model: Model, vertices: Floats, pair: Ints) -> list[Floats]:
     """Return the outlines of two blocks, m, (k, 2) each."""
     return [vertices[model.block_start[b] : model.block_start[b + 1]] for b in pair]
+
+
+def width_max(one: Floats, other: Floats) -> float:
+    """Return a bound on the diameter of circles in the overlap of two outlines (k, 2), m.
+
+    It is the least depth of one behind an edge of the other; infinite if neither is convex.
+    """
+    widest = np.inf
+    for loop, corners in ((one, other), (other, one)):
+        sides = np.roll(loop, -1, axis=0) - loop
+        on = np.roll(sides, -1, axis=0)
+        if np.all(sides[:, 0] * on[:, 1] >= sides[:, 1] * on[:, 0]):
+            inward = np.stack([-sides[:, 1], sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
+            depth = inward @ corners.T - np.sum(inward * loop, axis=1)[:, None]
+            widest = min(widest, float(depth.max(axis=1).min()))
+    return widest
 
 
 def _tips(loop: Floats, radius: float) -> Floats:

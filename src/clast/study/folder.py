@@ -1,9 +1,9 @@
 """The folder of a study, which holds all that is known of it and survives whatever ends a run.
 
-    out/study.toml                      what the study consists of
+    out/study.toml                      definition of the study
     out/base/HASH/case.toml             the case, with the files that it names
     out/runs/0012/00123456/case.toml    the case of a run, for clast run
-    out/runs/0012/00123456/result.json  what came of it; it names the study
+    out/runs/0012/00123456/result.json  its outcome; it names the study
     out/results.csv                     all results, in the order of their numbers
     out/asked.jsonl                     of a back-analysis: the parameters of its runs; of a
                                         target: their shares of the range
@@ -53,7 +53,7 @@ RUNS_PER_FOLDER = 10_000
 DONE, NO_RESULT = "done", "no result"
 """Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
 PART = re.compile(rf"\.{re.escape(STUDY)}\.[0-9]+")
-"""What is left, with the case, of a study that was ended before its first run."""
+"""Files, with the case, of a study that was ended before its first run."""
 RESULT_BYTES_MAX = 100_000_000
 """Results above this size are not read, bytes."""
 STALE_AFTER = 86_400.0
@@ -187,7 +187,7 @@ class StudyFolder:
 
     @property
     def asked_file(self) -> Path:
-        """The file with what a search has asked for, a line for each run."""
+        """The file of the parameters that a search has asked for, a line for each run."""
         return self.path / ASKED
 
     def asked(self) -> list[tuple[float, ...]]:

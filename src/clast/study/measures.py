@@ -135,7 +135,7 @@ class Measure:
     unit: str
     """Its unit; "" of numbers, and where it depends on an argument."""
     arguments: tuple[str, ...]
-    """What its arguments name; a part and a time may be left out."""
+    """Things that its arguments name; a part and a time may be left out."""
     value: Callable[..., Any]
     """Its value, of the results of a run and the arguments."""
 

@@ -283,7 +283,7 @@ def unit_of_key(schema: Schema, keys: Keys) -> str:
 
 
 def _inside(node: Schema, key: str | int) -> Iterator[Schema]:
-    """Give what a node has at a key of a table, or at a position of a list."""
+    """Give the value of a node at a key of a table, or at a position of a list."""
     if isinstance(key, int):
         inner = [node.get("items"), *node.get("prefixItems", ())[key : key + 1]]
     else:

@@ -90,7 +90,7 @@ class Page:
     def figures(
         self, draw: Callable[[], Iterable[tuple[Path, str]]], kind: str = "figures"
     ) -> None:
-        """Add figures (PNG) side by side, each with its caption, or a note on what is missing.
+        """Add figures (PNG) side by side, each with its caption, or a note on the missing one.
 
         ``kind`` is their CSS class.
         """
@@ -106,7 +106,7 @@ class Page:
             self.parts.append(f'<div class="{kind}">{drawn}</div>')
 
     def parameters(self, study: Description, units: Mapping[str, str], head: str) -> None:
-        """Add the table of what varies."""
+        """Add the table of the parameters that vary."""
         rows = [
             [one.name, ", ".join(one.paths), str(one.distribution), units[one.name]]
             for one in study.vary

@@ -158,7 +158,7 @@ def probability(columns: StudyResults) -> Probability | None:
 
 
 def interval_of_count(columns: StudyResults, count: int) -> tuple[float, float] | None:
-    """Return Wilson's interval of the probability of what happens in ``count`` runs with a result.
+    """Return Wilson's interval of the probability of an event in ``count`` runs with a result.
 
     So fails a block, or slides a joint.  Runs without a result count as either.  None where runs
     are not independent: Latin hypercubes would need the counts of each.
@@ -307,7 +307,7 @@ class Extreme:
 def extremes(columns: StudyResults, values: Floats) -> dict[str, Extreme] | None:
     """Return the "least" and the "largest" value of a measure (k,); None where it has no values.
 
-    They are what is to say of a sweep: its mean would tell how the grid was chosen.
+    They describe a sweep: its mean would tell how the grid was chosen.
     """
     if not np.isfinite(values).any():
         return None

@@ -216,7 +216,7 @@ def write_runs(page: Page, folder: StudyFolder, columns: StudyResults, units: Un
 
 
 def _write_montecarlo(page: Page, columns: StudyResults, units: Units) -> None:
-    """Write how the measures of a Monte Carlo study are spread, and on what they depend."""
+    """Write how measures of a Monte Carlo study are spread, and on which numbers they depend."""
     study = columns.study
     for name, values in columns.measures.items():
         unit = study.units[name]

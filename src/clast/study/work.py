@@ -78,7 +78,7 @@ def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
 def check_study(case: Case, study: Description) -> None:
     """Raise CaseError where the first run of a study has wrong numbers or nothing to measure.
 
-    Before its folder is made: what is refused leaves nothing behind.
+    Before its folder is made: a refused study leaves nothing behind.
     """
     check_run(case, study, study.values(1), "the first run")
 

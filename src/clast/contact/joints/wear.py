@@ -185,7 +185,7 @@ def with_work_of_joints(
 def _mode_along(
     rough: RoughContacts, contacts: Contacts, response: ContactResponse, slip: Floats
 ) -> Ints:
-    """Return the modes of contacts (m,): what goes along the rising branch slides."""
+    """Return the modes of contacts (m,): contacts on the rising branch slide."""
     along = (response.shear_force * slip < 0.0) & (response.mode == LOCK) & contacts.mobilises
     along[rough.rows] &= np.abs(slip[rough.rows]) > SLIP_MIN * rough.peak_slip
     return np.where(along, SLIDE, response.mode)

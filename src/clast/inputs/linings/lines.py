@@ -107,7 +107,7 @@ def _loops(polygons: Any) -> list[Floats]:
 
 
 def _is_counterclockwise(loop: Floats) -> bool:
-    """Return whether a loop (c, 2) encloses what is to its left."""
+    """Return whether a loop (c, 2) encloses the area to its left."""
     return bool(shapely.is_ccw(shapely.LinearRing(loop)))
 
 

@@ -124,7 +124,7 @@ def _along(ring: Any, middle: Floats, angle: float, label: str) -> float:
 def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, tuple[str, str]]:
     """Return the ends of a bolt in the rock behind the wall, m, (2, 2), and their blocks.
 
-    What lies less than the slack behind a joint belongs to the block before it.
+    An end less than the slack behind a joint belongs to the block before it.
     """
     origin, length = ground.outlines.origin, float(np.hypot(*(line[1] - line[0])))
     pieces = ground.pieces(line - origin)

@@ -1,4 +1,4 @@
-"""[[link]] and [[moment]]: hinges, rollers, sliders, springs, ties, struts; what turns blocks."""
+"""[[link]] and [[moment]]: hinges, rollers, sliders, springs, ties, struts; moments on blocks."""
 
 from __future__ import annotations
 

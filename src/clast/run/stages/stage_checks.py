@@ -215,7 +215,7 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
 def _check_release(
     stage: Stage, model: Model, since: Mapping[int, str], released: dict[int, float]
 ) -> None:
-    """Refuse releases of what is rock, and of less than before; add the stage to ``released``."""
+    """Refuse releases of rock, and of less than before; add the stage to ``released``."""
     fresh = blocks_called(stage.excavate, model.openings, model.block_name).tolist()
     released.update(dict.fromkeys(fresh, -1.0))
     here = dict.fromkeys(fresh, 1.0)

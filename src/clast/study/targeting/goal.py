@@ -45,7 +45,7 @@ class TargetSettings:
 
 
 def measures_of(reach: str, measure: Mapping[str, str]) -> dict[str, str]:
-    """Return the measures of a target: those given, what is compared, and whether it is reached.
+    """Return the measures of a target: those given, the compared one, and whether it is reached.
 
     A factor that is compared with a number takes one trial a run, with that factor.  Raises
     CaseError for a target that is no condition.
