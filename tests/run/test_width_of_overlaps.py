@@ -25,6 +25,6 @@ def test_a_block_on_a_slope_is_as_deep_as_its_corners() -> None:
     slope = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 1.0], [0.0, 1.0]])
     block = np.array([[3.0, 0.99], [4.0, 0.995], [4.0, 2.0], [3.0, 2.0]])
     assert width_max(slope, block) == pytest.approx(0.01)
-    assert width_max(slope, block + [0.0, 1.0]) < 0.0
+    assert width_max(slope, block + np.array([0.0, 1.0])) < 0.0
     notched = np.array([[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]], float)
     assert width_max(notched, notched) == np.inf

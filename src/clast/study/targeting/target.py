@@ -6,7 +6,8 @@
 Bisection over the range: both ends are run, one of which has to reach the target and the other
 not; then the middle, until value and tolerance are known.  A run without a result is undecided, and
 the bracket closes in from both sides of it.  The number that F is compared with is one trial a
-run, with the strengths divided by it: whether blocks stand with 1.3 says on which side of 1.3 their factor is.
+run, with the strengths divided by it: whether blocks stand with 1.3 says on which side of 1.3 their
+factor is.
 """
 
 from __future__ import annotations
