@@ -33,15 +33,21 @@ DrawingUnit = Annotated[
         description="Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its header if absent."
     ),
 ]
+Selection = Annotated[
+    dict[str, StrictStr] | None,
+    Field(description="Attributes of the features that are taken, e.g. {kind = 'fault'}."),
+]
 
 
 class FileTable(Table):
     """A closed outline in a file beside the case file."""
 
     file: StrictStr
-    """Drawing (.dxf) or table with the columns x, y (.csv), beside the case file."""
+    """Drawing (.dxf), table with the columns x, y (.csv), or .geojson, .wkt, .gpkg, .shp, beside
+    the case file."""
     layer: OutlineLayer = None
     unit: DrawingUnit = None
+    select: Selection = None
 
 
 Boundary = Annotated[Loop | FileTable, OR_TABLE]
@@ -100,10 +106,11 @@ class TraceTable(Table):
     file: StrictStr | None = None
     """Traces in a file beside the case file: .csv (x1, y1, x2, y2 or id, x, y, with part, joint
     and set)
-    or .dxf; instead of points."""
+    .dxf, .geojson, .wkt, .gpkg or .shp; instead of points."""
     layer: StrictStr | None = None
-    """Layer of a DXF drawing; required for DXF."""
+    """Layer of a DXF drawing, required, or of a GeoPackage."""
     unit: DrawingUnit = None
+    select: Selection = None
     joint: StrictStr | None = None
     """Joint along them: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
     set: StrictStr = "traces"
@@ -112,6 +119,8 @@ class TraceTable(Table):
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
         check_source(self, "points", 'give points = [[x, y], ...] or file = "traces.csv"')
+        if self.file is None and self.select is not None:
+            raise refusal("there is no file", "name the file of the features", "select")
         return self
 
 

@@ -43,6 +43,8 @@ from clast.rockmass.drawings.dxf import (
     role_of,
 )
 from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.features import READERS as FEATURE_READERS
+from clast.rockmass.drawings.features import feature_lines, feature_outline, features_of
 from clast.rockmass.drawings.shi_files import read_shi_analysis, read_shi_blocks, read_shi_geometry
 
 
@@ -248,7 +250,7 @@ class Reading:
 def read_drawing(
     path: str | Path, analysis: str | Path | None = None, reading: Reading | None = None
 ) -> Drawing:
-    """Return the drawing of a file: .dxf, .csv, .xml or else a text geometry of Shi.
+    """Return the drawing of a file: .dxf, .csv, .xml, of features, or a text geometry of Shi.
 
     A DXF file without a layer of clast is read by the convention of DDA for Windows where it has
     the texts F, L, M or H of that.  ``analysis`` is the analysis file, .xml or text, that belongs
@@ -293,9 +295,20 @@ def _not_read(path: Path, how: Reading) -> Drawing:
     raise CaseError(what, where=str(path), remedy=remedy)
 
 
+def _features(path: Path, how: Reading) -> Drawing:
+    """Return the one polygon of a file of features as the boundary, or its lines as traces."""
+    parts = [shapely.get_parts(one.shape) for one in features_of(path)]
+    if all(part.geom_type == "Polygon" for part in np.concatenate(parts)):
+        boundary, notes = feature_outline(path)
+        return Drawing(file=str(path), boundary=boundary, notes=notes)
+    traces, notes = feature_lines(path)
+    return Drawing(file=str(path), traces=traces, notes=notes)
+
+
 DRAWING_READERS: dict[str, Callable[[Path, Reading], Drawing]] = {
     ".dxf": _dxf,
     ".csv": lambda path, _: read_csv(path),
+    **dict.fromkeys(FEATURE_READERS, _features),
     ".xml": lambda path, how: read_dda_xml(path, how.mass_unit),
     **dict.fromkeys((".dwg", ".svg", ".pdf", ".png", ".toml", ".xlsx", ".xls", ".npz"), _not_read),
 }

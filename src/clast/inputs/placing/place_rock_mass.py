@@ -47,6 +47,13 @@ SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
     "top": (1, np.max),
 }
 """Side of a rectangle -> the coordinate that it has, and whether it is the least or the largest."""
+KEYS_LACKING: dict[str, tuple[str, ...]] = {
+    ".csv": ("layer", "unit", "select"),
+    **dict.fromkeys((".geojson", ".json"), ("layer", "unit")),
+    ".wkt": ("layer", "unit", "select"),
+    **dict.fromkeys((".gpkg", ".shp"), ("unit",)),
+}
+"""Ending of a file without obligatory layer -> the keys that do not go with it."""
 DEFAULT = "default"
 
 
@@ -301,7 +308,7 @@ def _profile(source: FileTable, folder: Path, where: str, notes: list[str]) -> F
     from clast.rockmass.drawings.csv_lines import read_points
 
     path, layer = folder / source.file, _layer(source, where)
-    if layer is None:
+    if layer is None and path.suffix.casefold() == ".csv":
         with asked_by(where):
             points, said = read_points(path)
         notes += [f"{where}: {note}" for note in said]
@@ -310,7 +317,8 @@ def _profile(source: FileTable, folder: Path, where: str, notes: list[str]) -> F
     lines = [shapely.linestrings(one.points) for one in traces]
     joined = shapely.line_merge(shapely.multilinestrings(lines))
     if joined.geom_type != "LineString":
-        what = f"the layer {layer} has {len(shapely.get_parts(joined))} lines that do not join"
+        of = f"the layer {layer}" if layer else source.file
+        what = f"{of} has {len(shapely.get_parts(joined))} lines that do not join"
         raise ModelError(what, where=where, remedy="draw the profile as one open line")
     return shapely.get_coordinates(joined)
 
@@ -321,10 +329,13 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
         return source
     from clast.rockmass.drawings.csv_lines import read_outline
     from clast.rockmass.drawings.dxf import DxfReading, outline_of_layer
+    from clast.rockmass.drawings.features import READERS, feature_outline
 
     path, layer = folder / source.file, _layer(source, where)
     with asked_by(where):
-        if layer is None:
+        if path.suffix.casefold() in READERS:
+            corners, said = feature_outline(path, layer, source.select)
+        elif layer is None:
             corners, said = read_outline(path)
         else:
             corners, said = outline_of_layer(path, layer, DxfReading(unit=source.unit))
@@ -336,10 +347,13 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
     """Return the traces of the file that a table names."""
     from clast.rockmass.drawings.csv_lines import read_traces
     from clast.rockmass.drawings.dxf import DxfReading, lines_of_layer
+    from clast.rockmass.drawings.features import READERS, feature_lines
 
     path, layer = folder / str(table.file), _layer(table, where)
     with asked_by(where):
-        if layer is None:
+        if path.suffix.casefold() in READERS:
+            traces, said = feature_lines(path, layer, table.select)
+        elif layer is None:
             traces, said = read_traces(path)
         else:
             traces, said = lines_of_layer(path, layer, DxfReading(unit=table.unit))
@@ -353,16 +367,17 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
 def _layer(source: FileTable | TraceTable, where: str) -> str | None:
     """Return the layer of a drawing, None for a table; refuse keys that go with neither."""
     ending = Path(str(source.file)).suffix.casefold()
-    if ending == ".csv":
-        for key in ("layer", "unit"):
-            if getattr(source, key) is not None:
-                what = f"a CSV file has no {key}"
-                raise ModelError(what, where=where, remedy="leave it out, or name a DXF")
-        return None
+    lacking = KEYS_LACKING.get(ending, ("select",))
+    for key in lacking:
+        if getattr(source, key) is not None:
+            what = f"a {ending[1:].upper()} file has no {key}"
+            raise ModelError(what, where=where, remedy="leave it out, or name another file")
+    if ending in KEYS_LACKING:
+        return source.layer
     if ending != ".dxf":
         remedy = (
-            "give a drawing (.dxf) with its layer, or a table (.csv); clast import "
-            "converts other files"
+            "give a drawing (.dxf) with its layer, a table (.csv), or .geojson, .wkt, .gpkg, "
+            ".shp; clast import converts other files"
         )
         raise ModelError(f"'{source.file}' is neither .dxf nor .csv", where=where, remedy=remedy)
     if source.layer is None:
