@@ -144,13 +144,14 @@ def surcharge_in(
         loads += forces
         axles += shown
         notes += told
+    names = *(one.name for one in fills), *(one.name for one in trains)
     surcharge = Surcharge(
         fill=tuple(ring for ring, _ in rings),
         fill_name=tuple(name for _, name in rings),
         axle=np.array([one[0] for one in axles], float).reshape(-1, 3, 2),
         load=np.array([one[1] for one in axles]),
         axle_name=tuple(one[2] for one in axles),
-        names=tuple(dict.fromkeys(one.name for one in (*fills, *trains) if one.name)),
+        names=tuple(dict.fromkeys(name for name in names if name)),
     )
     return joined(loads), surcharge, tuple(notes)
 

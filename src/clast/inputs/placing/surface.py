@@ -90,7 +90,7 @@ class Resting:
         """Return the resultants of forces on parts (k,), one for each block."""
         own, number = np.unique(block[amount > 0.0], return_inverse=True)
         at, amount = at[amount > 0.0], amount[amount > 0.0]
-        total = np.bincount(number, amount, len(own))
+        total = np.asarray(np.bincount(number, amount, len(own)), np.float64)
         mean = [np.bincount(number, amount * x, len(own)) / total for x in at.T]
         return cls(block=own, at=np.stack(mean, axis=1), amount=total)
 
