@@ -138,6 +138,9 @@ class OneLining:
     """Where each is as drawn, m, shape (k, 2)."""
     face: Ints
     """Segment, and 0 for its start or 1 for its end, where each joint is, shape (k, 2)."""
+    meets: Ints
+    """Joints at ends that are joined to another lining: number among all, 0 or 1 for its segment
+    being the first or the second block, segment, and 0 for its start or 1 for its end, (q, 4)."""
     shape: LiningShape
     """How it lies."""
     inside: Ints

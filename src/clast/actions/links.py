@@ -70,6 +70,8 @@ class LinkRows:
     """Shares of the turns of its two blocks, of sum 1, by which its direction turns, (k, 2)."""
     stage: tuple[str, ...]
     """Stage that installs it, "" where it is there from the start."""
+    also: tuple[str, ...] = ()
+    """Further stage that it waits for, "" for none; empty where none waits for two."""
     link: Ints
     """Link of each row, ascending, shape (m,)."""
     component: Ints
@@ -356,7 +358,8 @@ class Links(Action):
     def _installed(self, model: Model, state: LinkStates, stretch: Floats) -> LinkStates:
         """Return the links with those installed that are there by now, and without lost ones."""
         rows, begun = self.rows, dict(model.begun)
-        there = np.array([not stage or stage in begun for stage in rows.stage], np.bool_)[rows.link]
+        waits = zip(rows.stage, rows.also or rows.stage, strict=True)
+        there = np.array([begun.keys() >= {*pair} - {""} for pair in waits], np.bool_)[rows.link]
         lost = there & with_ground(model.absent)[rows.blocks].any(axis=1)
         fresh = there & np.isnan(state.rest) & ~lost
         if not fresh.any() and not (lost & ~state.broken).any():

@@ -408,6 +408,10 @@ SETTINGS: dict[str, list[str]] = {
     "lining part that is none": lined("opening='void', stage='later', part=[[1, 1], [1, 1]]"),
     "lining beside an opening": lined("opening='void', stage='later', side='left'"),
     "lining of a ring with ends": lined("opening='void', stage='later', start='clamped'"),
+    "lining joins none": lined("polyline=[[2, 0], [3.5, 0]], joins='crown'"),
+    "lining joins itself": lined("polyline=[[2, 0], [3.5, 0]], joins='plate'"),
+    "lining joins by nothing": lined("polyline=[[2, 0], [3.5, 0]], connection='hinged'"),
+    "lining that is closed joins": lined("opening='void', stage='later', joins='crown'"),
     "lining without compression": lined("polyline=[[2, 0], [3.5, 0]], tension=1e6"),
     "lining stronger in tension": lined(
         "polyline=[[2, 0], [3.5, 0]], tension=3e7, compression=2e7"

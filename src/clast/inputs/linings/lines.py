@@ -210,20 +210,31 @@ class CutLine:
         return np.asarray(0.5 * (np.stack([self.at[self.first], self.at[last]], 1) + self.inner))
 
 
+NOTHING_BEYOND: tuple[Floats | None, Floats | None] = (None, None)
+
+
 def cut_line(
-    line: Floats, *, comes_back: bool, length: float, thickness: float, is_middle: bool, where: str
+    line: Floats,
+    *,
+    comes_back: bool,
+    length: float,
+    thickness: float,
+    is_middle: bool,
+    where: str,
+    beyond: tuple[Floats | None, Floats | None] = NOTHING_BEYOND,
 ) -> CutLine:
     """Return the segments of a lining to the left of a line (c, 2), m, or about it.
 
-    ``comes_back``: its last point is followed by the first.  Raises ModelError where the thickness
-    does not fit.
+    ``comes_back``: its last point is followed by the first.  ``beyond`` are the edges (2,), m, of
+    other linings that end at its start and begin at its end: it ends on mitres there.  Raises
+    ModelError where the thickness does not fit.
     """
     if comes_back:
         sharp = np.flatnonzero(np.abs(_turns(line)) > MITRE_TURN_RAD + ROUNDING)
         line = np.roll(line, -int(sharp[0]), axis=0) if len(sharp) else line
     given = _whole(line, comes_back)
     if is_middle:
-        line = line - 0.5 * thickness * _normals(line, comes_back)
+        line = line - 0.5 * thickness * _normals(line, comes_back, beyond)
     points = _whole(line, comes_back)
     marks = _marks(points)
     # the length is that along the line as it is given
@@ -239,7 +250,9 @@ def cut_line(
         raise ModelError(what, where=f"{where}, segment", remedy="give shorter segments")
     at, first = _points(points, marks, ends, comes_back)
     count = np.diff(np.concatenate([first, [len(at) if comes_back else len(at) - 1]])) + 1
-    inner = _place(points, marks, ends) + thickness * _normals_at(points, marks, ends, comes_back)
+    inner = _place(points, marks, ends) + thickness * _normals_at(
+        points, marks, ends, comes_back, beyond
+    )
     inner = np.stack([inner[:-1], inner[1:]], axis=1)
     cut = CutLine(at=at, first=first, count=count, inner=inner, closed=comes_back)
     _check(cut, thickness, where)
@@ -263,13 +276,17 @@ def _turns(ring: Floats) -> Floats:
     return np.asarray(np.arctan2(cross, (before * after).sum(axis=1)))
 
 
-def _normals(line: Floats, comes_back: bool) -> Floats:
+def _normals(line: Floats, comes_back: bool, beyond: tuple[Floats | None, Floats | None]) -> Floats:
     """Return the mitre at each point of a line: to the left, 1 away from both edges, (c, 2)."""
     if comes_back:
         before, after = line - np.roll(line, 1, axis=0), np.roll(line, -1, axis=0) - line
     else:
         edges = np.diff(line, axis=0)
-        before, after = np.concatenate([edges[:1], edges]), np.concatenate([edges, edges[-1:]])
+        first, last = (
+            own if other is None else other
+            for own, other in zip((edges[0], edges[-1]), beyond, strict=True)
+        )
+        before, after = np.vstack([first, edges]), np.vstack([edges, last])
     one, other = (
         np.stack([-e[:, 1], e[:, 0]], 1) / np.hypot(*e.T)[:, None] for e in (before, after)
     )
@@ -330,10 +347,16 @@ def _place(points: Floats, marks: Floats, where: Floats) -> Floats:
     return np.stack([np.interp(where, marks, points[:, axis]) for axis in (0, 1)], axis=1)
 
 
-def _normals_at(points: Floats, marks: Floats, ends: Floats, comes_back: bool) -> Floats:
+def _normals_at(
+    points: Floats,
+    marks: Floats,
+    ends: Floats,
+    comes_back: bool,
+    beyond: tuple[Floats | None, Floats | None],
+) -> Floats:
     """Return the mitre at each end of a segment, (s + 1, 2)."""
     ring = points[:-1] if comes_back else points
-    at_points = _normals(ring, comes_back)
+    at_points = _normals(ring, comes_back, beyond)
     at_points = np.concatenate([at_points, at_points[:1]]) if comes_back else at_points
     edges = np.diff(points, axis=0)
     of_edges = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None]

@@ -26,6 +26,7 @@ from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
+from clast.inputs.linings.joined_ends import ENDS_APART_MAX, JoinedEnd, beyond, joined_ends
 from clast.inputs.linings.lines import ROUNDING, CutLine, LinesOfRock, cut_line
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.placing.bolt_lines import Ground
@@ -78,6 +79,11 @@ class Lining(Table):
     """Support of its first end by the ground, which is no block."""
     end: End = "free"
     """Support of its last end by the ground."""
+    joins: StrictStr | None = None
+    """Lining to whose ends those of its own are joined that lie at one place with them, free of
+    stress when both are there."""
+    connection: Literal["clamped", "hinged"] | None = None
+    """With joins: whether the joint bears a moment; "clamped" if absent."""
     stage: StrictStr | None = None
     """Stage that installs it, free of stress, on the outline at that time; it exists from the start
     if absent.
@@ -111,6 +117,18 @@ class Lining(Table):
             if ring and getattr(self, key) != "free":
                 what = "a closed lining has no ends"
                 raise refusal(what, f"leave {key} out, or closed = false", key)
+        return self
+
+    @model_validator(mode="after")
+    def _joins_another(self) -> Self:
+        if self.joins is None and self.connection is not None:
+            remedy = "name the lining that it joins: joins, or leave connection out"
+            raise refusal("connection is that of a lining that joins another", remedy, "connection")
+        if self.joins is not None and (self.joins == self.name or self.is_ring):
+            what = (
+                "joins itself" if self.joins == self.name else "its line is closed: it has no ends"
+            )
+            raise refusal(what, "name another lining at an end of this one", "joins")
         return self
 
     @model_validator(mode="after")
@@ -180,6 +198,8 @@ class PlacedLining:
     """Names of the blocks in its place."""
     beside: tuple[tuple[str, str], ...]
     """Pairs of a segment and a block that touch."""
+    joined: tuple[JoinedEnd, ...]
+    """Its ends that are joined to those of others, by its own word."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -210,9 +230,21 @@ def placed_linings(
     lines = LinesOfRock(polygons, names, openings, blocks_of_openings)
     tree = shapely.STRtree(polygons)
     placed: list[PlacedLining] = []
-    for table in tables:
+    drawn = [lines.line(one, f"lining '{shortened(one.name)}'") for one in tables]
+    joined = joined_ends(tables, drawn)
+    for number, table in enumerate(tables):
         where = f"lining '{shortened(table.name)}'"
-        one = _placed(table, where, lines, tree, names)
+        cut = cut_line(
+            drawn[number][0],
+            comes_back=table.is_ring,
+            length=table.segment,
+            thickness=table.thickness,
+            is_middle=table.side == "middle",
+            where=where,
+            beyond=beyond(number, joined, drawn),
+        )
+        own = tuple(end for end in joined if end.lining == number)
+        one = replace(_placed(table, where, cut, tree, names), turned=drawn[number][1], joined=own)
         for other in placed:
             k, j = shapely.STRtree(other.polygons).query(one.polygons, predicate="intersects")
             common = shapely.area(shapely.intersection(one.polygons[k], other.polygons[j]))
@@ -225,21 +257,10 @@ def placed_linings(
     return tuple(placed)
 
 
-def _placed(
-    one: Lining, where: str, lines: LinesOfRock, tree: Any, names: Sequence[str]
-) -> PlacedLining:
-    """Return a lining cut into segments."""
-    line, turned = lines.line(one, where)
-    cut = cut_line(
-        line,
-        comes_back=one.is_ring,
-        length=one.segment,
-        thickness=one.thickness,
-        is_middle=one.side == "middle",
-        where=where,
-    )
+def _placed(one: Lining, where: str, cut: CutLine, tree: Any, names: Sequence[str]) -> PlacedLining:
+    """Return a lining cut into segments, whose ends are joined to no others."""
     count = len(cut.first)
-    if count < 2 and one.start == one.end == "free":
+    if count < 2 and one.start == one.end == "free" and one.joins is None:
         what = "is a single segment without supports: it cannot bend"
         raise ModelError(what, where=f"{where}, segment", remedy="give shorter segments")
     polygons = np.array([shapely.Polygon(cut.polygon(k)) for k in range(count)])
@@ -268,7 +289,13 @@ def _placed(
         if b not in within
     )
     return PlacedLining(
-        table=one, turned=turned, cut=cut, polygons=polygons, inside=inside, beside=beside
+        table=one,
+        turned=False,
+        cut=cut,
+        polygons=polygons,
+        inside=inside,
+        beside=beside,
+        joined=(),
     )
 
 
@@ -332,9 +359,10 @@ def linings_of_ground(
     if not placed:
         return ()
     each, rows, apart, joints = [], [], [], 0
-    for one in placed:
-        table, blocks = one.table, ground.blocks(one.names, one.rock)
-        springs = _springs(one, blocks, ground, plane)
+    segments = [ground.blocks(one.names, one.rock) for one in placed]
+    for one, blocks in zip(placed, segments, strict=True):
+        table = one.table
+        springs = _springs(one, blocks, ground, plane, (placed, segments))
         count = len(springs.along)
         curve = None
         if table.compression is not None:
@@ -353,6 +381,7 @@ def linings_of_ground(
                 along=springs.along,
                 at=springs.at,
                 face=springs.face,
+                meets=np.zeros((0, 4), np.int64),
                 shape=_shape(one, ground),
                 inside=ground.blocks(one.inside, one.rock),
                 loose=ground.blocks(one.loose, one.rock),
@@ -361,6 +390,8 @@ def linings_of_ground(
         rows.append(springs)
         apart.append(_without_contacts(one, springs, ground))
         joints += count
+    meets = _meets(placed, each, rows)
+    each = [replace(one, meets=meets[k]) for k, one in enumerate(each)]
     return (
         Linings(
             each=tuple(each),
@@ -375,6 +406,7 @@ def _without_contacts(one: PlacedLining, springs: _JointSprings, ground: Ground)
     blocks = ground.blocks(one.names, one.rock).tolist()
     pairs = list(itertools.pairwise(blocks))
     pairs += [(blocks[-1], blocks[0])] if one.table.is_ring else []
+    pairs += [tuple(pair) for pair in springs.pair[springs.other >= 0].tolist()]
     for pair, at in zip(springs.pair.tolist(), springs.at, strict=True):
         if GROUND in pair:
             near = TOUCH_DISTANCE * one.table.thickness
@@ -399,51 +431,123 @@ class _JointSprings:
     """Stiffness along, across, N/m per m, and against rotation, N per rad; 0: free, (k, 3)."""
     face: Ints
     """Segment, and 0 for its start or 1 for its end, shape (k, 2)."""
+    other: Ints
+    """Lining whose end is joined there, -1 for none, shape (k,)."""
 
 
-def _springs(one: PlacedLining, blocks: Ints, ground: Ground, plane: Plane) -> _JointSprings:
-    """Return the springs between segments, and those at ends that are held."""
-    table, middles = one.table, one.cut.middles - ground.outlines.origin
-    chord = middles[:, 1] - middles[:, 0]
-    length = np.hypot(*chord.T)
-    unit, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
+def _section(table: Lining, plane: Plane) -> Floats:
+    """Return stiffness times length of a joint: along, across, against rotation, shape (3,)."""
     young = _modulus(table, plane)
     # 5/6 of a rectangular section resists shear
     shear = 5.0 / 6.0 * table.young / (2.0 * (1.0 + table.poisson))
     # what the segments strain by themselves is not left to the joints
     of_segments = 2.0 * (1.0 - JOINT_STRAIN_SHARE) / young
-    section = table.thickness * np.array(
+    return table.thickness * np.array(
         [
             young / JOINT_STRAIN_SHARE,
             1.0 / (1.0 / shear - of_segments),
             young * table.thickness**2 / 12.0,
         ]
     )
-    count = len(blocks)
+
+
+BENDS = {"clamped": np.ones(3), "hinged": np.array([1.0, 1.0, 0.0])}
+"""Components that joints have, by their kind."""
+
+
+def _springs(
+    one: PlacedLining,
+    blocks: Ints,
+    ground: Ground,
+    plane: Plane,
+    every: tuple[Sequence[PlacedLining], Sequence[Ints]],
+) -> _JointSprings:
+    """Return the springs between segments, and those at ends that are held or joined.
+
+    ``every`` are all linings and the blocks of their segments.
+    """
+    table, middles = one.table, one.cut.middles - ground.outlines.origin
+    chord = middles[:, 1] - middles[:, 0]
+    length = np.hypot(*chord.T)
+    unit, mark = chord / length[:, None], np.concatenate([[0.0], np.cumsum(length)])
+    section, count = _section(table, plane), len(blocks)
     held = (table.end, table.start) if one.turned else (table.start, table.end)
-    # blocks, place, direction, distance along the lining, length of the spring, end, face
+    joined = {joint.end: joint for joint in one.joined}
+    # blocks, place, direction, distance along the lining, stiffness, face, other lining
     rows: list[tuple[Any, ...]] = []
-    if held[0] != "free":
-        pair, half = (GROUND, blocks[0]), 0.5 * length[0]
-        rows.append((pair, middles[0, 0], unit[0], 0.0, half, held[0], (0, 0)))
+
+    def at_end(end: int) -> None:
+        last, place = (count - 1) * end, mark[-end]
+        if end in joined:
+            pair, at, both, stiffness = _across(joined[end], every, ground, plane)
+            rows.append((pair, at, both, place, stiffness, (last, end), joined[end].other))
+        elif held[end] != "free":
+            pair = (blocks[-1], GROUND) if end else (GROUND, blocks[0])
+            stiffness = BENDS[held[end]] * section / (0.5 * length[last])
+            rows.append((pair, middles[last, end], unit[last], place, stiffness, (last, end), -1))
+
+    at_end(0)
     for k in range(count if table.joins_ends else count - 1):
         after, both = (k + 1) % count, unit[k] + unit[(k + 1) % count]
         pair, apart = (blocks[k], blocks[after]), 0.5 * (length[k] + length[after])
         both = both / np.hypot(*both)
-        rows.append((pair, middles[k, 1], both, mark[k + 1], apart, "clamped", (k, 1)))
-    if held[1] != "free":
-        pair, half = (blocks[-1], GROUND), 0.5 * length[-1]
-        rows.append((pair, middles[-1, 1], unit[-1], mark[-1], half, held[1], (count - 1, 1)))
-    pairs, at, direction, along, apart, ends, face = map(np.array, zip(*rows, strict=True))
-    bends = np.stack([np.ones(len(rows)), np.ones(len(rows)), ends == "clamped"], axis=1)
+        rows.append((pair, middles[k, 1], both, mark[k + 1], section / apart, (k, 1), -1))
+    at_end(1)
+    pairs, at, direction, along, stiffness, face, other = map(np.array, zip(*rows, strict=True))
     return _JointSprings(
         pair=pairs.astype(np.int64),
         at=at,
         direction=direction,
         along=along,
-        stiffness=bends * section / apart[:, None],
+        stiffness=stiffness,
         face=face.astype(np.int64),
+        other=other.astype(np.int64),
     )
+
+
+def _across(
+    joint: JoinedEnd,
+    every: tuple[Sequence[PlacedLining], Sequence[Ints]],
+    ground: Ground,
+    plane: Plane,
+) -> tuple[tuple[int, int], Floats, Floats, Floats]:
+    """Return blocks, place, direction and stiffness (3,) of the joint between two linings."""
+    placed, segments = every
+    blocks, places, units, soft = [], [], [], np.zeros(3)
+    for number, end in ((joint.lining, joint.end), (joint.other, joint.other_end)):
+        one, last = placed[number], end * (len(segments[number]) - 1)
+        chord = one.cut.middles[last, 1] - one.cut.middles[last, 0]
+        length = float(np.hypot(*chord))
+        blocks.append(int(segments[number][last]))
+        places.append(one.cut.middles[last, end] - ground.outlines.origin)
+        units.append(chord / length)
+        soft += 0.5 * length / _section(one.table, plane)
+    one, other = placed[joint.lining].table, placed[joint.other].table
+    apart = float(np.hypot(*(places[1] - places[0])))
+    if apart > ENDS_APART_MAX * min(one.thickness, other.thickness):
+        what = f"its middle and that of lining '{shortened(other.name)}' are {apart:.3g} m apart"
+        remedy = "line the same side with both"
+        raise ModelError(what, where=f"lining '{shortened(one.name)}', joins", remedy=remedy)
+    both = units[0] + (units[1] if joint.end != joint.other_end else -units[1])
+    pair = (blocks[0], blocks[1]) if joint.end else (blocks[1], blocks[0])
+    stiffness = BENDS[one.connection or "clamped"] / soft
+    return pair, 0.5 * (places[0] + places[1]), both / np.hypot(*both), stiffness
+
+
+def _meets(
+    placed: Sequence[PlacedLining], each: Sequence[OneLining], springs: Sequence[_JointSprings]
+) -> list[Ints]:
+    """Return the joints at joined ends of each lining, as OneLining has them, (q, 4) each."""
+    rows: list[list[tuple[int, ...]]] = [[] for _ in placed]
+    for one, lining, own in zip(placed, each, springs, strict=True):
+        for joint in one.joined:
+            ends = np.flatnonzero((own.other >= 0) & (own.face[:, 1] == joint.end))
+            at, side = int(lining.joints[ends[0]]), 1 - joint.end
+            sides = ((joint.lining, joint.end, side), (joint.other, joint.other_end, 1 - side))
+            for number, end, mine in sides:
+                last = end * (len(each[number].segments) - 1)
+                rows[number].append((at, mine, last, end))
+    return [np.array(of, np.int64).reshape(-1, 4) for of in rows]
 
 
 def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRows:
@@ -460,6 +564,7 @@ def _rows(each: Sequence[OneLining], springs: Sequence[_JointSprings]) -> LinkRo
         # which of two neighbours is first must not matter
         turning=np.full((len(names), 2), 0.5),
         stage=tuple(one.stage for one in each for _ in one.joints),
+        also=tuple("" if k < 0 else each[k].stage for one in springs for k in one.other.tolist()),
         link=link,
         component=np.array([ALONG, ACROSS, TURNING])[component],
         stiffness=stiffness[link, component],

@@ -275,7 +275,10 @@ def _put(
         angle = np.full(int(on.sum()), turned[k])
         points[on] = ends[0] + _rotated(points[on] - drawn[0], angle)
     places = own.joints.at.copy()
-    places[one.joints] = middles[one.face[:, 0], one.face[:, 1]][:, None]
+    met = np.isin(one.joints, one.meets[:, 0])
+    places[one.joints[~met]] = middles[one.face[~met, 0], one.face[~met, 1]][:, None]
+    joint, side, segment, end = one.meets.T
+    places[joint, side] = middles[segment, end]
     state = replace(state, vertices=vertices, rotation=rotation, points=points)
     return state, replace(own, joints=replace(own.joints, at=places))
 
