@@ -522,15 +522,15 @@ def _across(
         places.append(one.cut.middles[last, end] - ground.outlines.origin)
         units.append(chord / length)
         soft += 0.5 * length / _section(one.table, plane)
-    one, other = placed[joint.lining].table, placed[joint.other].table
+    mine, other = placed[joint.lining].table, placed[joint.other].table
     apart = float(np.hypot(*(places[1] - places[0])))
-    if apart > ENDS_APART_MAX * min(one.thickness, other.thickness):
+    if apart > ENDS_APART_MAX * min(mine.thickness, other.thickness):
         what = f"its middle and that of lining '{shortened(other.name)}' are {apart:.3g} m apart"
         remedy = "line the same side with both"
-        raise ModelError(what, where=f"lining '{shortened(one.name)}', joins", remedy=remedy)
+        raise ModelError(what, where=f"lining '{shortened(mine.name)}', joins", remedy=remedy)
     both = units[0] + (units[1] if joint.end != joint.other_end else -units[1])
     pair = (blocks[0], blocks[1]) if joint.end else (blocks[1], blocks[0])
-    stiffness = BENDS[one.connection or "clamped"] / soft
+    stiffness = BENDS[mine.connection or "clamped"] / soft
     return pair, 0.5 * (places[0] + places[1]), both / np.hypot(*both), stiffness
 
 

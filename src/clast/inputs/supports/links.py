@@ -147,6 +147,7 @@ class Link(Table):
             along=direction / np.hypot(*direction.T)[:, None],
             turning=np.stack([~on_ground, on_ground], axis=1).astype(float),
             stage=tuple(one.stage or "" for one in records),
+            also=(),
             link=np.array([k for k, _, _ in parts]),
             component=np.array([COMPONENTS.index(name) for _, name, _ in parts]),
             **numbers,
