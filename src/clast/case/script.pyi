@@ -485,6 +485,8 @@ class ModelBuilder:
         joint: str | None = None,
         start: Literal["free", "hinged", "clamped"] = "free",
         end: Literal["free", "hinged", "clamped"] = "free",
+        joins: str | None = None,
+        connection: Literal["clamped", "hinged"] | None = None,
         stage: str | None = None,
     ) -> None:
         """A lining of stiff segments along an opening or a polyline.
@@ -508,6 +510,8 @@ class ModelBuilder:
             joint: Joint to the rock, [joint.NAME]: strength and stiffness of the bond.
             start: Support of its first end by the ground, which is no block.
             end: Support of its last end by the ground.
+            joins: Lining to whose ends those of its own are joined that lie at one place with them, free of stress when both are there.
+            connection: With joins: whether the joint bears a moment; "clamped" if absent.
             stage: Stage that installs it, free of stress, on the outline at that time; it exists from the start if absent.
         """
         ...
