@@ -5,17 +5,17 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 from clast.errors import CaseError
 from clast.results.output import check_output, hidden
-from clast.results.recording import Run
 from clast.results.result_tables import GrowingTable
 from clast.results.result_writer import ResultFile
 from clast.results.schema import OVER_TIME
 
 
-def save_run(run: Run, path: Path) -> Path:
-    """Write the frames of a run as if it had named the file when it began; return the path."""
+def save_run(run: Any, path: Path) -> Path:
+    """Write the frames of a ``Run`` as if it had named the file when it began; return the path."""
     frames = run.frames_made()
     if run.output is not None:
         target = check_output(path)
