@@ -971,7 +971,7 @@ class Stage(_Stage):
         every: Time between frames, s; None: as without stages.
         excavate: Openings and blocks that are excavated at its start.
         relax: Share of the support forces released by the stage that ends at once.
-        relax_time: Time over which the rest of what is released ends, s.
+        relax_time: Time over which the rest of the released forces ends, s.
         release: Share of the support forces of excavated blocks that is released by now, from 0 to 1: {"heading": 0.5}; all of it if absent. A later stage releases the rest.
         install: Bolts that are installed at its start, by their names or kinds.
         joints: Strengths of joints from its start on: {"bedding": {"friction_angle": 25.0}}.
