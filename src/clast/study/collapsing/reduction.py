@@ -7,7 +7,7 @@ the case and one of ours, ``settle``; the trial is a stage after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -31,7 +31,10 @@ SEISMIC = "seismic_coefficient"
 """Key of a push that lasts."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value", "load_train": "loads"}
 """Tables of loads, and the keys of their values."""
-OF_SEVERAL = {"pressure": max, "load_train": lambda *loads: math.fsum(loads)}
+OF_SEVERAL: dict[str, Callable[..., float]] = {
+    "pressure": max,
+    "load_train": lambda *loads: math.fsum(loads),
+}
 """Tables whose values are no vectors -> the size of several: the larger pressure, all axles."""
 ALONG_LINES = ("line_load", "pressure")
 """Tables whose values are by length."""
