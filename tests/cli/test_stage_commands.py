@@ -77,7 +77,7 @@ def test_stages_for_a_program(pushed: str):
     assert (push["outcome"], push["mover"]["block"]) == ("moving", "box")
     assert push["end"] == pytest.approx(rest["end"] + 0.1)
     assert push["mover"]["speed"] > 0.1
-    assert {"time", "stage", "kind", "what", "text"} == set(content["events"][0])
+    assert {"time", "stage", "kind", "what", "text", "block", "mass"} == set(content["events"][0])
     content = json.loads(good("info", "pushed.vtkhdf", "--json"))
     assert content["stages"] == ["rest", "push"]
     assert content["report"]["stages"][0]["name"] == "rest"

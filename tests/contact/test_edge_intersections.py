@@ -160,7 +160,7 @@ def test_overlap_that_no_contact_knows_is_found():
     assert found.known == 0.0
 
 
-@pytest.mark.parametrize(("known", "seen"), [(0.1, True), (0.05, False)])
+@pytest.mark.parametrize(("known", "seen"), [(0.1, True), (0.04, False)])
 def test_overlap_that_contacts_know_is_not_told(known, seen):
     model, state = sunk(0.1)
     ends, gap = ([4, 5], [0, 0], [2, 2]), [-known, -known]

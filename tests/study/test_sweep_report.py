@@ -122,7 +122,8 @@ def test_curves_have_a_heading_and_a_figure(tmp_path, measure, head):
     page = Page.of(folder, "sweep")
     study_report.write_curves(page, statistics.columns_of(folder), UNITS, next(iter(measure), ""))
     assert f"<h2>{head}" in page.text() and page.text().count("data:image/png") == 1
-    said = "Least 20000 m in run 3, largest 3e+05 m in run 2."
+    places = "run 3 (phi = 20.0, c = 1000.0), largest 3e+05 m in run 2 (phi = 30.0, c = 10000.0)"
+    said = f"Least 20000 m in {places}."
     assert (said in page.text()) is bool(measure)
 
 
