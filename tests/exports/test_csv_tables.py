@@ -31,7 +31,7 @@ def folder(written: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All tables of all frames."""
     path = tmp_path_factory.mktemp("tables") / "three"
     # there are none
-    none = ("bolts", "linings", "links", "measured_contacts", "stages", "events")
+    none = ("bolts", "linings", "links", "measured_contacts", "convergences", "stages", "events")
     names = [name for name in TABLES if name not in none]
     assert write_csv(written, path) == [path / f"{name}.csv" for name in names]
     return path

@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 import typer
 
 from clast.cli.options import AsJson
@@ -216,7 +215,7 @@ def _blocks(
     if names is not None:
         write_names(names, drawn.blocks, drawn.blocks.name, output.stem)
     beside = Path(os.path.relpath(blocks, output.absolute().parent)).as_posix()
-    text = blocks_text(drawn, beside, (np.flatnonzero(held) + 1).tolist())
+    text = blocks_text(drawn, beside, [k for k, one in enumerate(held.tolist(), 1) if one])
     output.write_text(text, encoding="utf-8")
     content = drawn.as_dict()
     named = {"rocks": list(content["rocks"]), "joints": content["joints"]}

@@ -73,7 +73,8 @@ def draw_surcharge(axes: Axes, shown: Surcharge) -> None:
     """Draw fill behind the blocks, and axles as arrows, as long as they are heavy."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    axes.add_collection(PolyCollection([*shown.fill], fc=FILL, ec="none", zorder=0.5))
+    if len(shown.fill):
+        axes.add_collection(PolyCollection([*shown.fill], fc=FILL, ec="none", zorder=0.5))
     wheel, *feet = np.moveaxis(shown.axle, 1, 0)
     spread = [line for foot in feet for line in np.stack([wheel, foot], axis=1)]
     axes.add_collection(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -16,7 +17,9 @@ from clast.model.checks import OVERLAP_TOLERANCE, point_text
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.stages import Stage
-from clast.rockmass.cut_report import SetReport
+
+if TYPE_CHECKING:
+    from clast.rockmass.cut_report import SetReport  # slow to load, and few cases are cut
 
 
 def doubts(
