@@ -78,6 +78,13 @@ def test_a_run_goes_on_where_it_was_broken_off(tmp_path: Path):
     np.testing.assert_array_equal(again.final.vertices, whole.final.vertices)
 
 
+def test_the_last_block_stays():
+    """A drawpoint takes all that passes but what would leave no model."""
+    alone = CASE[: CASE.index('[[block]]\nname = "beside"')]
+    run = case_of(text=alone).run()
+    assert run.drawn("chute")[1].tolist() == [MASS] and run.report.finished
+
+
 @pytest.mark.parametrize(
     ("more", "text", "what"),
     [

@@ -26,10 +26,11 @@ def drawn(model: Model, state: State, events: Sequence[Event], stage: str) -> li
     for point in active:
         mass = sum(one.mass for one in events if one.kind == DRAWN and one.what == point.name)
         room = point.rate * (state.time - starts[point.stage]) - mass
-        for block in point.past(before, now).tolist():
+        past = point.past(before, now)
+        for block in past[~gone[past]].tolist():
             heavy = float(model.mass[block])
-            if gone[block] or heavy > room:
-                continue
+            if heavy > room or model.absent.sum() + len(left) == model.block_count - 1:
+                continue  # the last block stays: a model has one
             gone[block], room = True, room - heavy
             text = f"block '{model.block_name[block]}' of {heavy:.6g} kg/m leaves at '{point.name}'"
             left.append(
