@@ -19,7 +19,6 @@ from clast.contact.joints.bonds import had_by_faces, torn
 from clast.contact.joints.wear import Wear
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactHistory, ContactMemory
-from clast.read_only import read_only
 
 
 @kernel()
@@ -251,7 +250,7 @@ def renew(
         "dilation": wear.dilation,
     }
     order = _order_of(contacts)
-    return ContactMemory(**{name: read_only(one.take(order)) for name, one in rows.items()})
+    return ContactMemory(**{name: one.take(order) for name, one in rows.items()})
 
 
 def _order_of(contacts: Contacts) -> Ints:
@@ -310,8 +309,9 @@ def carried_by(
     for name in CARRIED:
         values = getattr(memory, name)
         if len(values):
-            history[name] = values.take(row, mode="clip")
-            history[name][new] = 0
+            history[name] = kept = values.take(row, mode="clip")
+            if len(new):
+                kept[new] = 0
         else:
             history[name] = np.zeros(len(row), values.dtype)
     forces = history["shear_force"], history["normal_force"], history["rest_force"]
