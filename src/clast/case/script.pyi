@@ -172,6 +172,12 @@ class ModelBuilder:
         restitution: float | None = None,
         normal_stiffness: float | None = None,
         shear_stiffness: float | None = None,
+        aperture: float | None = None,
+        residual_aperture: float | None = None,
+        maximum_aperture: float | None = None,
+        hydraulic_law: Literal["cubic", "barton", "louis"] = "cubic",
+        flow_factor: float | None = None,
+        relative_roughness: float | None = None,
         between: Sequence[Names] = ...,
         between_rocks: Sequence[Names] = ...,
         allow_small_friction_angle: bool = False,
@@ -200,6 +206,12 @@ class ModelBuilder:
             restitution: Coefficient of restitution of impacts, 0 to 1; that of the process if absent.
             normal_stiffness: Normal stress per closure, Pa/m; the spring of method.contact_law if absent.
             shear_stiffness: Shear stress per slip, Pa/m; the spring of method.contact_law if absent.
+            aperture: Aperture without stress, m, for [flow]; no water enters the joint if 0 or absent. A rough joint has its initial_aperture.
+            residual_aperture: Least hydraulic aperture, m; a tenth of the aperture if absent.
+            maximum_aperture: Largest hydraulic aperture, m; five times the aperture if absent.
+            hydraulic_law: Hydraulic aperture of a mechanical one E: "cubic": E/flow_factor^(1/3); "barton": E^2/jrc^2.5 in micrometres, at most E; "louis": by relative_roughness.
+            flow_factor: Factor by which roughness lowers the flow, of hydraulic_law "cubic"; 1 if absent.
+            relative_roughness: Height of asperities over twice the aperture, 0.033 to 0.5, of hydraulic_law "louis".
             between: Pairs of blocks with this joint between them: [["a", "b"], ...].
             between_rocks: Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...].
             allow_small_friction_angle: True if a friction angle below 1.6 really is in degrees, not in radians.

@@ -86,6 +86,20 @@ class Joint(Table):
     """Normal stress per closure, Pa/m; the spring of method.contact_law if absent."""
     shear_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
     """Shear stress per slip, Pa/m; the spring of method.contact_law if absent."""
+    aperture: Annotated[Number, Field(ge=0.0)] | None = None
+    """Aperture without stress, m, for [flow]; no water enters the joint if 0 or absent.  A rough
+    joint has its initial_aperture."""
+    residual_aperture: Length | None = None
+    """Least hydraulic aperture, m; a tenth of the aperture if absent."""
+    maximum_aperture: Length | None = None
+    """Largest hydraulic aperture, m; five times the aperture if absent."""
+    hydraulic_law: Literal["cubic", "barton", "louis"] = "cubic"
+    """Hydraulic aperture of a mechanical one E: "cubic": E/flow_factor^(1/3); "barton":
+    E^2/jrc^2.5 in micrometres, at most E; "louis": by relative_roughness."""
+    flow_factor: Annotated[Number, Field(ge=1.0), within(ranges.FACTOR)] | None = None
+    """Factor by which roughness lowers the flow, of hydraulic_law "cubic"; 1 if absent."""
+    relative_roughness: Annotated[Number, Field(gt=0.0, le=0.5)] | None = None
+    """Height of asperities over twice the aperture, 0.033 to 0.5, of hydraulic_law "louis"."""
     between: list[tuple[StrictStr, StrictStr]] = Field([])
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
     between_rocks: list[tuple[StrictStr, StrictStr]] = Field([])
@@ -95,7 +109,7 @@ class Joint(Table):
 
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
-        faults = tuple(_faults_of_law(self))
+        faults = (*_faults_of_law(self), *_faults_of_flow(self))
         if faults:
             raise refusals(faults)
         fault = contradiction(self.joint("default"), is_small_meant=self.allow_small_friction_angle)
@@ -105,7 +119,8 @@ class Joint(Table):
 
     def joint(self, name: str) -> joints.Joint:
         """Return it as a joint of the model."""
-        given = self.model_dump(exclude=PLACES | ROUGHNESS)
+        given = self.model_dump(exclude=PLACES | ROUGHNESS | HYDRAULIC)
+        given["hydraulics"] = self._hydraulics()
         if self.law == "coulomb":
             return joints.Joint(name=name, **given)
         given["normal_stiffness"] = None
@@ -125,6 +140,23 @@ class Joint(Table):
             initial_stiffness=self.normal_stiffness,
         )
 
+    def _hydraulics(self) -> joints.Hydraulics | None:
+        """Return how water flows along the joint; None: it does not."""
+        aperture = self.aperture
+        if aperture is None and self.law == "barton-bandis":
+            aperture = self.initial_aperture or 1e-3 * (self.jrc or 0.0) / 50.0
+        if not aperture:
+            return None
+        return joints.Hydraulics(
+            aperture=aperture,
+            residual=self.residual_aperture or 0.1 * aperture,
+            maximum=self.maximum_aperture or 5.0 * aperture,
+            law=self.hydraulic_law,
+            flow_factor=self.flow_factor or 1.0,
+            jrc=self.jrc or 0.0,
+            relative_roughness=self.relative_roughness or 0.0,
+        )
+
 
 PLACES = {"between", "between_rocks", "allow_small_friction_angle"}
 """Keys of a joint for its place, not for its strength."""
@@ -140,6 +172,15 @@ ROUGHNESS = {
     "strength_reduction",
 }
 """Keys of a rough joint."""
+HYDRAULIC = {
+    "aperture",
+    "residual_aperture",
+    "maximum_aperture",
+    "hydraulic_law",
+    "flow_factor",
+    "relative_roughness",
+}
+"""Keys of a joint for water that flows along it."""
 NEEDED = {
     "jrc": "give the joint roughness coefficient of a sample, 0 to 20",
     "jcs": "give the compressive strength of its walls, Pa, e.g. 100e6",
@@ -170,7 +211,8 @@ def _faults_of_law(joint: Joint) -> Iterator[Fault]:
     """Give the faults in the keys of a joint for its law."""
     given = joint.model_fields_set
     if joint.law == "coulomb":
-        for key in sorted((ROUGHNESS - {"law"}) & given):
+        by_flow = {"jrc"} if joint.hydraulic_law == "barton" else set()
+        for key in sorted((ROUGHNESS - {"law"} - by_flow) & given):
             yield Fault(
                 'belongs to a joint with law = "barton-bandis"',
                 'add law = "barton-bandis", or leave it out',
@@ -238,6 +280,54 @@ def _faults_of_numbers(joint: Joint) -> Iterator[Fault]:
             "give a larger initial_aperture, m",
             ("initial_aperture",),
         )
+
+
+THINNEST, OPENEST = 1e-7, 0.1
+"""Smallest and largest aperture of joints, m."""
+OF_LAWS = {
+    "jrc": ("barton", "give the joint roughness coefficient, 1 to 20"),
+    "relative_roughness": ("louis", "give the height of asperities over twice the aperture"),
+    "flow_factor": ("cubic", ""),
+}
+"""Keys that belong to a hydraulic law, and the remedy where it needs one that is missing."""
+
+
+def _faults_of_flow(joint: Joint) -> Iterator[Fault]:
+    """Give the faults in the keys of a joint for water."""
+    given, aperture = joint.model_fields_set, joint.aperture
+    rough = joint.law == "barton-bandis"
+    if rough and "aperture" in given and aperture:
+        what = 'does not belong to law = "barton-bandis"'
+        yield Fault(what, "give initial_aperture, or aperture = 0 for no water", ("aperture",))
+    elif aperture is None and not rough:
+        for key in sorted((HYDRAULIC - {"aperture"}) & given):
+            yield Fault("belongs to a joint with an aperture", "give aperture, m, too", (key,))
+        return
+    for key in ("aperture", "residual_aperture", "maximum_aperture"):
+        value = getattr(joint, key)
+        if value and not THINNEST <= value <= OPENEST:
+            size = "large" if value > OPENEST else "small"
+            what = f"{value:g} m is too {size} for the aperture of a joint"
+            remedy = f"apertures are in m, from {THINNEST:g} to {OPENEST:g}: 0.2 mm are 2e-4"
+            yield Fault(what, remedy, (key,))
+    water = joint._hydraulics()
+    if water is not None and water.residual > water.aperture:
+        what = f"{water.residual:g} m is more than the aperture, {water.aperture:g} m"
+        yield Fault(what, "give at most the aperture", ("residual_aperture",))
+    if water is not None and water.maximum < water.aperture:
+        what = f"{water.maximum:g} m is less than the aperture, {water.aperture:g} m"
+        yield Fault(what, "give at least the aperture", ("maximum_aperture",))
+    for key, (law, remedy) in OF_LAWS.items():
+        if joint.hydraulic_law == law and remedy and getattr(joint, key) is None:
+            what = f'is missing: hydraulic_law = "{law}" needs it'
+            yield Fault(what, remedy, (key,))
+        elif joint.hydraulic_law != law and key in given and key != "jrc":
+            what = f'belongs to a joint with hydraulic_law = "{law}"'
+            yield Fault(what, f'add hydraulic_law = "{law}", or leave it out', (key,))
+    roughness = joint.relative_roughness
+    if roughness is not None and roughness <= joints.SMOOTHEST:
+        what = f"{roughness:g}: a joint below {joints.SMOOTHEST:g} is hydraulically smooth"
+        yield Fault(what, 'give hydraulic_law = "cubic" instead', ("relative_roughness",))
 
 
 def joint_table(

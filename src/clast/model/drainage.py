@@ -141,6 +141,16 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
     return np.asarray(lowered)
 
 
+def nodes_of(points: Floats, reach: Floats) -> Ints:
+    """Return the node of each point (k, 2): those nearer than either's ``reach``, m, share one."""
+    from scipy.spatial import KDTree  # slow to load, and few cases need it
+
+    one, other = KDTree(points).query_pairs(float(reach.max()), output_type="ndarray").T
+    apart = np.hypot(*(points[one] - points[other]).T)
+    same = apart <= np.minimum(reach[one], reach[other])
+    return connected(one[same], other[same], len(points))
+
+
 def _measured(ends: Floats, points: Floats) -> tuple[Floats, Floats]:
     """Return where on each joint each point has its foot, and its distance, m, (k, d) each."""
     line = ends[:, 1] - ends[:, 0]
@@ -152,14 +162,8 @@ def _measured(ends: Floats, points: Floats) -> tuple[Floats, Floats]:
 
 def _network(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Network:
     """Return the joints as a network; ends that lie together are one node."""
-    from scipy.spatial import KDTree  # slow to load, and few cases need it
-
     points = np.concatenate([ends.reshape(-1, 2), drains])
-    reach = np.concatenate([np.repeat(near, 2), np.full(len(drains), near.max())])
-    one, other = KDTree(points).query_pairs(float(near.max()), output_type="ndarray").T
-    apart = np.hypot(*(points[one] - points[other]).T)
-    same = apart <= np.minimum(reach[one], reach[other])
-    node = connected(one[same], other[same], len(points))
+    node = nodes_of(points, np.concatenate([np.repeat(near, 2), np.full(len(drains), near.max())]))
     drained = np.zeros(node.max() + 1, np.bool_)
     drained[node[2 * len(ends) :]] = True
     line = ends[:, 1] - ends[:, 0]

@@ -89,6 +89,56 @@ class BartonBandis:
         return 1e-3 * (-0.296 - 0.0056 * self.scaled_jrc + 2.241 * self._walls**-0.245)
 
 
+SMOOTHEST = 0.033
+"""Relative roughness up to which a joint is hydraulically smooth (Louis 1969)."""
+
+
+def _cubic(aperture: Floats, hydraulics: Hydraulics) -> Floats:
+    """Return E/f^(1/3) (Witherspoon et al. 1980)."""
+    return np.asarray(aperture / hydraulics.flow_factor ** (1.0 / 3.0))
+
+
+def _barton(aperture: Floats, hydraulics: Hydraulics) -> Floats:
+    """Return min(E, E^2/JRC^2.5), in micrometres (Barton, Bandis & Bakhtar 1985)."""
+    rough: Floats = 1e6 * aperture**2 / hydraulics.jrc**2.5
+    return np.minimum(aperture, rough)
+
+
+def _louis(aperture: Floats, hydraulics: Hydraulics) -> Floats:
+    """Return E (1 + 8.8 r^1.5)^(-1/3) (Louis 1969)."""
+    factor = 1.0 + 8.8 * hydraulics.relative_roughness**1.5
+    return np.asarray(aperture / factor ** (1.0 / 3.0))
+
+
+HYDRAULIC_LAWS = {"cubic": _cubic, "barton": _barton, "louis": _louis}
+"""Hydraulic aperture of a mechanical one, m, by the name of the law; the first is the usual one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hydraulics:
+    """How water flows along a joint."""
+
+    aperture: float
+    """Mechanical aperture under no stress, m."""
+    residual: float
+    """Least hydraulic aperture, m."""
+    maximum: float
+    """Largest hydraulic aperture, m."""
+    law: str = "cubic"
+    """Law of the hydraulic aperture."""
+    flow_factor: float = 1.0
+    """f of the law "cubic"."""
+    jrc: float = 0.0
+    """Roughness of the law "barton"."""
+    relative_roughness: float = 0.0
+    """Height of asperities over twice the aperture, of the law "louis"."""
+
+    def of(self, aperture: Floats) -> Floats:
+        """Return the hydraulic apertures of mechanical ones, m, of the same shape."""
+        opened = HYDRAULIC_LAWS[self.law](np.maximum(aperture, 0.0), self)
+        return np.clip(opened, self.residual, self.maximum)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Joint:
     """Strength and stiffness of the contacts along a joint."""
@@ -129,6 +179,13 @@ class Joint:
     """k_n, normal stress by closure, Pa/m; None: contacts have the springs of the contact law."""
     shear_stiffness: float | None = None
     """k_s, shear stress by slip, Pa/m; None: that of the contact law."""
+    hydraulics: Hydraulics | None = None
+    """How water flows along it; None: no water enters it."""
+
+    @property
+    def aperture_without_stress(self) -> float:
+        """Mechanical aperture under no stress, m, 0 where no water enters it."""
+        return self.hydraulics.aperture if self.hydraulics else 0.0
 
 
 @dataclass(frozen=True)
@@ -192,6 +249,12 @@ class JointTable:
     def welds(self) -> Bools:
         """True for joints that stand for none: their bonds never break, shape (joints,)."""
         return np.asarray(np.min(self.strengths[1:], axis=0) >= WELD_STRENGTH)
+
+    @kept_property
+    def conducts(self) -> Bools:
+        """True for joints that water can flow along, shape (joints,)."""
+        wet = [one.hydraulics is not None for one in self.joints]
+        return np.asarray(np.array(wet, np.bool_) & ~self.welds)
 
     @kept_property
     def integrates(self) -> bool:

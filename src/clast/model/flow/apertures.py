@@ -1,0 +1,80 @@
+"""Apertures of channels, and how well these conduct water.
+
+The mechanical aperture is that without stress, a0, with the gap and less the closure,
+E = a0 + max(g, 0) - N/(k_n L); for a rough joint its closure is the hyperbola of Bandis.  The
+hydraulic one follows from it by the law of the joint, and is linear between the two straight faces:
+the conductance of a wedge is exact,
+
+    q = C dp,    C = 2 a1^2 a2^2 / (a1 + a2) / (12 mu L).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.arrays import Floats
+from clast.model.flow.network import Network, faces_at
+from clast.model.joints import Joint
+from clast.model.model import Model
+
+
+def at_start(model: Model, network: Network) -> Floats:
+    """Return the mechanical apertures of channels as blocks lie at the start, m, shape (k, 2).
+
+    Closed by the stress in the rock, where joints have a stiffness and contacts carry it.
+    """
+    faces = faces_at(network, model.vertices, model.vertex_after)
+    line = faces[:, 0, 1] - faces[:, 0, 0]
+    along = line / np.hypot(*line.T)[:, None]
+    away = faces[:, 1] - faces[:, 0]
+    # the second face lies to the right of the first
+    gap = away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0]
+    pressed = np.zeros(gap.shape)
+    if model.in_situ is not None:
+        y = 0.5 * (faces[:, 0, :, 1] + faces[:, 1, :, 1]) + model.origin[1]
+        xx, yy, xy = model.in_situ.at(y.ravel()).T.reshape(3, -1, 2)
+        x, z = along[:, None, 1], -along[:, None, 0]
+        pressed = -model.in_situ.in_contacts * (xx * x * x + yy * z * z + 2.0 * xy * x * z)
+    return mechanical(model, network, gap, pressed)
+
+
+def mechanical(model: Model, network: Network, gap: Floats, pressed: Floats) -> Floats:
+    """Return the mechanical apertures of channels, m, shape (k, 2).
+
+    ``gap`` (k, 2), m, and normal stress ``pressed`` (k, 2), Pa, compression positive, are those at
+    their ends.
+    """
+    aperture = np.maximum(gap, 0.0)
+    stress = np.maximum(pressed, 0.0)
+    for number, joint in enumerate(model.joint_table.joints):
+        rows = network.joint == number
+        if rows.any():
+            aperture[rows] += joint.aperture_without_stress - _closure(joint, stress[rows])
+    return aperture
+
+
+def hydraulic(model: Model, network: Network, aperture: Floats) -> Floats:
+    """Return the hydraulic apertures of mechanical ones (k, 2), m, by the laws of the joints."""
+    result = np.zeros(aperture.shape)
+    for number, joint in enumerate(model.joint_table.joints):
+        rows = network.joint == number
+        if rows.any() and joint.hydraulics is not None:
+            result[rows] = joint.hydraulics.of(aperture[rows])
+    return result
+
+
+def conductance(aperture: Floats, length: Floats, viscosity: float) -> Floats:
+    """Return the conductance of channels, m2/(s Pa), (k,), with hydraulic apertures (k, 2), m."""
+    first, last = aperture.T
+    cube = 2.0 * first**2 * last**2 / (first + last)
+    return np.asarray(cube / (12.0 * viscosity * length))
+
+
+def _closure(joint: Joint, stress: Floats) -> Floats:
+    """Return by how much a normal stress closes a joint, m; nothing where it has no stiffness."""
+    rough = joint.roughness
+    if rough is not None:  # Bandis, Lumsden & Barton (1983)
+        return np.asarray(stress * rough.closure / (rough.stiffness * rough.closure + stress))
+    if joint.normal_stiffness is None:
+        return np.zeros(stress.shape)
+    return stress / joint.normal_stiffness
