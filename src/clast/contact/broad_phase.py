@@ -218,8 +218,9 @@ def _look_at_pairs(first, last, pairs, box, overlap):
 SPARE_WIDENINGS = 8.0
 """By how much boxes are wider than asked for, in units of their least widening: the steps, more or
 less, that a moving block takes before pairs must be found again."""
-SPARE_SIDES_MAX = 0.25
-"""And in units of the mean side of the box itself at most, so that few pairs are kept in vain."""
+SPARE_SIDES_MIN, SPARE_SIDES_MAX = 0.1, 0.25
+"""And in units of the mean side of the box itself: at least, so that what moves fast is not looked
+for in every step, and at most, so that few pairs are kept in vain."""
 
 
 class VerletList:
@@ -230,9 +231,8 @@ class VerletList:
     """
 
     def __init__(self) -> None:
-        self._blocks: tuple[Ints | None, Bools | None, Bools | None] = None, None, None
-        self._box: Floats = np.zeros((0, 4))
-        self._pairs: Ints = np.zeros((0, 2), np.int64)
+        # by the number of outlines: contacts are found between bodies, jumps between their blocks
+        self._kept: dict[int, tuple[tuple[Ints, Bools, Bools | None], Floats, Ints]] = {}
         self.searches = 0
 
     def near_pairs(
@@ -249,18 +249,21 @@ class VerletList:
         """
         box = polygon.boxes(vertices, block_start)
         widen(box, half)
-        blocks = block_start, fixed, absent
-        same = all(one is other for one, other in zip(blocks, self._blocks, strict=True))
-        if not (same and all_within(box, self._box)):
+        blocks, kept = (block_start, fixed, absent), self._kept.get(len(block_start))
+        if kept is None or not (
+            all(one is other for one, other in zip(blocks, kept[0], strict=True))
+            and all_within(box, kept[1])
+        ):
             sides = 0.5 * (box[:, 2] - box[:, 0] + box[:, 3] - box[:, 1]) - 2.0 * half
-            spare = np.minimum(SPARE_WIDENINGS * half, SPARE_SIDES_MAX * sides)
+            least = np.maximum(SPARE_WIDENINGS * half, SPARE_SIDES_MIN * sides)
+            spare = np.minimum(least, SPARE_SIDES_MAX * sides)
             wide = box + spare[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
             pairs = overlapping_pairs(wide, fixed)
             if absent is not None and absent.any():
                 pairs = np.ascontiguousarray(pairs[~absent[pairs].any(axis=1)])
-            self._blocks, self._box, self._pairs = blocks, wide, pairs
+            kept = self._kept[len(block_start)] = blocks, wide, pairs
             self.searches += 1
-        return self._pairs.compress(_overlapping(self._pairs, box), axis=0)
+        return kept[2].compress(_overlapping(kept[2], box), axis=0)
 
 
 def near_pairs(

@@ -352,16 +352,48 @@ def _measure(first, last, ends, gap, outlines, centroid, foot, arms):
 # jumps past all contacts -----------------------------------------------------------------------
 
 
+@kernel()
+def _have_moved_against(pairs, start, shift, least):
+    """Return the pairs (q, 2) whose vertices may have moved against each other by ``least``, m.
+
+    By the mean motion of the vertices of each, whose motions are ``shift`` (nv, 2), m, and by how
+    far one of them departs from it.
+    """
+    count = len(start) - 1
+    mean, own = np.zeros((count, 2)), np.zeros(count)
+    for b in range(count):
+        vertices = range(start[b], start[b + 1])
+        for v in vertices:
+            mean[b, 0] += shift[v, 0] / len(vertices)
+            mean[b, 1] += shift[v, 1] / len(vertices)
+        for v in vertices:
+            own[b] = max(own[b], np.hypot(shift[v, 0] - mean[b, 0], shift[v, 1] - mean[b, 1]))
+    moved = np.empty(len(pairs), np.bool_)
+    for q in range(len(pairs)):
+        i, j = pairs[q, 0], pairs[q, 1]
+        between = np.hypot(mean[i, 0] - mean[j, 0], mean[i, 1] - mean[j, 1])
+        moved[q] = between + own[i] + own[j] > least
+    return moved
+
+
 def find_tunnelled(
-    model: Model, before: Floats, vertices: Floats, memory: ContactMemory, near: VerletList
+    model: Model,
+    before: Floats,
+    vertices: Floats,
+    memory: ContactMemory,
+    near: VerletList,
+    least: float = 0.0,
 ) -> tuple[float, int, int]:
     """Return depth beyond that of contacts, m, vertex and block of the deepest jump.
 
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
-    deeper into a block than the contacts of the two have.
+    deeper into a block than the contacts of the two have, or where no two blocks have moved against
+    each other by more than ``least``, m.
     """
     pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, absent=model.absent)
     pairs = model.meeting(pairs)
+    moved = _have_moved_against(pairs, model.block_start, vertices - before, least)
+    pairs = pairs.compress(moved, axis=0)
     box = polygon.boxes(vertices, model.block_start)
     known = pair_penetration(model.vertex_block, pairs, memory)
     if model.outlines is not None:  # what is known of one block of a body is known of all

@@ -142,7 +142,7 @@ def reject_tunnelled(
     near: VerletList,
 ) -> None:
     """Raise StepRejected where a vertex has jumped deeper into a block than ``depth_reach``, m."""
-    depth, vertex, block = find_tunnelled(model, before, vertices, memory, near)
+    depth, vertex, block = find_tunnelled(model, before, vertices, memory, near, depth_reach)
     if depth > depth_reach:
         own = int(model.vertex_block[vertex])
         raise StepRejected(
