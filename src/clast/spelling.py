@@ -37,6 +37,12 @@ def _abbreviated(word: str, by_lower: Mapping[str, str]) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
+def _plural(noun: str) -> str:
+    if noun.endswith("ss"):
+        return f"{noun}es"
+    return noun if noun.endswith("s") else f"{noun}s"
+
+
 def advice(word: str, known: Iterable[str], *, kind: str) -> str:
     """Return the remedy for an unknown word: the nearest known one, else all where they are few."""
     words = list(known)
@@ -45,9 +51,10 @@ def advice(word: str, known: Iterable[str], *, kind: str) -> str:
         return f"did you mean '{close}'?"
     if not words:
         return f"there is no {kind} at all"
+    several = " or ".join(map(_plural, kind.split(" or ")))
     if len(words) <= LISTED:
-        return f"the {kind}s are: " + ", ".join(words)
-    return f"there are {len(words)} {kind}s, from '{words[0]}' to '{words[-1]}'"
+        return f"the {several} are: " + ", ".join(words)
+    return f"there are {len(words)} {several}, from '{words[0]}' to '{words[-1]}'"
 
 
 def require_known(

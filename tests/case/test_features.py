@@ -141,7 +141,8 @@ def test_a_profile_of_features(tmp_path):
         ("a.geojson", "{", "is not GeoJSON"),
         ("a.geojson", "[1]", "is not GeoJSON"),
         ("a.geojson", '{"type": "FeatureCollection", "features": 3}', "is not GeoJSON"),
-        ("a.geojson", '{"type": "Feature", "geometry": {"type": "Line"}}', "is not GeoJSON"),
+        ("a.geojson", '{"type": "Feature", "geometry": {"type": "Line"}}', "feature 1: has no geo"),
+        ("a.geojson", '{"type": "LineString", "coordinates": [[1e999, 0], [1, 1]]}', "feature 1: "),
         ("a.svg", "", "give a drawing"),
     ],
 )

@@ -29,7 +29,7 @@ BLOCK = re.compile(
 )
 TITLE = re.compile(r'title="([^"]*)"')
 README = DOCS.parent / "README.md"
-STUDY = re.compile(r"clast\.(Study|fit|factor_of_safety|collapse_load)\(")
+STUDY = re.compile(r"clast\.(Study|fit|target|factor_of_safety|collapse_load)\(")
 """Code that makes studies, which may start processes: it is started as a script as well."""
 INSTALLATION = "Installation"
 """Title of the shell block that is not run here: the tests themselves need it done."""

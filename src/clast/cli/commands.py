@@ -8,6 +8,7 @@ from __future__ import annotations
 import atexit
 import gc
 import itertools
+import re
 import signal
 import warnings
 from collections.abc import Callable
@@ -61,7 +62,9 @@ class Commands(TyperGroup):
             say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
         except USAGE_ERROR as error:
-            error.message = visible(shortened(error.message, 200))
+            message = error.message.replace("Value error, ", "")
+            message = re.sub(r"Input should be ([^,]+).*", r"it must be \1", message)
+            error.message = visible(shortened(message, 200))
             raise
         except BrokenPipeError:
             raise

@@ -102,6 +102,14 @@ class StageTable(Table):
     ground_motion: StrictBool = False
     """True: [ground_motion] acts in this stage; its record begins with the stage."""
 
+    @model_validator(mode="after")
+    def _releases_what_it_excavates(self) -> Self:
+        if not isinstance(self.release, dict) and not self.excavate:
+            what = "a number is meant for what the stage excavates, and it excavates nothing"
+            remedy = "name what was excavated before: release = {heading = 1.0}"
+            raise refusal(what, remedy, "release")
+        return self
+
     def stage(self) -> Stage:
         """Return the stage."""
         given = {key: value for key, value in self if key not in ("joint", "damping")}

@@ -71,7 +71,7 @@ class LoadTrain(Table):
     """Points [x, y] of the line that the wheels run on, in the direction of travel, m."""
     position: Coordinate
     """Distance of the front from the beginning of the path, along it, m."""
-    axles: list[Coordinate]
+    axles: list[Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]]
     """Distances of the axles behind the front, m."""
     loads: list[Annotated[Number, Field(ge=0.0), within(ranges.FORCE)]]
     """Load of each axle, downwards, N per metre of thickness."""
@@ -193,6 +193,9 @@ def _of_fill(
     fill: Fill, label: str, ground: Ground, of: SurfaceLoading
 ) -> tuple[PointLoads, list[Floats]]:
     """Return the weight of fill on blocks, and the outlines of the fill."""
+    if of.gravity[0] or of.gravity[1] > 0.0:
+        what = "it is a weight upon what lies below it, but gravity does not act downwards"
+        raise ModelError(what, where=label, remedy="draw it as blocks, or turn the model")
     line = _rising(fill.surface, ground.outlines.origin)
     span = float(line[0, 0]), float(line[-1, 0])
     parts = surface_parts(line, span, ground.outlines, of.there)

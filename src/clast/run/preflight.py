@@ -19,7 +19,8 @@ from clast.model.state import State, initial_state
 from clast.model.surroundings import Repair
 from clast.run.method_warnings import check_overlaps, method_warnings, open_joint_warnings
 from clast.run.model_warnings import model_warnings
-from clast.run.stages.stage_checks import check_stages
+from clast.run.stages.stage_sequence import StageSequence
+from clast.run.stages.transition import Setting
 from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, search_of_modified, stability_number
 
@@ -84,7 +85,7 @@ class CaseSummary:
 def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
     """Return the contents of a case, and the warnings about it; raises ModelError."""
     check_overlaps(model, method)
-    check_stages(schedule.stages, model)
+    StageSequence(base=Setting(model=model, method=method, schedule=schedule)).check()
     _check_steps(schedule)
     start = initial_state(model)
     centroid, search = block_frames(model, start).centroid, search_of_modified(method)

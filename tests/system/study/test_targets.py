@@ -171,6 +171,7 @@ def test_the_command_prints_table_answer_and_report(slab, tmp_path, monkeypatch)
     ("vary", "reach", "what"),
     [
         ({COHESION: (0, 1e4)}, "factor_of_safety() = 1.3", "write >= or <="),
+        ({COHESION: (0, 1e4)}, "factor_of_safety() == 1.3", "write >= or <="),
         ({COHESION: (0, 1e4)}, "factor_of_safety()", "is a number, not a target"),
         ({COHESION: (0, 1e4)}, "factor_of_safty() >= 1.3", "did you mean"),
         ({COHESION: (0, 1e4)}, "displacement(B) < 1", "no point or block 'B'"),

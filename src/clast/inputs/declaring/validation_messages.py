@@ -198,8 +198,8 @@ def _in_words(
 
 
 def _meaning(place: Place, table: type[BaseModel]) -> str:
-    """Return the meaning of the key at a place, or nothing."""
-    known = field_at(table, place)
+    """Return the meaning of the key at a place, or of the table of the user's own names."""
+    known = field_at(table, place) or (field_at(table, place[:-1]) if place else None)
     return " ".join((known.description or "").replace("``", "`").split()) if known else ""
 
 
@@ -249,6 +249,8 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
     name = ".".join(str(part) for part in place if isinstance(part, str))
     here, heads = _table_at(table, place), len(place) == 1 and "schema_" in table.model_fields
     keys = ", ".join(keys_of(here)) if here else "those of the schema"
+    if kind in NO_LIST and not (here or heads):
+        return Fault("must be a list in brackets, not a table", _meaning(place, table), place)
     if kind in NO_LIST:
         remedy = f"write [[{name}]], in two brackets" if heads else ""
         remedy = remedy or _meaning(place, table) or "write it in brackets: [1.0, 2.0]"

@@ -117,26 +117,27 @@ def _about(points: Floats) -> Iterator[str]:
 
 
 def _geojson(path: Path, layer: str | None) -> Iterator[Feature]:
+    remedy = "export it again as GeoJSON"
     try:
         content = json.loads(text_of(path))
-        found = content.get("features", [content])
-        for number, one in enumerate(found, 1):
+    except (ValueError, RecursionError) as error:
+        what = f"is not GeoJSON that can be read: {shortened(str(error), 100)}"
+        raise CaseError(what, where=str(path), remedy=remedy) from None
+    found = content.get("features", [content]) if isinstance(content, dict) else None
+    if not isinstance(found, list):
+        what = "is not GeoJSON: it has no list of features"
+        raise CaseError(what, where=str(path), remedy=remedy)
+    for number, one in enumerate(found, 1):
+        place = f"feature {number}"
+        try:
             geometry = one.get("geometry", one)
             if geometry is None:
                 continue
             shape = shapely.force_2d(shapely.from_geojson(json.dumps(geometry)))
-            yield Feature(
-                shape=shape, attributes=_texts(one.get("properties")), place=f"feature {number}"
-            )
-    except (
-        ValueError,
-        AttributeError,
-        TypeError,
-        RecursionError,
-        shapely.errors.ShapelyError,
-    ) as error:
-        what = f"is not GeoJSON that can be read: {shortened(str(error), 100)}"
-        raise CaseError(what, where=str(path), remedy="export it again as GeoJSON") from None
+            yield Feature(shape=shape, attributes=_texts(one.get("properties")), place=place)
+        except (AttributeError, RecursionError, shapely.errors.ShapelyError):
+            what = "has no geometry that can be read, such as a LineString of two points [x, y]"
+            raise CaseError(what, where=f"{path}: {place}", remedy=remedy) from None
 
 
 def _wkt(path: Path, layer: str | None) -> Iterator[Feature]:
@@ -146,10 +147,15 @@ def _wkt(path: Path, layer: str | None) -> Iterator[Feature]:
                 with np.errstate(invalid="ignore"):  # nan is refused below, with its place
                     shape = shapely.force_2d(shapely.from_wkt(line.strip()))
             except shapely.errors.ShapelyError as error:
-                what = f"is not well-known text: {shortened(str(error), 100)}"
+                what = f"is not well-known text: {shortened(_said(error), 100)}"
                 remedy = "write one geometry a line, such as LINESTRING (0 0, 5 3)"
                 raise CaseError(what, where=f"{path}: line {number}", remedy=remedy) from None
             yield Feature(shape=shape, attributes={}, place=f"line {number}")
+
+
+def _said(error: Exception) -> str:
+    """Return what a reader of geometries says, without the name of its kind of error."""
+    return str(error).partition(": ")[2] or str(error)
 
 
 def _layers(path: Path, layer: str | None) -> Iterator[Feature]:

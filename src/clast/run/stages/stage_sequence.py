@@ -50,12 +50,12 @@ class StageSequence:
     @cached_property
     def first(self) -> Setting:
         """The setting with which a run begins.  Raises ModelError for stages that are none."""
-        check_stages(self.stages, self.base.model)
-        self._check_drawpoints()
+        self.check()
         return before_all(self.base) if self.stages else self.base
 
-    def _check_drawpoints(self) -> None:
-        """Refuse drawpoints where nothing moves: all steps are static."""
+    def check(self) -> None:
+        """Refuse stages that are none, and drawpoints where all steps are static: nothing moves."""
+        check_stages(self.stages, self.base.model)
         ratios = (
             map(self._dynamic_ratio, self.stages)
             if self.stages

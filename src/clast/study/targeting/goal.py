@@ -14,7 +14,7 @@ from clast.study.measures import CONDITIONS, FOS, MEASURES, STANDS_WITH
 
 REACHED = "reached"
 """Measure that is true where a run meets the target."""
-EQUALS = re.compile(r"(?<![<>=!])=(?!=)")
+EQUALS = re.compile(r"(?<![<>])=")
 RUNS_MAX = 60
 """Runs of a search beside those that halve the range to its tolerance, at most."""
 ABOVE = {ast.Gt: True, ast.GtE: True, ast.Lt: False, ast.LtE: False}
