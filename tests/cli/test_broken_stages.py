@@ -150,7 +150,7 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     "an escape code": (stage("").replace('"first"', r'"\u001b[1m"'), ("stage 1", "be printed")),
     "install unknown": (
         stage('install = ["cabel"]', more=BOLT),
-        ("stage 'first', install", "no bolt or kind of bolt 'cabel'", "'cable'?"),
+        ("stage 'first', install", "no bolt, kind of bolt or well 'cabel'", "'cable'?"),
     ),
     "installed twice": (
         stage('install = ["cable"]', 'install = ["B"]', more=BOLT),

@@ -134,6 +134,10 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
         actions.append(Bolting())
     if model.water:
         actions.append(WaterPressure())
+    if model.flow is not None:
+        from clast.actions.flow import JointFlow  # few cases need it
+
+        actions.append(JointFlow())
     if model.in_situ is not None:
         actions.append(InSituBoundary(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):

@@ -9,7 +9,7 @@ beside it are the effective stress.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
@@ -81,23 +81,33 @@ class WaterPressure(Action):
 
     def contribution(self, start: StepStart, state: None) -> Contribution:
         """Return the sum of the generalised forces of all water on each block."""
-        model, midway = start.model, start.midway
-        block: list[Ints] = []
-        force: list[Floats] = []
-        for water in model.water:
-            if not water.pressure_of_head(start.time_of_forces):
-                continue
-            pressed = pressed_by(water, model, midway.vertices, start.time_of_forces)
-            left, right = pressed.forces(midway.centroid)
-            paired = pressed.other >= 0
-            block += [pressed.block, pressed.other[paired]]
-            force += [left, right[paired]]
-        if not block:
+        model, midway, time = start.model, start.midway, start.time_of_forces
+        pressed = [
+            pressed_by(water, model, midway.vertices, time)
+            for water in model.water
+            if water.pressure_of_head(time)
+        ]
+        if not pressed:
             return Contribution()
-        # one force for each block, in the order of the parts: fewer to be added up later
-        blocks, forces = np.concatenate(block), np.concatenate(force)
-        sums: Floats = np.stack(
-            [np.bincount(blocks, one, model.block_count).astype(float) for one in forces.T], axis=1
-        )
-        some = np.flatnonzero(sums.any(axis=1))
-        return Contribution(block=some, force=sums[some])
+        block, force = sums_on_blocks(pressed, midway.centroid)
+        return Contribution(block=block, force=force)
+
+
+def sums_on_blocks(pressed: Iterable[Pressed], centroid: Floats) -> tuple[Ints, Floats]:
+    """Return the blocks that pressures act on, (b,), and the sum of their forces on each, (b, 6).
+
+    One force for each block, in the order of the parts: fewer to be added up later.
+    """
+    block: list[Ints] = []
+    force: list[Floats] = []
+    for one in pressed:
+        left, right = one.forces(centroid)
+        paired = one.other >= 0
+        block += [one.block, one.other[paired]]
+        force += [left, right[paired]]
+    blocks, forces = np.concatenate(block), np.concatenate(force)
+    sums: Floats = np.stack(
+        [np.bincount(blocks, one, len(centroid)).astype(float) for one in forces.T], axis=1
+    )
+    some = np.flatnonzero(sums.any(axis=1))
+    return some, sums[some]

@@ -33,6 +33,7 @@ from clast.inputs.declaring.validation_messages import (
     table_in,
 )
 from clast.inputs.drawpoints import DrawpointTable
+from clast.inputs.flow import FlowBoundary, FlowTable, MeasuredFlow, Well
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
@@ -152,6 +153,14 @@ class Case(BaseModel):
     """Rock bolts round openings."""
     water: list[Water] = []
     """Water on outer faces and in joints."""
+    flow: FlowTable | None = None
+    """Water that flows in joints."""
+    flow_boundary: list[FlowBoundary] = []
+    """Heads, pressures, rain and faces in air for the flow."""
+    well: list[Well] = []
+    """Wells and drains of the flow."""
+    measured_flow: list[MeasuredFlow] = []
+    """Flows recorded every step."""
     viscous_boundary: list[ViscousBoundary] = []
     """Absorbing (viscous) outer edges."""
     in_situ: InSituTable | None = None
@@ -216,7 +225,7 @@ class Case(BaseModel):
         stages = [one.name for one in self.stage]
         given = [
             ((key, number, "stage"), one.stage)
-            for key in ("bolt", "bolt_pattern", "motion", "link", "lining")
+            for key in ("bolt", "bolt_pattern", "motion", "link", "lining", "well")
             for number, one in enumerate(getattr(self, key))
             if one.stage is not None
         ]

@@ -81,6 +81,17 @@ class ModelBuilder:
         boundary: Support of the outline beside the stress that loads it: springs along its normal, in both directions, or none.
         sides: Sides of the box around all blocks that are loaded; all edges on the convex hull if empty.
     """
+    flow: Any
+    """Water that flows in joints: the keys of [flow].
+
+    Keys:
+        state: Steady flow between boundaries; or water at rest under a level.
+        level: Height y of water at rest, m, of state "hydrostatic".
+        viscosity: Viscosity, Pa s.
+        density: Density, kg/m3.
+        longest: Longest piece of a channel, m; channels are not divided if absent.
+        confined: True: all joints are full, and pressures may be negative; so it is without gravity.
+    """
     actions: list[Any]
     """Objects of one's own that act on blocks (clast.actions.action)."""
     line_joints: list[str]
@@ -100,6 +111,7 @@ class ModelBuilder:
         seismic_coefficient: Pair = ...,
         ground_motion: Any = ...,
         in_situ: Any = ...,
+        flow: Any = ...,
         actions: list[Any] = ...,
         line_joints: list[str] = ...,
         repair: Any = ...,
@@ -457,6 +469,44 @@ class ModelBuilder:
         """
         ...
 
+    def flow_boundary(
+        self,
+        name: str | None = None,
+        *,
+        head: float | None = None,
+        pressure: float | None = None,
+        flux: float | None = None,
+        rain: float | None = None,
+        seepage: Literal[True] | None = None,
+        impermeable: Literal[True] | None = None,
+        amplitude: str | None = None,
+        seepage_above: bool = True,
+        presses: bool = True,
+        side: Literal["left", "right", "bottom", "top"] | None = None,
+        edges: Sequence[Points] | None = None,
+        polygon: Points | None = None,
+        opening: str | None = None,
+    ) -> None:
+        """Head, pressure, flow or faces in air at outer nodes of the joints.
+
+        Args:
+            name: Name by which stages and results refer to it.
+            head: Height y up to which water stands in the joints, m.
+            pressure: Pressure, Pa.
+            flux: Flow into the rock by length of the boundary, m/s.
+            rain: Rain on the horizontal, m/s; what cannot enter runs off.
+            seepage: True: faces in air, which give water off and take none.
+            impermeable: True: no water passes.
+            amplitude: The [amplitude.NAME] of heads over time, m, in the place of head.
+            seepage_above: Whether faces above the head give water off; false: they are tight.
+            presses: Whether the water presses on outer faces below the head.
+            side: Side of the box around all blocks: all edges on it.
+            edges: Straight lines [[p, q], ...] along outer edges: all edges on them.
+            polygon: Polygon: all outer edges with their middle in it.
+            opening: Opening by its name: its walls, once it is excavated.
+        """
+        ...
+
     def line_load(
         self,
         start: Pair,
@@ -621,6 +671,15 @@ class ModelBuilder:
         Args:
             name: Name.
             of: Two [[measured_point]]s, e.g. ["left wall", "right wall"].
+        """
+        ...
+
+    def measured_flow(self, name: str, of: str) -> None:
+        """A flow that is recorded every step.
+
+        Args:
+            name: Name.
+            of: Boundary, well or opening by its name.
         """
         ...
 
@@ -901,6 +960,32 @@ class ModelBuilder:
         """
         ...
 
+    def well(
+        self,
+        name: str,
+        at: Pair | None = None,
+        *,
+        line: Points | None = None,
+        pressure: float | None = None,
+        head: float | None = None,
+        rate: float | None = None,
+        only_outflow: bool = False,
+        stage: str | None = None,
+    ) -> None:
+        """Points of joints from which water is taken, or into which it is put.
+
+        Args:
+            name: Name by which stages and results refer to it.
+            at: Point of a joint [x, y], m.
+            line: Borehole from a point to another: every joint that it crosses.
+            pressure: Pressure, Pa; 0 for a drain.
+            head: Height y to which water stands in it, m.
+            rate: Flow into the rock, m2/s; below 0 out of it.
+            only_outflow: True for drains: it takes water and gives none.
+            stage: Stage with which it begins; from the start if absent.
+        """
+        ...
+
 def simulate(
     model: str | Path | Case | ModelBuilder | Model,
     method: Method | None = None,
@@ -990,6 +1075,7 @@ class Stage(_Stage):
         bonds: "break" as forces reach their strength, or "hold" until the static stage is in balance; only then are they judged.
         jacks: "lock": the jacks of bolts come off at its start; "hold": they stay on.
         loads: Loads, pressures and tables that act from its start on, and none of them before.
+        flow_boundary: Other values of boundaries of the flow from its start on: {"lake": {"head": 40.0}}.
         ground_motion: True: the ground moves in this stage, its record beginning with the stage.
     """
     def __init__(
@@ -1018,5 +1104,6 @@ class Stage(_Stage):
         bonds: Literal["break", "hold"] = ...,
         jacks: Literal["lock", "hold"] = ...,
         loads: Names = ...,
+        flow_boundary: dict[str, dict[str, Any]] = ...,
         ground_motion: bool = ...,
     ) -> None: ...

@@ -21,6 +21,7 @@ import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ from clast.inputs.declaring.values import (
     check_point_names,
 )
 from clast.inputs.drawpoints import DrawpointTable, drawpoints_in
+from clast.inputs.flow import FlowBoundary, FlowTable, FlowWhere, MeasuredFlow, Well
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, Overburden
 from clast.inputs.linings import linings as place_linings
@@ -70,6 +72,7 @@ from clast.inputs.measurements import (
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolts import ends_of, idle_note, placed_bolts
 from clast.inputs.placing.place_blocks import BlockArrays, Names, Vector, rocks_of
+from clast.inputs.placing.place_flow import FlowInputs, with_flow
 from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
@@ -116,6 +119,8 @@ class InputBuilder(Inputs):
     in_situ: Any = single("in_situ", InSituTable)
     """Stress in the rock before anything is dug: the keys of [in_situ], ``clast.InSituStress`` or
     ``clast.Overburden``."""
+    flow: Any = single("flow", FlowTable)
+    """Water that flows in joints: the keys of [flow]."""
     actions: list[Any] = field(default_factory=list)
     """Objects of one's own that act on blocks (clast.actions.action)."""
     line_joints: list[str] = field(default_factory=list)
@@ -193,6 +198,19 @@ class InputBuilder(Inputs):
     """Turn a block by a moment: ``[[moment]]``."""
     water = gives("water", Water, "level")
     """Let water press on all edges below a level or a phreatic line:  ``[[water]]``."""
+
+    flow_boundary = gives(
+        "flow_boundary",
+        FlowBoundary,
+        "name",
+        turned=partial(with_where, kind=FlowWhere),
+        also=FlowWhere,
+    )
+    """Give heads, pressures, rain or faces in air to the flow: ``[[flow_boundary]]``."""
+    well = gives("well", Well, "name", "at")
+    """Take water from joints, or put it into them: ``[[well]]``."""
+    measured_flow = gives("measured_flow", MeasuredFlow, "name", "of")
+    """Record a flow every step: ``[[measured_flow]]``."""
 
     def count(self, kind: type[Table]) -> int:
         """Return how many tables of a kind there are; blocks are counted with those of arrays."""
@@ -331,7 +349,7 @@ class InputBuilder(Inputs):
         apart = {pair for one in actions for pair in map(tuple, getattr(one, "apart", ()))}
         overlaps = model_checks.check_overlaps(outlines, there, apart)
         supports = Supported(ground, viscous.edge, actions)
-        return Model(
+        model = Model(
             title=self.title,
             plane=self.plane,
             gravity=gravity + self._push(gravity),
@@ -382,6 +400,13 @@ class InputBuilder(Inputs):
                 *ending_note(self.ground_motion),
             ),
         )
+        flow = FlowInputs(
+            flow=self.flow,
+            boundaries=self.all(FlowBoundary),
+            wells=self.all(Well),
+            measured=self.all(MeasuredFlow),
+        )
+        return with_flow(model, flow, bed)
 
     def _stress_in_situ(
         self, outlines: BlockOutlines, density: Floats, gravity: Floats

@@ -79,9 +79,9 @@ class ViscousBoundary(Table):
         return self
 
 
-def with_where(keys: dict[str, Any]) -> dict[str, Any]:
+def with_where(keys: dict[str, Any], kind: type[Table] = Where) -> dict[str, Any]:
     """Return the keys of a boundary of a script, which says where by keys of their own."""
-    places = Where.model_fields
+    places = kind.model_fields
     where = {key: keys[key] for key in places if keys.get(key) is not None}
     return {"where": where, **{key: keys[key] for key in keys if key not in places}}
 

@@ -53,6 +53,22 @@ SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude 
 Drain = Annotated[Annotated[Point | Loop, OR_LINE] | StrictStr, OR_TEXT]
 
 
+def check_density(density: float) -> None:
+    """Refuse a density, kg/m3, that is not one of a liquid, or looks like another unit."""
+    remedy = "give it in kg/m3: 1000 for water, 1025 for the sea"
+    for low, high, unit, factor in UNITS:
+        if low <= density < high:
+            what = f"{density:g} looks like {unit}, but densities are in kg/m3"
+            remedy = f"write {density * factor:.4g}; the weight follows from gravity"
+            raise refusal(what, remedy, "density")
+    if not density > 0.0:
+        raise refusal(f"{density:g} is not a valid density", remedy, "density")
+    # Densities below are not kg/m3
+    if density < 100.0:
+        what = f"{density:g} kg/m3 is not the density of a liquid"
+        raise refusal(what, remedy, "density")
+
+
 class LineFile(Table):
     """A phreatic line in a file beside the case file."""
 
@@ -94,19 +110,7 @@ class Water(Table):
 
     @model_validator(mode="after")
     def _has_a_density(self) -> Self:
-        remedy = "give it in kg/m3: 1000 for water, 1025 for the sea"
-        for low, high, unit, factor in UNITS:
-            if low <= self.density < high:
-                what = f"{self.density:g} looks like {unit}, but densities are in kg/m3"
-                remedy = f"write {self.density * factor:.4g}; the weight follows from gravity"
-                raise refusal(what, remedy, "density")
-        if not self.density > 0.0:
-            what = f"{self.density:g} is not a valid density"
-            raise refusal(what, remedy, "density")
-        # Densities below are not kg/m3
-        if self.density < 100.0:
-            what = f"{self.density:g} kg/m3 is not the density of a liquid"
-            raise refusal(what, remedy, "density")
+        check_density(self.density)
         return self
 
     @model_validator(mode="after")

@@ -23,6 +23,7 @@ from clast.model.arrays import following, no_floats, no_ints, owners
 from clast.model.bodies import Outlines, joined_outlines
 from clast.model.drawpoints import Drawpoint
 from clast.model.factors import NO_FACTOR, Factor
+from clast.model.flow.given import Flow
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joints import JointTable
 from clast.model.supports import Bolts, LiningJoints, LinkLines, Reactions, numbered
@@ -270,6 +271,8 @@ class Model:
     """Rock bolts."""
     water: tuple[Water, ...] = ()
     """Water that presses on outer faces and in joints."""
+    flow: Flow | None = None
+    """Water that flows in joints; None: it does not."""
     factors: tuple[Factor, ...] = ()
     """Tables of time by which loads are multiplied."""
     gravity_factor: int = NO_FACTOR

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.factors import NO_FACTOR, Factor
+from clast.model.flow.given import Flow, with_changes
 from clast.model.joints import Joint, JointTable
 from clast.model.model import Model
 from clast.model.water import Water
@@ -79,6 +80,8 @@ class Stage:
     """"lock": the jacks of bolts come off at its start; "hold": they stay on."""
     loads: tuple[str, ...] = ()
     """Loads, pressures and tables that act from its start on, and none of them before."""
+    flow_boundary: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Other values of boundaries of the flow from its start on: {"lake": {"head": 40.0}}."""
     ground_motion: bool = False
     """True: the ground moves in this stage, its record beginning with the stage."""
 
@@ -94,10 +97,11 @@ def load_names(model: Model) -> tuple[str, ...]:
 
 
 def names_that_act(model: Model) -> tuple[str, ...]:
-    """Return the names of loads, pressures, fill, load trains and water."""
+    """Return the names of loads, pressures, fill, load trains, water and boundaries of the flow."""
     named = [name for kind in KINDS for name in getattr(model, kind).name if name]
     named += [name for name in model.surcharge.names if name not in named]
-    return *named, *(water.name for water in model.water if water.name)
+    named += [water.name for water in model.water if water.name]
+    return *named, *(one.name for one in (model.flow.boundaries if model.flow else ()))
 
 
 def with_loads(
@@ -119,7 +123,32 @@ def with_loads(
         for kind, values in KINDS.items()
     }
     water = tuple(standing(one, begun) for one in base.water)
-    return replace(model, **loads, water=water, factors=tuple(factors))
+    flow = None if base.flow is None else flowing(base.flow, stages, starts)
+    return replace(model, **loads, water=water, flow=flow, factors=tuple(factors))
+
+
+def flowing(flow: Flow, stages: Sequence[Stage], starts: Sequence[float]) -> Flow:
+    """Return a flow as so many stages that have begun at ``starts`` have made it."""
+    begun = stages[: len(starts)]
+    at = {name: start for stage, start in zip(stages, starts, strict=False) for name in stage.loads}
+    changes = {name: values for stage in begun for name, values in stage.flow_boundary.items()}
+    later = {name for stage in stages[len(starts) :] for name in stage.loads}
+    names = {name for stage in begun for name in (stage.name, *stage.install)}
+    named = {name for stage in stages for name in stage.install}
+    wells = tuple(replace(one, begun=one.begun and one.name not in named) for one in flow.wells)
+    boundaries = tuple(
+        one if one.factor is None else replace(one, factor=_first_until(one.factor, at, later))
+        for one in flow.boundaries
+    )
+    flow = replace(flow, wells=wells, boundaries=boundaries)
+    return with_changes(flow, changes, names, later)
+
+
+def _first_until(factor: Factor, at: Mapping[str, float], later: set[str]) -> Factor:
+    """Return a table of heads that begins with a stage: its first one until then."""
+    if factor.name in later:
+        return replace(factor, value=np.full_like(factor.value, factor.value[0]))
+    return replace(factor, time=factor.time + at.get(factor.name, 0.0))
 
 
 def _begun(factor: Factor, begun: Mapping[str, float | None]) -> Factor:
@@ -150,7 +179,9 @@ def standing(water: Water, begun: Mapping[str, float | None]) -> Water:
 
 def factors_in(model: Model) -> tuple[Factor, ...]:
     """Return the tables of all loads and waters."""
-    return *model.factors, *(one.factor for one in model.water if one.factor is not None)
+    others = [one.factor for one in model.water]
+    others += [one.factor for one in (model.flow.boundaries if model.flow else ())]
+    return *model.factors, *(one for one in others if one is not None)
 
 
 def _acting(

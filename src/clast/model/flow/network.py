@@ -57,7 +57,7 @@ class Network:
     @property
     def parts(self) -> Ints:
         """The connected part of each node, numbered from 0, shape (m,)."""
-        return connected(*self.node.T, self.count)
+        return connected(self.node[:, 0], self.node[:, 1], self.count)
 
     def __repr__(self) -> str:
         return f"Network({len(self.length)} channels between {self.count} nodes)"

@@ -61,7 +61,15 @@ def _excavatable(model: Model) -> tuple[str, ...]:
 
 def _installable(model: Model) -> tuple[str, ...]:
     bolts = model.bolts
-    return tuple(name for name in (*bolts.name, *bolts.kind, *bolts.group) if name)
+    return tuple(name for name in (*bolts.name, *bolts.kind, *bolts.group, *_wells(model)) if name)
+
+
+def _wells(model: Model) -> tuple[str, ...]:
+    return tuple(one.name for one in model.flow.wells) if model.flow else ()
+
+
+def _flow_boundaries(model: Model) -> tuple[str, ...]:
+    return tuple(one.name for one in model.flow.boundaries) if model.flow else ()
 
 
 @dataclass(frozen=True)
@@ -97,7 +105,8 @@ class _Names:
 _NAMED = (
     _Names("excavate", "opening or block", _excavatable, "was already excavated"),
     _Names("release", "opening or block", _excavatable, ""),
-    _Names("install", "bolt or kind of bolt", _installable, "was already installed"),
+    _Names("flow_boundary", "flow boundary", _flow_boundaries, ""),
+    _Names("install", "bolt, kind of bolt or well", _installable, "was already installed"),
     _Names("loads", "named load or table", load_names, "already acts"),
 )
 
@@ -158,6 +167,8 @@ def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
     bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
     waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]
     waiting += [("viscous boundary", name) for name in dict.fromkeys(model.viscous_edges.stage)]
+    wells = model.flow.wells if model.flow else ()
+    waiting += [(f"well '{shortened(one.name)}'", one.stage) for one in wells]
     waiting += [(f"drawpoint '{shortened(one.name)}'", one.stage) for one in model.drawpoints]
     waiting += [pair for action in model.actions for pair in getattr(action, "waits", ())]
     for what, name in waiting:

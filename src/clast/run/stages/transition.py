@@ -161,6 +161,9 @@ def events_at_start(model: Model, stage: Stage, time: float) -> Iterator[Event]:
         yield event("joint changes", name, f"joint '{name}' gets {numbers}")
     for name in stage.loads:
         yield event("load begins", name, f"'{name}' begins to act")
+    for name, changes in stage.flow_boundary.items():
+        numbers = ", ".join(f"{key} {value:g}" for key, value in changes.items())
+        yield event("flow boundary changes", name, f"flow boundary '{name}' gets {numbers}")
     if stage.ground_motion:
         yield event("ground motion begins", "", "the ground begins to move")
     for lining in _added_by(model, stage):

@@ -1,0 +1,253 @@
+"""Water that flows in joints: pressures on both faces of channels, and on outer faces below heads.
+
+Pressures act on blocks as they lie halfway through a step.
+The flow is steady, and found anew where a stage changes blocks or boundaries, or a head changes
+with time; apertures are those of the start.  In a channel that is dry at its upper end water stands
+up to the height p/(rho g - q/(C dy)) above its lower one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
+from clast.actions.water import Pressed, sums_on_blocks
+from clast.model.arrays import Bools, Floats, Ints
+from clast.model.flow.apertures import at_start, conductance, hydraulic
+from clast.model.flow.balance import Balance, Solved
+from clast.model.flow.conditions import Conditions, conditions_of, faces_on
+from clast.model.flow.given import HEAD, Flow
+from clast.model.flow.network import Network, faces_at, network_of
+from clast.model.flow.solving import steady
+from clast.model.model import Model
+from clast.model.water import WetFaces, ends_of_faces, wetted
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JointWater:
+    """Water in the joints of a model at an instant: k channels, m nodes."""
+
+    network: Network
+    aperture: Floats
+    """Hydraulic aperture at both ends of each channel, m, shape (k, 2)."""
+    conductance: Floats
+    """Flow of each channel by difference of pressure, m2/(s Pa), shape (k,)."""
+    volume: Floats
+    """Volume of the joints at each node, m2, shape (m,)."""
+    conditions: Conditions
+    solved: Solved
+    pressed: tuple[Ints, ...]
+    """Which of the outer faces each boundary presses on by its head, (q,) each."""
+    absent: Bools
+    """Blocks that are not there, shape (n,)."""
+    begun: int
+    """Number of the stages that have begun."""
+    time: float
+    """Time for which it is solved, s."""
+
+    def __repr__(self) -> str:
+        return f"JointWater({self.network}, at t = {self.time:.6g} s)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class WetContribution(Contribution):
+    """Forces of water in joints, and that water."""
+
+    water: JointWater
+
+
+def water_at(model: Model, time: float, before: JointWater | None = None) -> JointWater:
+    """Return the water in the joints of a model at a time, s; ``before`` has what stays."""
+    flow, begun = _given(model), len(model.begun)
+    if before is None or not np.array_equal(before.absent, model.absent):
+        return _begun(model, time)
+    if begun == before.begun and not flow.changes:
+        return before
+    conditions = _conditions(model, before.network, time)
+    if not conditions.same(before.conditions):
+        balance = balance_of(model, before, conditions)
+        before = replace(before, conditions=conditions, solved=_solved(model, before, balance))
+    return replace(before, begun=begun, time=time, pressed=_pressed(model, before.network))
+
+
+def balance_of(model: Model, water: JointWater, conditions: Conditions) -> Balance:
+    """Return the balance of water in joints under some conditions at their nodes."""
+    flow, network = _given(model), water.network
+    height = network.at[network.node, 1]
+    return Balance(
+        node=network.node,
+        conductance=water.conductance,
+        weight=flow.weight * (height[:, 0] - height[:, 1]),
+        kind=conditions.kind,
+        pressure=conditions.pressure,
+        inflow=conditions.inflow,
+        volume=water.volume,
+        opened=np.zeros(network.count),
+        bulk_modulus=flow.bulk_modulus,
+        confined=flow.confined,
+    )
+
+
+def pressed_channels(water: JointWater, model: Any, vertices: Floats) -> Pressed:
+    """Return where water presses on both faces of channels, with blocks at ``vertices`` (nv, 2), m.
+
+    Only where there is pressure; ``model`` may be a frame as well.
+    """
+    network, solved = water.network, water.solved
+    ends = faces_at(network, vertices, model.vertex_after).mean(axis=1)
+    pressure = solved.pressure[network.node]
+    some = np.flatnonzero(pressure.any(axis=1))
+    ends, pressure = ends[some], pressure[some]
+    dry = solved.saturation[network.node[some]] < 1.0
+    for end in (0, 1):
+        partly = np.flatnonzero(dry[:, end] & ~dry[:, 1 - end])
+        other, channel = 1 - end, some[partly]
+        rise = (
+            network.at[network.node[channel, end], 1] - network.at[network.node[channel, other], 1]
+        )
+        down = solved.flow[channel] * (1.0 if end == 0 else -1.0)
+        lost = _given(model).weight * rise - down / water.conductance[channel]
+        wet = np.minimum(pressure[partly, other] / np.where(lost > 0.0, lost, np.inf), 1.0)
+        # flow that takes all of the weight leaves no column
+        wet = np.where(lost > 0.0, wet, 1.0)[:, None]
+        ends[partly, end] = ends[partly, other] + wet * (ends[partly, end] - ends[partly, other])
+    left, right = network.block[some].T
+    return Pressed(network.edge[some, 0], left, right, ends, pressure)
+
+
+def pressed_faces(water: JointWater, model: Any, vertices: Floats, time: float) -> Pressed:
+    """Return where heads press on outer faces, with blocks at ``vertices`` (nv, 2), m."""
+    network, flow = water.network, _given(model)
+    none = np.zeros(0, np.int64)
+    parts = [Pressed(none, none, none, np.zeros((0, 2, 2)), np.zeros((0, 2)))]
+    for one, which in zip(flow.boundaries, water.pressed, strict=True):
+        if not len(which):
+            continue
+        faces = WetFaces(edge=network.face_edge[which], share=network.face_share[which])
+        level = np.array([[0.0, one.at(time) - model.origin[1]]])
+        wet = wetted(level, ends_of_faces(faces, vertices, model.vertex_after))
+        edge = faces.edge[wet.line]
+        block, air = model.vertex_block[edge], np.full(len(edge), -1)
+        parts.append(Pressed(edge, block, air, wet.ends, flow.weight * wet.head))
+    every = (one.name for one in fields(Pressed))
+    return Pressed(*(np.concatenate([getattr(one, name) for one in parts]) for name in every))
+
+
+@dataclass(frozen=True)
+class JointFlow(Action):
+    """The water that flows in the joints of the model."""
+
+    entries: ClassVar[Mapping[str, float]] = {"water": 1.0}
+
+    def begin(self, model: Model) -> JointWater:
+        """Return the flow at the start of the run."""
+        return water_at(model, 0.0)
+
+    def contribution(self, start: StepStart, state: JointWater) -> WetContribution:
+        """Return the sum of the forces of water on each block, as it flows in this step."""
+        model, midway, time = start.model, start.midway, start.time_of_forces
+        water = water_at(model, time, state)
+        pressed = (
+            pressed_channels(water, model, midway.vertices),
+            pressed_faces(water, model, midway.vertices, time),
+        )
+        block, force = sums_on_blocks(pressed, midway.centroid)
+        return WetContribution(block=block, force=force, water=water)
+
+    def finish(
+        self, start: StepStart, state: JointWater, contribution: Any, solution: Solution
+    ) -> ActionResult:
+        """Return the work of the water, and the water."""
+        done = super().finish(start, state, contribution, solution)
+        return replace(done, state=contribution.water)
+
+
+def _given(model: Any) -> Flow:
+    """Return the flow of a model that has one."""
+    flow: Flow = model.flow
+    return flow
+
+
+def _begun(model: Model, time: float) -> JointWater:
+    """Return the water in a network that is found anew."""
+    flow = _given(model)
+    network = network_of(model, flow.longest, flow.points)
+    mechanical = at_start(model, network)
+    aperture = hydraulic(model, network, mechanical)
+    # half of each channel belongs to the node at either end
+    half = 0.25 * network.length * np.maximum(mechanical, 0.0).sum(axis=1)
+    volume = np.bincount(network.node.ravel(), np.repeat(half, 2), network.count)
+    conditions = _conditions(model, network, time)
+    water = JointWater(
+        network=network,
+        aperture=aperture,
+        conductance=conductance(aperture, network.length, flow.viscosity),
+        volume=np.asarray(volume, np.float64),
+        conditions=conditions,
+        solved=DRY,
+        pressed=_pressed(model, network),
+        absent=model.absent,
+        begun=len(model.begun),
+        time=time,
+    )
+    return replace(water, solved=_solved(model, water, balance_of(model, water, conditions)))
+
+
+def _solved(model: Model, water: JointWater, balance: Balance) -> Solved:
+    """Return the steady flow, or water at rest under its level."""
+    flow = _given(model)
+    if flow.state == "steady":
+        return steady(balance)
+    deep = flow.level - model.origin[1] - water.network.at[:, 1]
+    none = np.zeros(water.network.count)
+    return replace(
+        DRY,
+        pressure=flow.weight * np.maximum(deep, 0.0),
+        saturation=(deep >= 0.0).astype(np.float64),
+        flow=np.zeros(len(water.conductance)),
+        given=none,
+        outflow=none,
+        runoff=none,
+        missing=none,
+    )
+
+
+NONE = np.zeros(0)
+DRY = Solved(
+    pressure=NONE,
+    saturation=NONE,
+    flow=NONE,
+    given=NONE,
+    outflow=NONE,
+    runoff=NONE,
+    missing=NONE,
+    stored=0.0,
+    unaccounted=0.0,
+    throughput=0.0,
+    iterations=0,
+)
+"""No water."""
+
+
+def _faces(model: Model, network: Network) -> Floats:
+    """Return the outer faces as they are at the start, m, shape (r, 2, 2)."""
+    faces = WetFaces(edge=network.face_edge, share=network.face_share)
+    return ends_of_faces(faces, model.vertices, model.vertex_after)
+
+
+def _conditions(model: Model, network: Network, time: float) -> Conditions:
+    faces = _faces(model, network)
+    return conditions_of(model, network, faces, time)
+
+
+def _pressed(model: Model, network: Network) -> tuple[Ints, ...]:
+    """Return which of the outer faces each boundary presses on, (q,) each."""
+    faces, none = _faces(model, network), np.zeros(0, np.int64)
+    return tuple(
+        faces_on(faces, one.lines(model.absent)) if one.kind == HEAD and one.presses else none
+        for one in _given(model).boundaries
+    )

@@ -1,0 +1,169 @@
+"""[flow], [[flow_boundary]], [[well]], [[measured_flow]]: water that flows in joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, StrictBool, StrictStr, model_validator
+
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.builder_methods import record_of
+from clast.inputs.declaring.table import Coordinate, Length, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.viscous_boundaries import Where
+from clast.inputs.water import check_density
+from clast.model import ranges
+
+KINDS = ("head", "pressure", "flux", "rain", "seepage", "impermeable")
+"""Keys of which a boundary has one."""
+CENTIPOISE = 1.0
+"""Viscosity, Pa s, above which it is in another unit."""
+
+
+class FlowTable(Table):
+    """Water that flows in joints with an aperture; blocks are impermeable."""
+
+    state: Literal["steady", "hydrostatic"] = "steady"
+    """Steady flow between boundaries; or water at rest under a level."""
+    level: Coordinate | None = None
+    """Height y of water at rest, m, of state "hydrostatic"."""
+    viscosity: Positive = 1e-3
+    """Viscosity, Pa s."""
+    density: Annotated[Number, within(ranges.DENSITY)] = 1000.0
+    """Density, kg/m3."""
+    longest: Length | None = None
+    """Longest piece of a channel, m; channels are not divided if absent."""
+    confined: StrictBool = False
+    """True: all joints are full, and pressures may be negative; so it is without gravity."""
+
+    @model_validator(mode="after")
+    def _can_be(self) -> Self:
+        check_density(self.density)
+        if self.viscosity > CENTIPOISE:
+            what = f"{self.viscosity:g} looks like cP, but viscosities are in Pa s"
+            remedy = f"write {1e-3 * self.viscosity:g}; water has 1e-3"
+            raise refusal(what, remedy, "viscosity")
+        rests = self.state == "hydrostatic"
+        if rests and self.level is None:
+            raise refusal("is missing: water at rest has one", "give its height y, m", "level")
+        if not rests and self.level is not None:
+            remedy = 'give the head of a [[flow_boundary]], or state = "hydrostatic"'
+            raise refusal('belongs to state = "hydrostatic"', remedy, "level")
+        return self
+
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys of the table of a script."""
+        return value.model_dump(exclude_unset=True) if isinstance(value, cls) else None
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Refuse anything but the keys of the table."""
+        if not isinstance(value, cls):
+            what = f"{shortened(repr(value))} does not describe a flow"
+            raise ModelError(what, where=key, remedy='give the keys of [flow]: {"state": "steady"}')
+        record_of(cls, cls.keys_of(value) or {}, (key,))
+
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
+        """Let water flow in the joints of the builder's blocks."""
+        builder.flow = self
+
+
+class FlowWhere(Where):
+    """Where a boundary of the flow is: one of these."""
+
+    opening: StrictStr | None = None
+    """Opening by its name: its walls, once it is excavated."""
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> Self:
+        remedy = 'give one of side = "left", edges = [[p, q], ...], polygon and opening'
+        check_one(self, ("side", "edges", "polygon", "opening"), remedy)
+        return self
+
+
+class FlowBoundary(Table):
+    """Head, pressure, flow or faces in air at outer nodes of the joints."""
+
+    name: StrictStr | None = None
+    """Name by which stages and results refer to it."""
+    where: FlowWhere
+    """Which nodes: {side = "left"}, {edges = [[p, q], ...]}, {polygon = [...]} or
+    {opening = "tunnel"}."""
+    head: Coordinate | None = None
+    """Height y up to which water stands in the joints, m."""
+    pressure: Annotated[Number, within(ranges.STRESS)] | None = None
+    """Pressure, Pa."""
+    flux: Annotated[Number, within(ranges.SPEED)] | None = None
+    """Flow into the rock by length of the boundary, m/s."""
+    rain: Annotated[Number, Field(ge=0.0), within(ranges.SPEED)] | None = None
+    """Rain on the horizontal, m/s; what cannot enter runs off."""
+    seepage: Literal[True] | None = None
+    """True: faces in air, which give water off and take none."""
+    impermeable: Literal[True] | None = None
+    """True: no water passes."""
+    amplitude: StrictStr | None = None
+    """The [amplitude.NAME] of heads over time, m, in the place of head."""
+    seepage_above: StrictBool = True
+    """Whether faces above the head give water off; false: they are tight."""
+    presses: StrictBool = True
+    """Whether the water presses on outer faces below the head."""
+
+    @model_validator(mode="after")
+    def _is_one_thing(self) -> Self:
+        if self.amplitude is None or any(getattr(self, key) is not None for key in KINDS[1:]):
+            check_one(self, KINDS, f"give one of {', '.join(KINDS)}")
+        if self.amplitude is not None and self.kind != "head":
+            remedy = "leave it out, or give a head"
+            raise refusal("only a head changes with time", remedy, "amplitude")
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Which of the keys it has."""
+        return next((key for key in KINDS if getattr(self, key) is not None), "head")
+
+
+class Well(Table):
+    """Points of joints from which water is taken, or into which it is put."""
+
+    name: StrictStr
+    """Name by which stages and results refer to it."""
+    at: Point | None = None
+    """Point of a joint [x, y], m."""
+    line: tuple[Point, Point] | None = None
+    """Borehole from a point to another: every joint that it crosses."""
+    pressure: Annotated[Number, within(ranges.STRESS)] | None = None
+    """Pressure, Pa; 0 for a drain."""
+    head: Coordinate | None = None
+    """Height y to which water stands in it, m."""
+    rate: Annotated[Number, within(ranges.SPEED)] | None = None
+    """Flow into the rock, m2/s; below 0 out of it."""
+    only_outflow: StrictBool = False
+    """True for drains: it takes water and gives none."""
+    stage: StrictStr | None = None
+    """Stage with which it begins; from the start if absent."""
+
+    @model_validator(mode="after")
+    def _is_one_thing(self) -> Self:
+        check_one(self, ("at", "line"), "give a point of a joint, or a line that crosses joints")
+        check_one(self, WELLS, "give the pressure in it, its head, or a rate")
+        if self.only_outflow and self.rate is not None:
+            remedy = "leave it out: the sign of the rate says which way"
+            raise refusal("does not go with a rate", remedy, "only_outflow")
+        return self
+
+
+WELLS = ("pressure", "head", "rate")
+"""Keys of which a well has one."""
+
+
+class MeasuredFlow(Table):
+    """A flow that is recorded every step."""
+
+    name: StrictStr
+    """Name."""
+    of: StrictStr
+    """Boundary, well or opening by its name."""
