@@ -105,7 +105,7 @@ class Solved:
     unaccounted: float
     """What is in, less what is out and stored, by rounding alone."""
     throughput: float
-    """What has come in or out of store, or 1e-3 C p where that is larger: measure of the above."""
+    """All that comes in, or 1e-3 C p of a channel where that is larger: measure of the above."""
     iterations: int
     """Linear systems that were solved."""
 

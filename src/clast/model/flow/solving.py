@@ -1,213 +1,234 @@
 """Steady flow in a network of channels, and a step of transient flow by backward Euler.
 
-One unknown x at a node holds its pressure and its saturation: p = max(x, 0), s = 1 + min(x, 0)/P,
-with P the weight of the highest column below the node.  At SEEPAGE nodes p ends at the pressure
-there, and x above it stands for the outflow.
+Newton's method goes from piece to piece of the balance.  It mostly ends in 10 to 30 iterations,
+but may go round a few nodes for ever; then the path of ``path.py`` is followed from where it was
+best, which ends.  The law is that of ``balance.py`` alone: the upwind law, which Newton's method
+solves from anywhere, only gives the start of a steady state.
+
+Steady states differ by water at rest that nothing feeds, in closed ends, and by the saturation of
+dry nodes above columns that no water passes.  The smallest is returned, which dry joints come to:
+what no water reaches is dry.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clast.errors import ClastError
-from clast.model.arrays import Floats
+from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE, Balance, Solved
+from clast.model.flow.path import followed
+from clast.model.flow.pieces import (
+    ROUNDING,
+    Piece,
+    Problem,
+    change,
+    error_of,
+    piece_at,
+    upwind_at,
+    water_at,
+)
 
-MOST = 400
-"""Most linear systems of a solution."""
+MOST = 40
+"""Most iterations of Newton's method before the path is followed."""
+FIRST_PART = 32
+"""Pieces of the path after which Newton's method is tried again; twice as many each time."""
+PIECES = 100_000
+"""Most pieces in all: a limit of patience, not of the method."""
+PATIENCE = 15
+"""Iterations of Newton's method without one that is better, after which it is given up."""
+STANDS = 1e-9
+"""By how much the column in a channel must be too high to rise out of it, as a share of it."""
 
 
 class NoFlow(ClastError):
     """A flow of water that was not found."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Nodes:
-    """Pressure, saturation and outflow of nodes by their unknowns, and slopes, (m,) each."""
+@dataclass(frozen=True, kw_only=True, repr=False)
+class _Found:
+    """Where a search is."""
 
-    pressure: Floats
-    saturation: Floats
-    outflow: Floats
-    by_pressure: Floats
-    by_saturation: Floats
-    by_outflow: Floats
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Problem:
-    """A balance with what was stored before."""
-
-    balance: Balance
-    scale: Floats
-    """Pressure P at which a node is empty, below 0, shape (m,)."""
-    leak: Floats
-    """Outflow of SEEPAGE nodes by x above their pressure, m2/(s Pa), shape (m,)."""
-    before: tuple[Floats, Floats]
-    """Pressure and saturation at the beginning of the step, (m,) each."""
-    rate: float
-    """One by the step, 1/s; 0: steady."""
+    x: Floats
+    """Unknowns, Pa, shape (m,)."""
+    error: float
+    """Largest error of the balance of a free node, as a share of what flows."""
+    done: bool
+    """Whether it is within rounding."""
+    iterations: int
+    """Linear systems solved."""
 
 
-def steady(balance: Balance, start: Floats | None = None) -> Solved:
-    """Return the steady flow of a balance, from dry joints, or from pressures (m,), Pa."""
+def steady(balance: Balance, start: Solved | None = None) -> Solved:
+    """Return the smallest steady flow of a balance; ``start``, one that is near, saves time.
+
+    Raises NoFlow where rounding keeps it from being found.
+    """
     count = len(balance.kind)
-    before = (np.zeros(count), np.zeros(count))
-    problem = _posed(balance, before, 0.0)
-    first = -problem.scale if start is None else np.where(start > 0.0, start, -problem.scale)
-    return _solved(problem, np.zeros(count) if balance.confined else first)
+    problem = Problem(
+        balance=balance, pressure=np.zeros(count), saturation=np.zeros(count), rate=0.0
+    )
+    if start is None or balance.confined:
+        found = _from_upwind(problem)
+    else:
+        found = _searched(problem, _unknowns(problem, start.pressure, start.saturation))
+    x = found.x if balance.confined else _smallest(problem, found.x)
+    return _result(problem, x, found.iterations)
 
 
 def advanced(balance: Balance, before: Solved, step: float) -> Solved:
-    """Return the flow at the end of a step, s, by backward Euler from the state ``before``."""
+    """Return the flow at the end of a step, s, by backward Euler from the state ``before``.
+
+    Raises NoFlow where rounding keeps it from being found.
+    """
     pressure, saturation = before.pressure, before.saturation
-    problem = _posed(balance, (pressure, saturation), 1.0 / step)
-    dry = (saturation < 1.0) & (not balance.confined)
-    return _solved(problem, np.where(dry, (saturation - 1.0) * problem.scale, pressure))
+    problem = Problem(balance=balance, pressure=pressure, saturation=saturation, rate=1.0 / step)
+    found = _searched(problem, _unknowns(problem, pressure, saturation))
+    return _result(problem, found.x, found.iterations)
 
 
-def _posed(balance: Balance, before: tuple[Floats, Floats], rate: float) -> _Problem:
-    """Return a balance with what its unknowns are measured by."""
-    count = len(balance.kind)
-    scale = np.full(count, max(float(balance.drop.max(initial=0.0)), 1.0))
-    leak: Floats = np.asarray(
-        np.bincount(balance.node.ravel(), np.repeat(balance.conductance, 2), count), np.float64
-    )
-    return _Problem(balance=balance, scale=scale, leak=leak, before=before, rate=rate)
+def _unknowns(problem: Problem, pressure: Floats, saturation: Floats) -> Floats:
+    """Return the unknowns of a state of nodes, Pa, shape (m,)."""
+    dry = (saturation < 1.0) & (not problem.balance.confined)
+    return np.where(dry, (saturation - 1.0) * problem.scale, pressure)
 
 
-def _nodes(problem: _Problem, x: Floats) -> _Nodes:
-    """Return the state of nodes for their unknowns, Pa, shape (m,)."""
+def _from_upwind(problem: Problem) -> _Found:
+    """Return the steady flow that is found from that of full joints by way of the upwind law."""
     balance = problem.balance
-    given, seeps = balance.kind == GIVEN, balance.kind == SEEPAGE
-    above = seeps & (x >= balance.pressure)
+    x = np.zeros(len(balance.kind))
     if balance.confined:
-        pressure, saturation, wet = x, np.ones_like(x), np.ones(len(x), np.bool_)
-    else:
-        pressure, saturation = np.maximum(x, 0.0), 1.0 + np.minimum(x, 0.0) / problem.scale
-        wet = x >= 0.0
-    return _Nodes(
-        pressure=np.where(given | above, balance.pressure, pressure),
-        saturation=np.where(given, 1.0, saturation),
-        outflow=np.where(above, problem.leak * (x - balance.pressure), 0.0),
-        by_pressure=(wet & ~given & ~above).astype(np.float64),
-        by_saturation=np.where(wet | given, 0.0, 1.0 / problem.scale),
-        by_outflow=np.where(above, problem.leak, 0.0),
+        return _searched(problem, x)
+    # of full joints that faces and drains suck
+    full = replace(
+        balance, kind=np.where(balance.kind == SEEPAGE, GIVEN, balance.kind), confined=True
     )
+    full_found = _newton(replace(problem, balance=full), x, 2)
+    x = np.where(full_found.x > 0.0, full_found.x, -problem.scale)
+    near = _newton(problem, x, MOST, upwind_at)
+    found = _searched(problem, near.x)
+    return replace(found, iterations=full_found.iterations + near.iterations + found.iterations)
 
 
-def _flows(balance: Balance, nodes: _Nodes) -> tuple[Floats, Floats, Floats]:
-    """Return the flow of channels from upper to lower node, and its slopes by x of both, (k,)."""
-    upper, lower, drop, conductance = (
-        balance.upper,
-        balance.lower,
-        balance.drop,
-        balance.conductance,
-    )
-    over, under = nodes.pressure[upper], nodes.pressure[lower]
-    running = nodes.saturation[upper] * drop
-    standing = drop - under
-    runs = (running < standing) & (not balance.confined)
-    flow = conductance * (over + np.where(runs, running, standing))
-    by_upper = nodes.by_pressure[upper] + np.where(runs, drop * nodes.by_saturation[upper], 0.0)
-    by_lower = np.where(runs, 0.0, -nodes.by_pressure[lower])
-    return flow, conductance * by_upper, conductance * by_lower
+def _searched(problem: Problem, x: Floats) -> _Found:
+    """Return the zero of the balance, from unknowns (m,), Pa, that are near."""
+    found = _newton(problem, x, MOST)
+    iterations, part = found.iterations, FIRST_PART
+    while not found.done:
+        if iterations > PIECES:
+            raise NoFlow(
+                f"The flow of water in joints was not found: after {iterations} linear systems a "
+                f"share of {found.error:.0e} of it is out of balance at a node."
+            )
+        x, pieces = followed(problem, found.x, found.error, part)
+        found = _newton(problem, x, MOST)
+        iterations, part = iterations + pieces + found.iterations, 2 * part
+    return replace(found, iterations=iterations)
 
 
-def _left(problem: _Problem, nodes: _Nodes, flow: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return what leaves each node, what it stores and what its pump lacks, m2/s, (m,) each."""
-    balance, count = problem.balance, len(nodes.pressure)
-    pressure, saturation = problem.before
-    stored = problem.rate * (
-        balance.volume * (nodes.saturation - saturation)
-        + balance.volume / balance.bulk_modulus * (nodes.pressure - pressure)
-        + balance.opened * saturation
-    )
-    missing = np.maximum(-balance.inflow, 0.0) * (1.0 - nodes.saturation)
-    out = np.bincount(balance.upper, flow, count) - np.bincount(balance.lower, flow, count)
-    return out + stored + nodes.outflow - balance.inflow - missing, stored, missing
+def _newton(
+    problem: Problem, x: Floats, most: int, piece_of: Callable[..., Piece] = piece_at
+) -> _Found:
+    """Return the best of ``most`` iterations of Newton's method from x (m,), Pa.
+
+    They stop at the kinks of nodes, and where nodes are empty.
+    """
+    free, best, last = problem.free, np.inf, None
+    kept, since = x, 0
+    for iterations in range(most + 1):
+        piece = piece_of(problem, x)
+        water = water_at(problem, piece, x)
+        error = error_of(problem, water)
+        same = last is not None and piece.same_as(last)
+        within = np.abs(water.left[free]) <= ROUNDING * water.terms[free]
+        if within.all() or (same and error > 0.5 * best):
+            return _Found(
+                x=x if error < best else kept,
+                error=min(error, best),
+                done=True,
+                iterations=iterations,
+            )
+        since = 0 if error < best else since + 1
+        if error < best:
+            kept, best = x, error
+        if since == PATIENCE or iterations == most:
+            break
+        new = x + change(problem, piece, water.left)
+        x, last = new if problem.balance.confined else _stopped(problem, x, new), piece
+    return _Found(x=kept, error=best, done=False, iterations=iterations)
 
 
-def _slopes(problem: _Problem, nodes: _Nodes, by_upper: Floats, by_lower: Floats) -> Any:
-    """Return how what leaves each node grows with x of each, m2/(s Pa), sparse, (m, m)."""
+def _stopped(problem: Problem, x: Floats, new: Floats) -> Floats:
+    """Return the way from x to new unknowns, Pa, (m,), no farther than to the kink or to empty."""
+    new = np.where((x < 0.0) & (new > 0.0), 0.0, new)
+    new = np.where((x > 0.0) & (new < 0.0), -1e-12 * problem.scale, new)
+    return np.maximum(new, -problem.scale)
+
+
+def _smallest(problem: Problem, x: Floats) -> Floats:
+    """Return the unknowns of the smallest steady state that differs by no flow, Pa, (m,)."""
+    balance, scale = problem.balance, problem.scale
+    count = len(x)
+    x = np.where(_reached(problem, x) | ~balance.free, x, -scale)
+    pressure = water_at(problem, piece_at(problem, x), x).pressure
+    down = balance.drop > 0.0
+    upper, lower = balance.upper[down], balance.lower[down]
+    standing = np.ones(count)
+    np.minimum.at(standing, upper, pressure[lower] / balance.drop[down])
+    loose = balance.free & (x <= 0.0) & (balance.inflow >= 0.0)
+    return np.where(loose, np.minimum(x, -scale * standing), x)
+
+
+def _reached(problem: Problem, x: Floats) -> Bools:
+    """Return the nodes that water comes to in a steady state, shape (m,)."""
     from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order
 
-    balance, count = problem.balance, len(nodes.pressure)
-    upper, lower, every = balance.upper, balance.lower, np.arange(count)
-    volume = problem.rate * balance.volume
-    own = (
-        np.bincount(upper, by_upper, count)
-        - np.bincount(lower, by_lower, count)
-        + nodes.by_outflow
-        + (volume + np.maximum(-balance.inflow, 0.0)) * nodes.by_saturation
-        + volume / balance.bulk_modulus * nodes.by_pressure
+    balance, count = problem.balance, len(x)
+    pressure = water_at(problem, piece_at(problem, x), x).pressure
+    over, under = pressure[balance.upper], pressure[balance.lower]
+    falls = (balance.drop > 0.0) | (over > 0.0)
+    rises = under > balance.drop * (1.0 + STANDS)
+    source = np.flatnonzero((balance.kind == GIVEN) | (balance.inflow > 0.0))
+    first = np.concatenate(
+        [balance.upper[falls], balance.lower[rises], np.full(len(source), count)]
     )
-    value = np.concatenate([by_lower, -by_upper, own])
-    row = np.concatenate([upper, lower, every])
-    column = np.concatenate([lower, upper, every])
-    return coo_array((value, (row, column)), shape=(count, count)).tocsr()
+    last = np.concatenate([balance.lower[falls], balance.upper[rises], source])
+    ways = coo_array((np.ones(len(first)), (first, last)), shape=(count + 1, count + 1)).tocsr()
+    reached = np.zeros(count + 1, np.bool_)
+    reached[breadth_first_order(ways, count, return_predecessors=False)] = True
+    return reached[:count]
 
 
-def _solved(problem: _Problem, x: Floats) -> Solved:
-    """Return the flow found by Newton's method from unknowns (m,), Pa."""
-    from scipy.sparse import diags_array
-    from scipy.sparse.linalg import splu
-
+def _result(problem: Problem, x: Floats, iterations: int) -> Solved:
+    """Return what is handed on of a solution (m,), Pa."""
     balance = problem.balance
-    free = np.flatnonzero(balance.free)
-    for iterations in range(MOST):
-        nodes = _nodes(problem, x)
-        flow, by_upper, by_lower = _flows(balance, nodes)
-        left = _left(problem, nodes, flow)[0]
-        size = _throughput(problem, nodes, flow)
-        if np.abs(left[free]).max(initial=0.0) <= 1e-13 * size:
-            return _result(problem, nodes, flow, iterations)
-        slopes = _slopes(problem, nodes, by_upper, by_lower)[free][:, free]
-        least = np.maximum(1e-12 * problem.leak[free], 1e-300)
-        slopes = slopes + diags_array(least)
-        new = x[free] - splu(slopes.tocsc()).solve(left[free])
-        if not balance.confined:
-            new = np.where((x[free] < 0.0) & (new > 0.0), 0.0, new)
-            new = np.where((x[free] > 0.0) & (new < 0.0), -1e-12 * problem.scale[free], new)
-            new = np.maximum(new, -problem.scale[free])
-        x = x.copy()
-        x[free] = new
-    raise NoFlow(f"the flow of water in joints was not found in {MOST} iterations")
-
-
-def _throughput(problem: _Problem, nodes: _Nodes, flow: Floats) -> float:
-    """Return what flows through, or 1e-3 C p where that is larger, m2/s."""
-    balance = problem.balance
-    size = balance.conductance * (np.abs(nodes.pressure)[balance.node].sum(axis=1) + balance.drop)
-    return max(
-        float(np.abs(flow).max(initial=0.0)),
-        float(np.abs(balance.inflow).max(initial=0.0)),
-        1e-3 * float(size.max(initial=0.0)),
-        1e-300,
+    water = water_at(problem, piece_at(problem, x), x)
+    free = balance.free
+    given = np.where(free, 0.0, water.left)
+    put_in = np.where(free, balance.inflow + water.missing, 0.0)
+    raining = np.where(balance.kind == SEEPAGE, np.maximum(balance.inflow, 0.0), 0.0)
+    runoff = np.minimum(water.outflow, raining)
+    # what GIVEN nodes store is part of what flows in there
+    stored = float(water.stored.sum())
+    throughput = max(
+        float(np.maximum(given, 0.0).sum() + np.maximum(put_in, 0.0).sum() + max(-stored, 0.0)),
+        1e-3 * float((water.terms).max(initial=0.0)),
+        float(np.finfo(np.float64).tiny),
     )
-
-
-def _result(problem: _Problem, nodes: _Nodes, flow: Floats, iterations: int) -> Solved:
-    """Return a solution as it is handed on."""
-    balance = problem.balance
-    left, stored, missing = _left(problem, nodes, flow)
-    given = np.where(balance.free, 0.0, left)
-    entering = np.where(balance.kind == SEEPAGE, np.maximum(balance.inflow, 0.0), 0.0)
-    runoff = np.minimum(nodes.outflow, entering)
-    put_in = balance.inflow + missing
-    total = float(stored[balance.free].sum())
     return Solved(
-        pressure=nodes.pressure,
-        saturation=nodes.saturation,
-        flow=np.where(balance.weight >= 0.0, flow, -flow),
+        pressure=water.pressure,
+        saturation=np.clip(water.saturation, 0.0, 1.0),
+        flow=np.where(balance.weight >= 0.0, water.flow, -water.flow),
         given=given,
-        outflow=nodes.outflow - runoff,
+        outflow=water.outflow - runoff,
         runoff=runoff,
-        missing=missing,
-        stored=total,
-        unaccounted=float(given.sum() + put_in[balance.free].sum() - nodes.outflow.sum() - total),
-        throughput=_throughput(problem, nodes, flow),
+        missing=np.where(free, water.missing, 0.0),
+        stored=stored,
+        unaccounted=float(given.sum() + put_in.sum() - water.outflow.sum() - stored),
+        throughput=throughput,
         iterations=iterations,
     )

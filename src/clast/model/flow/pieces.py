@@ -1,0 +1,214 @@
+"""The balance of water as a function that is linear in pieces.
+
+One unknown x at a node holds its pressure and its saturation: p = max(x, 0), s = 1 + min(x, 0)/P,
+with one P for all, the weight of the highest column of a channel.  At SEEPAGE nodes p ends at the
+pressure there, and x above it stands for the outflow.  What leaves the nodes, F(x), is linear where
+no node changes between dry, wet and giving off, and no channel between running and standing full:
+
+    running   q = C (p_u + s_u G), of which l knows nothing;
+    full      q = C (p_u + G - p_l), of which u knows nothing while it is dry.
+
+F is an M-function: what a node holds raises what leaves it, and lowers what leaves its neighbours
+by no more in sum.  So with storage it has one zero, and slopes of positive determinant everywhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from clast.model.arrays import Bools, Floats
+from clast.model.flow.balance import GIVEN, SEEPAGE, Balance
+
+HOLD = 1e-12
+"""Slope of a node whose balance does not depend on its own unknown, as a share of its channels'."""
+ROUNDING = 8 * float(np.finfo(np.float64).eps)
+"""By how much a sum of flows may differ from none, as a share of its terms."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Problem:
+    """A balance with what was stored at the beginning of the step."""
+
+    balance: Balance
+    pressure: Floats
+    """Pressure at the beginning, Pa, shape (m,)."""
+    saturation: Floats
+    """Saturation at the beginning, shape (m,)."""
+    rate: float
+    """One by the step, 1/s; 0: steady."""
+
+    @cached_property
+    def scale(self) -> float:
+        """Return P, which x of an empty node lies below 0, Pa."""
+        return max(float(self.balance.drop.max(initial=0.0)), 1.0)
+
+    @cached_property
+    def around(self) -> Floats:
+        """Return the conductance of the channels at each node, m2/(s Pa), shape (m,)."""
+        balance = self.balance
+        both = np.repeat(balance.conductance, 2)
+        return np.bincount(balance.node.ravel(), both, len(balance.kind)).astype(np.float64)
+
+    @cached_property
+    def free(self) -> Any:
+        """Return the nodes whose pressure is not given, shape (n,)."""
+        return np.flatnonzero(self.balance.free)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Piece:
+    """Where F is linear."""
+
+    wet: Bools
+    """Nodes that are full: s = 1, shape (m,)."""
+    above: Bools
+    """SEEPAGE nodes that may give water off, shape (m,)."""
+    runs: Bools
+    """Channels whose flow depends on the saturation of their upper node, shape (k,)."""
+    pushes: Bools
+    """Channels whose flow depends on the pressure of their lower node, shape (k,)."""
+
+    def same_as(self, other: Piece) -> bool:
+        """Return whether another piece is the same."""
+        pairs = zip(self.__dict__.values(), other.__dict__.values(), strict=True)
+        return all(np.array_equal(mine, its) for mine, its in pairs)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Water:
+    """What water does for given unknowns."""
+
+    pressure: Floats
+    """Pressure at nodes, Pa, shape (m,)."""
+    saturation: Floats
+    """Saturation of nodes, shape (m,)."""
+    outflow: Floats
+    """Outflow R of SEEPAGE nodes, m2/s, shape (m,)."""
+    flow: Floats
+    """Flow of channels from upper to lower node, m2/s, shape (k,)."""
+    stored: Floats
+    """What nodes store, m2/s, shape (m,)."""
+    missing: Floats
+    """What pumps lack, m2/s, shape (m,)."""
+    left: Floats
+    """What leaves nodes, less what enters, F, m2/s, shape (m,)."""
+    terms: Floats
+    """Size of the terms of F before they cancel, m2/s, shape (m,)."""
+
+
+def piece_at(problem: Problem, x: Floats) -> Piece:
+    """Return the piece that unknowns (m,), Pa, lie in: on the wetter side of a kink."""
+    balance = problem.balance
+    given = balance.kind == GIVEN
+    wet = given | (x >= 0.0) | balance.confined
+    above = (balance.kind == SEEPAGE) & (x >= balance.pressure)
+    pressure = np.where(given | above, balance.pressure, np.maximum(x, 0.0))
+    lacking = (-x / problem.scale)[balance.upper] * balance.drop
+    runs = ~wet[balance.upper] & (lacking > pressure[balance.lower])
+    return Piece(wet=wet, above=above, runs=runs, pushes=~runs)
+
+
+def upwind_at(problem: Problem, x: Floats) -> Piece:
+    """Return the piece of the law q = C (p_u - p_l + s_u G), which is easier to solve.
+
+    It has no kinks but those of nodes; water at rest is not at rest by it.  Good to start from.
+    """
+    every = np.ones(len(problem.balance.node), np.bool_)
+    at = piece_at(problem, x)
+    return Piece(wet=at.wet, above=at.above, runs=every, pushes=every)
+
+
+def water_at(problem: Problem, piece: Piece, x: Floats) -> Water:
+    """Return what water does for unknowns (m,), Pa, by the linear function of a piece."""
+    balance, rate, count = problem.balance, problem.rate, len(x)
+    pressure = np.where(piece.wet, x, 0.0)
+    pressure = np.where((balance.kind == GIVEN) | piece.above, balance.pressure, pressure)
+    saturation = np.where(piece.wet, 1.0, 1.0 + x / problem.scale)
+    over, under = pressure[balance.upper], pressure[balance.lower]
+    falling = np.where(piece.runs, saturation[balance.upper], 1.0) * balance.drop
+    flow = balance.conductance * (falling + (over - np.where(piece.pushes, under, 0.0)))
+    outflow = np.where(piece.above, problem.around * (x - balance.pressure), 0.0)
+    elastic = balance.volume / balance.bulk_modulus
+    stored = rate * (
+        balance.volume * (saturation - problem.saturation)
+        + elastic * (pressure - problem.pressure)
+        + balance.opened * problem.saturation
+    )
+    missing = np.maximum(-balance.inflow, 0.0) * (1.0 - saturation)
+    out = np.bincount(balance.upper, flow, count) - np.bincount(balance.lower, flow, count)
+    size = balance.conductance * (np.abs(over) + np.abs(under) + balance.drop)
+    around = np.bincount(balance.node.ravel(), np.repeat(size, 2), count)
+    terms = around + rate * (balance.volume + elastic * np.abs(pressure)) + np.abs(balance.inflow)
+    return Water(
+        pressure=pressure,
+        saturation=saturation,
+        outflow=outflow,
+        flow=flow,
+        stored=stored,
+        missing=missing,
+        left=out + stored + outflow - balance.inflow - missing,
+        terms=terms + outflow,
+    )
+
+
+def error_of(problem: Problem, water: Water) -> float:
+    """Return by how much the balance of a free node is out, at most, as a share of what flows."""
+    flows = np.abs(water.flow).max(initial=0.0), np.abs(problem.balance.inflow).max(initial=0.0)
+    size = max(*flows, 1e-3 * water.terms.max(initial=0.0), np.finfo(np.float64).tiny)
+    return float(np.abs(water.left[problem.free]).max(initial=0.0) / size)
+
+
+def slopes(problem: Problem, piece: Piece) -> Any:
+    """Return how F at free nodes grows with their unknowns in a piece, sparse, (n, n).
+
+    Nodes are held by a small slope of their own: without storage that of a node may be none.
+    """
+    from scipy.sparse import coo_array  # slow to load, and few cases need it
+
+    balance, count, free = problem.balance, len(piece.wet), problem.free
+    upper, lower, every = balance.upper, balance.lower, np.arange(count)
+    by_pressure = np.where(piece.wet & ~piece.above, 1.0, 0.0)
+    by_saturation = np.where(piece.wet, 0.0, 1.0 / problem.scale)
+    running = np.where(piece.runs, balance.drop * by_saturation[upper], 0.0)
+    by_upper = balance.conductance * (by_pressure[upper] + running)
+    by_lower = balance.conductance * np.where(piece.pushes, by_pressure[lower], 0.0)
+    volume = problem.rate * balance.volume
+    own = (
+        np.bincount(upper, by_upper, count)
+        + np.bincount(lower, by_lower, count)
+        + np.where(piece.above, problem.around, 0.0)
+        + (volume + np.maximum(-balance.inflow, 0.0)) * by_saturation
+        + volume / balance.bulk_modulus * by_pressure
+        + held(problem)
+    )
+    value = np.concatenate([-by_lower, -by_upper, own])
+    place = np.concatenate([upper, lower, every]), np.concatenate([lower, upper, every])
+    matrix = coo_array((value, place), shape=(count, count)).tocsc()
+    return matrix if len(free) == count else matrix[:, free][free]
+
+
+def held(problem: Problem) -> Floats:
+    """Return the slope by which nodes are held, m2/(s Pa), shape (m,)."""
+    return HOLD * problem.around + np.finfo(np.float64).tiny
+
+
+def change(problem: Problem, piece: Piece, left: Floats) -> Floats:
+    """Return the change of unknowns (m,), Pa, by which F in a piece falls by ``left`` (m,).
+
+    Columns of the slopes sum to 0 or more, so that they are factored without pivots.
+    """
+    from scipy.sparse.linalg import splu
+
+    free = problem.free
+    changed = np.zeros(len(left))
+    if len(free):
+        symmetric = {"SymmetricMode": True}
+        order = "MMD_AT_PLUS_A"
+        matrix = slopes(problem, piece)
+        factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options=symmetric)
+        changed[free] = -factor.solve(left[free])
+    return changed
