@@ -32,14 +32,16 @@ from clast.model.flow.pieces import (
     water_at,
 )
 
-MOST = 40
+MOST = 60
 """Most iterations of Newton's method before the path is followed."""
-FIRST_PART = 32
+FIRST_PART = 16
 """Pieces of the path after which Newton's method is tried again; twice as many each time."""
 PIECES = 100_000
 """Most pieces in all: a limit of patience, not of the method."""
-PATIENCE = 15
-"""Iterations of Newton's method without one that is better, after which it is given up."""
+REPEATS = 6
+"""Pieces that Newton's method comes back to before it is taken to go round."""
+ROUNDED = 1e-10
+"""Error that may be due to rounding."""
 STANDS = 1e-9
 """By how much the column in a channel must be too high to rise out of it, as a share of it."""
 
@@ -136,29 +138,24 @@ def _newton(
 
     They stop at the kinks of nodes, and where nodes are empty.
     """
-    free, best, last = problem.free, np.inf, None
-    kept, since = x, 0
+    free, before, repeats = problem.free, np.inf, 0
+    seen: dict[bytes, int] = {}
     for iterations in range(most + 1):
         piece = piece_of(problem, x)
         water = water_at(problem, piece, x)
         error = error_of(problem, water)
-        same = last is not None and piece.same_as(last)
         within = np.abs(water.left[free]) <= ROUNDING * water.terms[free]
-        if within.all() or (same and error > 0.5 * best):
-            return _Found(
-                x=x if error < best else kept,
-                error=min(error, best),
-                done=True,
-                iterations=iterations,
-            )
-        since = 0 if error < best else since + 1
-        if error < best:
-            kept, best = x, error
-        if since == PATIENCE or iterations == most:
+        last = seen.get(key := piece.key, -1)
+        # solved in its own piece, and no better: what is left is rounding
+        same = last == iterations - 1 and error > 0.5 * before
+        done = bool(within.all()) or (same and error < ROUNDED)
+        repeats += 0 <= last < iterations - 1
+        if done or iterations == most or repeats == REPEATS:
             break
+        before, seen[key] = error, iterations
         new = x + change(problem, piece, water.left)
-        x, last = new if problem.balance.confined else _stopped(problem, x, new), piece
-    return _Found(x=kept, error=best, done=False, iterations=iterations)
+        x = new if problem.balance.confined else _stopped(problem, x, new)
+    return _Found(x=x, error=error, done=done, iterations=iterations)
 
 
 def _stopped(problem: Problem, x: Floats, new: Floats) -> Floats:
