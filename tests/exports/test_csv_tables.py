@@ -32,6 +32,7 @@ def folder(written: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("tables") / "three"
     # there are none
     none = ("bolts", "linings", "links", "measured_contacts", "convergences", "stages", "events")
+    none += ("channels", "flow", "measured_flows")
     names = [name for name in TABLES if name not in none]
     assert write_csv(written, path) == [path / f"{name}.csv" for name in names]
     return path

@@ -19,9 +19,10 @@ from clast.actions.water import Pressed, sums_on_blocks
 from clast.model.arrays import Bools, Floats, Ints
 from clast.model.flow.apertures import at_start, conductance, hydraulic
 from clast.model.flow.balance import Balance, Solved
+from clast.model.flow.channels import Network, faces_at
 from clast.model.flow.conditions import Conditions, conditions_of, faces_on
 from clast.model.flow.given import HEAD, Flow
-from clast.model.flow.network import Network, faces_at, network_of
+from clast.model.flow.network import network_of
 from clast.model.flow.solving import steady
 from clast.model.model import Model
 from clast.model.water import WetFaces, ends_of_faces, wetted
@@ -97,26 +98,36 @@ def pressed_channels(water: JointWater, model: Any, vertices: Floats) -> Pressed
 
     Only where there is pressure; ``model`` may be a frame as well.
     """
-    network, solved = water.network, water.solved
+    network = water.network
     ends = faces_at(network, vertices, model.vertex_after).mean(axis=1)
-    pressure = solved.pressure[network.node]
+    pressure = water.solved.pressure[network.node]
     some = np.flatnonzero(pressure.any(axis=1))
+    wet = wet_share(water, _given(model))[some, None]
     ends, pressure = ends[some], pressure[some]
-    dry = solved.saturation[network.node[some]] < 1.0
     for end in (0, 1):
-        partly = np.flatnonzero(dry[:, end] & ~dry[:, 1 - end])
-        other, channel = 1 - end, some[partly]
-        rise = (
-            network.at[network.node[channel, end], 1] - network.at[network.node[channel, other], 1]
-        )
-        down = solved.flow[channel] * (1.0 if end == 0 else -1.0)
-        lost = _given(model).weight * rise - down / water.conductance[channel]
-        wet = np.minimum(pressure[partly, other] / np.where(lost > 0.0, lost, np.inf), 1.0)
-        # flow that takes all of the weight leaves no column
-        wet = np.where(lost > 0.0, wet, 1.0)[:, None]
-        ends[partly, end] = ends[partly, other] + wet * (ends[partly, end] - ends[partly, other])
+        partly = np.flatnonzero((wet[:, 0] < 1.0) & (pressure[:, end] == 0.0))
+        first = ends[partly, 1 - end]
+        ends[partly, end] = first + wet[partly] * (ends[partly, end] - first)
     left, right = network.block[some].T
     return Pressed(network.edge[some, 0], left, right, ends, pressure)
+
+
+def wet_share(water: JointWater, flow: Flow) -> Floats:
+    """Return the share of each channel under pressure, from the end that has one, shape (k,)."""
+    network, solved = water.network, water.solved
+    pressure = solved.pressure[network.node]
+    wet = np.asarray(pressure.any(axis=1), np.float64)
+    dry = solved.saturation[network.node] < 1.0
+    for end in (0, 1):
+        partly = np.flatnonzero(dry[:, end] & ~dry[:, 1 - end])
+        height = network.at[network.node[partly], 1]
+        rise = height[:, end] - height[:, 1 - end]
+        down = solved.flow[partly] * (1.0 if end == 0 else -1.0)
+        # flow that takes all of the weight leaves no column
+        lost = flow.weight * rise - down / water.conductance[partly]
+        deep = pressure[partly, 1 - end]
+        wet[partly] = np.where(lost > deep, deep / np.where(lost > deep, lost, 1.0), 1.0)
+    return wet
 
 
 def pressed_faces(water: JointWater, model: Any, vertices: Floats, time: float) -> Pressed:
@@ -147,6 +158,10 @@ class JointFlow(Action):
         """Return the flow at the start of the run."""
         return water_at(model, 0.0)
 
+    def may_be(self, state: Any, model: Model) -> bool:
+        """Return whether an object can be a state of the flow, of a checkpoint for one."""
+        return isinstance(state, JointWater) and is_whole(state, model)
+
     def contribution(self, start: StepStart, state: JointWater) -> WetContribution:
         """Return the sum of the forces of water on each block, as it flows in this step."""
         model, midway, time = start.model, start.midway, start.time_of_forces
@@ -166,6 +181,29 @@ class JointFlow(Action):
         return replace(done, state=contribution.water)
 
 
+def is_whole(water: JointWater, model: Model) -> bool:
+    """Return whether the arrays of water in joints fit each other and a model."""
+    network, solved, on = water.network, water.solved, water.conditions
+    k, m, faces = len(network.length), len(network.at), len(network.face_edge)
+    edges, blocks = len(model.vertices), model.block_count
+    of_channels = (solved.flow, water.conductance, network.joint)
+    of_nodes = (solved.pressure, solved.saturation, solved.given, solved.outflow, solved.runoff)
+    of_nodes += (solved.missing, water.volume, network.near, on.pressure, on.inflow)
+    pairs = [(network.node, m), (network.edge, edges), (network.block, blocks)]
+    shapes = [(one, (k,)) for one in of_channels] + [(one, (m,)) for one in of_nodes]
+    shapes += [(one, (k, 2)) for one, _ in pairs] + [(water.aperture, (k, 2))]
+    shapes += [(network.share, (k, 2, 2)), (network.at, (m, 2)), (water.absent, (blocks,))]
+    shapes += [(network.face_share, (faces, 2)), (on.kind, (m,)), (on.part, (m,))]
+    if not all(one.shape == shape for one, shape in shapes):
+        return False
+    limits = [*pairs, (network.face_edge, edges), *((one, faces) for one in water.pressed)]
+    exist = all(((one >= 0) & (one < limit)).all() for one, limit in limits)
+    known = (on.part >= -1) & (on.part < len(_given(model).names))
+    right = len(water.pressed) == len(_given(model).boundaries) and (water.conductance > 0.0).all()
+    finite = all(np.isfinite(one).all() for one, _ in shapes)
+    return bool(exist and known.all() and right and finite)
+
+
 def _given(model: Any) -> Flow:
     """Return the flow of a model that has one."""
     flow: Flow = model.flow
@@ -175,7 +213,9 @@ def _given(model: Any) -> Flow:
 def _begun(model: Model, time: float) -> JointWater:
     """Return the water in a network that is found anew."""
     flow = _given(model)
-    network = network_of(model, flow.longest, flow.points)
+    network = flow.network
+    if network is None or (model.absent & ~model.lined).any():
+        network = network_of(model, flow.longest, flow.points)
     mechanical = at_start(model, network)
     aperture = hydraulic(model, network, mechanical)
     # half of each channel belongs to the node at either end

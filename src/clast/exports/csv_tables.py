@@ -13,7 +13,7 @@ from clast.errors import CaseError, shortened
 from clast.exports.targets import check_free, edge_joints, frames_in
 from clast.results import Recording
 from clast.results.result_tables import PARTS, Columns
-from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
+from clast.results.schema import FLOW_TABLE, KIND_FIELDS, OVER_TIME, TableSchema
 from clast.rockmass.drawings.drawing_files import write_rows
 
 Rows = Iterator[Sequence[Any]]
@@ -66,6 +66,8 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
     """Yield the tables without rows, with the reason."""
     if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
         yield "contacts", "no contacts are recorded: none carried a force, or they were left out"
+    if not len(results.channels.edge):
+        yield "channels", FLOW_TABLE.without
     for one in OVER_TIME:
         if one.of is not None and not results.names_of(one):
             yield one.csv or one.name, one.without
@@ -115,6 +117,13 @@ def _contacts(results: Recording, frames: Sequence[int]) -> Rows:
             names = results.joint_name
             columns["joint"] = [names[k] for k in columns["joint"]]
         yield from _with(columns.values(), frame, float(results.times[frame]))
+
+
+def _channels(results: Recording, frames: Sequence[int]) -> Rows:
+    yield ("frame", "time", *results.flow(frames[0]))
+    for frame in frames:
+        columns = [values.tolist() for values in results.flow(frame).values()]
+        yield from _with(columns, frame, float(results.times[frame]))
 
 
 def _over_time(table: TableSchema) -> Callable[[Recording, Sequence[int]], Rows]:
@@ -168,6 +177,7 @@ TABLES: dict[str, Callable[[Recording, Sequence[int]], Rows]] = {
     "blocks": _blocks,
     "vertices": _vertices,
     "contacts": _contacts,
+    "channels": _channels,
     **{one.csv or one.name: _over_time(one) for one in OF_THINGS},
     **{one.csv or one.name: _over_time(one) for one in OVER_TIME if one.of is None},
     "stages": _stages,

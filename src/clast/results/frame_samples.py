@@ -15,6 +15,7 @@ from clast.actions.linings import linings_of
 from clast.actions.relaxation import absent_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.checks import point_text
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import LEDGER_ENTRIES, ContactMemory, ReferenceState, State
 from clast.results.contact_samples import (
@@ -25,12 +26,27 @@ from clast.results.contact_samples import (
     worn,
 )
 from clast.results.frames import VERTICES
-from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
+from clast.results.schema import (
+    BESIDE,
+    BLOCK_FIELDS,
+    BOLT_POINTS,
+    CHANNELS,
+    CONTACTS,
+    FLOWS,
+    KIND_FIELDS,
+    PLANE_VECTORS,
+)
 from clast.step.method import StepResult
 
 _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 RowOf = Callable[[State], tuple[Any, ...]]
 """Returns the row of an instant, its entries in the order of the columns."""
+
+
+def beside_of(model: Model, state: State) -> dict[str, Floats]:
+    """Return the arrays of a frame beside those of blocks (``schema.BESIDE``)."""
+    arrays = {BOLT_POINTS: state.points[model.point_slices.bolts] + model.origin}
+    return arrays if model.flow is None else {**arrays, CHANNELS: channel_values(model, state)}
 
 
 class FrameFields:
@@ -102,6 +118,111 @@ def bolt_states(model: Model, state: State) -> BoltStates:
     """Return the states of the springs of the bolts, at the start of a run as well."""
     states = [one for one in state.actions if isinstance(one, BoltStates)]
     return states[0] if states else Bolting().begin(model)
+
+
+def joint_water(model: Model, state: State) -> Any:
+    """Return the water in joints (actions/flow.py), at the start of a run as well."""
+    from clast.actions.flow import JointWater, water_at  # few cases need it
+
+    return next((one for one in state.actions if isinstance(one, JointWater)), None) or water_at(
+        model, state.time
+    )
+
+
+def channel_values(model: Model, state: State) -> Floats:
+    """Return the water in the channels that the model has at its start (``schema.CHANNELS``)."""
+    count, flow = BESIDE[CHANNELS][1](model), model.flow
+    values = np.zeros((count, BESIDE[CHANNELS][0]))
+    if not count or flow is None or flow.network is None:
+        return values
+    from clast.actions.flow import wet_share
+
+    water = joint_water(model, state)
+    network, solved = water.network, water.solved
+    columns = (solved.pressure[network.node], solved.saturation[network.node], water.aperture)
+    whole = np.column_stack([*columns, solved.flow, wet_share(water, flow)])
+    if len(whole) == count:
+        return whole
+    # those that are left are the same to the last bit
+    key = [
+        np.concatenate([one.edge, one.share.reshape(-1, 4)], axis=1)
+        for one in (flow.network, network)
+    ]
+    _, number = np.unique(np.concatenate(key), axis=0, return_inverse=True)
+    place = np.zeros(number.max(initial=-1) + 1, np.int64)
+    place[number[:count]] = np.arange(count)
+    values[place[number[count:]]] = whole
+    return values
+
+
+def flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time and the columns of ``FLOW_TABLE`` of parts and all, (k,) each."""
+    names = FLOWS.names(model)
+
+    def row(state: State) -> tuple[Any, ...]:
+        water, count = joint_water(model, state), len(names)
+        solved, part = water.solved, water.conditions.part
+        into, out = flows_of(water)
+        sums = [np.bincount(part + 1, one, count)[1:] for one in (into, out, solved.runoff)]
+        pressure = np.zeros(count)
+        np.maximum.at(pressure, part[part >= 0], solved.pressure[part >= 0])
+        none = np.zeros(count - 1)
+        columns = [np.append(one, one.sum()) for one in sums]
+        pressure[-1] = solved.pressure.max(initial=0.0)
+        stored = np.append(none, solved.stored)
+        unaccounted = np.append(none, solved.unaccounted)
+        iterations = np.append(none, solved.iterations).astype(np.int64)
+        return state.time, *columns, pressure, stored, unaccounted, iterations
+
+    return row
+
+
+def flows_of(water: Any) -> tuple[Floats, Floats]:
+    """Return what flows into the joints and out of them at the nodes, m2/s, (m,) each."""
+    solved = water.solved
+    put_in = water.conditions.inflow + solved.missing
+    into = np.maximum(solved.given, 0.0) + np.maximum(put_in, 0.0) - solved.runoff
+    out = np.maximum(-solved.given, 0.0) + np.maximum(-put_in, 0.0) + solved.outflow
+    return into, out
+
+
+LITRES = 1e3 * 60.0 * 10.0
+"""l/min per 10 m of a flow of 1 m2/s."""
+
+
+def flow_notes(model: Model, state: State) -> tuple[str, ...]:
+    """Return what flows at boundaries and wells at the end, the largest pressure, what is lost."""
+    if model.flow is None:
+        return ()
+    water, names = joint_water(model, state), FLOWS.names(model)
+    _, into, out, runoff, pressure, _, unaccounted, _ = flow_rows(model, None)(state)
+    notes = []
+    for k, name in enumerate(names[:-1]):
+        for rate, way in ((out[k], "leaves the rock"), (into[k], "enters the rock")):
+            # what is next to nothing beside the sum is rounding
+            if rate > 1e-9 * max(out[-1], into[-1]):
+                ten = f"{LITRES * rate:.4g} l/min per 10 m"
+                notes.append(f"flow: {rate:.4g} m3/s per m ({ten}) {way} at '{name}'")
+        if runoff[k] > 0.0:
+            notes.append(f"flow: {runoff[k]:.4g} m3/s per m of rain run off at '{name}'")
+    if len(water.solved.pressure):
+        at = water.network.at[water.solved.pressure.argmax()] + model.origin
+        largest = f"flow: largest pressure {pressure[-1]:.4g} Pa, at {point_text(at)}"
+        notes.append(f"{largest}; {abs(unaccounted[-1]):.2g} m3/s per m unaccounted for")
+    return tuple(notes)
+
+
+def measured_flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
+    """Return the function of time and of what flows in and out of each measured flow, (k,) each."""
+    every, names = flow_rows(model, reference), FLOWS.names(model)
+    measured = model.flow.measured if model.flow else ()
+    which = np.array([names.index(of) for _, of in measured], np.int64)
+
+    def row(state: State) -> tuple[Any, ...]:
+        time, into, out, *_ = every(state)
+        return time, into[which], out[which]
+
+    return row
 
 
 def ledger_rows(model: Model, reference: ReferenceState | None) -> RowOf:
@@ -224,6 +345,8 @@ ROWS: dict[str, Callable[[Model, ReferenceState | None], RowOf]] = {
     "links": link_rows,
     "linings": lining_rows,
     "convergences": convergence_rows,
+    "flow": flow_rows,
+    "measured_flows": measured_flow_rows,
 }
 """Tables with a row per instant -> the function that gives their rows from a reference on."""
 
@@ -326,10 +449,9 @@ class FramesInMemory:
         """Return a row for every contact of a frame that carries a force."""
         return self.kept[frame][1]
 
-    def bolt_points(self, frame: int) -> Floats:
-        """Return the points of the bolts in a frame, m, shape (q, 2)."""
-        rows = self._model.point_slices.bolts
-        return np.asarray(self.kept[frame][0].points[rows] + self._model.origin)
+    def beside(self, name: str, frame: int) -> Floats:
+        """Return an array of a frame beside those of blocks (``schema.BESIDE``)."""
+        return beside_of(self._model, self.kept[frame][0])[name]
 
     def _one(self, name: str, frame: int) -> NDArray[Any]:
         """Return a field of one frame, shape (n, ...), or its vertices, (nv, 2)."""

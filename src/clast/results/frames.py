@@ -46,8 +46,8 @@ class FrameStore(Protocol):
         """Return a row for every contact of a frame that carries a force."""
         ...
 
-    def bolt_points(self, frame: int) -> Floats:
-        """Return the points of the bolts in a frame, m, shape (q, 2)."""
+    def beside(self, name: str, frame: int) -> Floats:
+        """Return an array of a frame beside those of blocks (``schema.BESIDE``)."""
         ...
 
 

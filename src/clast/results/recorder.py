@@ -194,9 +194,11 @@ class RunRecorder:
             place = PlaceOfFrame(name=name, stage=self._stage, counts=self._counts())
             self._kept.add(state, rows, place)
         if self._file is not None:
-            points = state.points[self._model.point_slices.bolts] + self._model.origin
+            from clast.results.frame_samples import beside_of
+
+            beside = beside_of(self._model, state)
             self._file.stage = self._stage
-            self._file.frame(state.time, self._fields.of(state), rows, self._tables, points)
+            self._file.frame(state.time, self._fields.of(state), rows, self._tables, beside)
         self._frame_times.append(state.time)
         self._framed = RecordMark(
             frames=len(self._frame_times),
@@ -246,7 +248,7 @@ class RunRecorder:
 
         Raises RunStopped, with the recording in its ``run``, where they cannot be written.
         """
-        report = replace(report, notes=(*report.notes, *self._bolt_notes()))
+        report = replace(report, notes=(*report.notes, *self._bolt_notes(), *self._flow_notes()))
         if self._recorded is not None:
             report = replace(report, wall_seconds=report.wall_seconds + self._recorded.wall)
         try:
@@ -293,6 +295,13 @@ class RunRecorder:
         from clast.results.frame_samples import bolt_states
 
         return story_of(bolt_states(self._model, self._state), self._model)
+
+    def _flow_notes(self) -> tuple[str, ...]:
+        if self._model.flow is None or self._state is None:
+            return ()
+        from clast.results.frame_samples import flow_notes
+
+        return flow_notes(self._model, self._state)
 
     def _counts(self) -> dict[str, int]:
         return {name: len(table) for name, table in self._tables.items()}

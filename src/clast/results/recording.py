@@ -25,25 +25,35 @@ from clast.results.frames import ABSENT, VERTICES, FrameStore
 from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
+    Channels,
     Columns,
     ContactHistory,
     ConvergenceHistory,
+    FlowHistory,
     FrameBolts,
     FrameContacts,
+    FrameFlow,
     LiningHistory,
     PointHistory,
     ReactionHistory,
 )
 from clast.results.run_report import Report, version_of
 from clast.results.schema import (
+    BESIDE,
+    BOLT_POINTS,
     BOLT_TABLE,
+    CHANNELS,
     COMPONENTS,
     CONTACT_TABLE,
     CONVERGENCE_TABLE,
     ENERGY,
+    FLOW_TABLE,
+    FLOWS,
     HISTORY,
     LINING_TABLE,
     LINK_TABLE,
+    MEASURED_FLOW_TABLE,
+    MEASURED_FLOWS,
     OVER_TIME,
     REACTION_TABLE,
     STEPS,
@@ -83,6 +93,16 @@ class Frame:
     def contacts(self) -> FrameContacts:
         """The contacts that carry a force, as a table."""
         return self.recording.contacts(self.number)
+
+    @property
+    def flow(self) -> FrameFlow:
+        """The water in joints, as a table."""
+        return self.recording.flow(self.number)
+
+    @property
+    def water_table(self) -> tuple[Floats, ...]:
+        """Lines through points of joints with no pressure, m, (c, 2) each, one by wet part."""
+        return self.flow.water_table
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -126,6 +146,11 @@ class Recording:
     link_lines: LinkLines = field(default_factory=LinkLines)
     """The links with a place, where they were at the start."""
     lining_joints: LiningJoints = field(default_factory=LiningJoints)
+    flow_name: tuple[str, ...] = ()
+    """Boundaries and wells of water that flows in joints, and the sum of all."""
+    measured_flow_name: tuple[str, ...] = ()
+    channels: Channels = field(default_factory=Channels)
+    """The channels of that water."""
     origin: Floats = field(default_factory=lambda: np.zeros(2))
     """Point that coordinates of the model are relative to, m, shape (2,)."""
     gravity: Floats = field(default_factory=lambda: np.zeros(2))
@@ -397,8 +422,28 @@ class Recording:
             return FrameBolts((), np.zeros((0, 2)), self.bolt_of_point, None)
         rows = self._rows(BOLT_TABLE)
         row = rows[int(np.abs(rows["time"] - self.times[number]).argmin())]
-        points = self._frames.bolt_points(number)
+        points = self._frames.beside(BOLT_POINTS, number)
         return FrameBolts(self.bolt_name, points, self.bolt_of_point, row)
+
+    def flow(self, frame: int = -1) -> FrameFlow:
+        """Return the water in the joints of a frame: where it is, pressures, flows, as a table."""
+        number, channels = self._number(frame), self.channels
+        values = np.zeros((0, BESIDE[CHANNELS][0]))
+        if len(channels.edge):
+            values = self._frames.beside(CHANNELS, number)
+        return FrameFlow(channels, values, self.vertices(number), self.block_start)
+
+    def inflow(self, name: str) -> FlowHistory:
+        """Return the water at a boundary, well or opening, a row per instant, as a table.
+
+        Its ``inflow`` is what comes out of the rock, m2/s: into a tunnel.  A measured flow goes by
+        its own name, too.
+        """
+        table = FLOW_TABLE if name in self.flow_name else MEASURED_FLOW_TABLE
+        known = (*self.flow_name, *self.measured_flow_name)
+        if name not in known:
+            raise unknown_name(FLOWS.meaning, str(name), known)
+        return FlowHistory(self._rows_called(table, name), table, name)
 
     @property
     def energy(self) -> Columns:
@@ -488,11 +533,21 @@ def parts_of(model: Model) -> dict[str, Any]:
         "link_name": model.links,
         "link_lines": model.link_lines,
         "lining_joints": model.lining_joints,
+        "flow_name": FLOWS.names(model),
+        "measured_flow_name": MEASURED_FLOWS.names(model),
+        "channels": _channels_of(model),
         "origin": model.origin,
         "gravity": np.asarray(model.gravity),
         "water": model.water,
         "surcharge": model.surcharge,
     }
+
+
+def _channels_of(model: Model) -> Channels:
+    network = None if model.flow is None else model.flow.network
+    if network is None:
+        return Channels()
+    return Channels(edge=network.edge, share=network.share, node=network.node)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

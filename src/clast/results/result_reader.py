@@ -20,7 +20,9 @@ from clast.results.open_file import AGAIN, QUICKLY_CHECKED, ask, check_ours
 from clast.results.recording import Recording
 from clast.results.run_report import main_parameters
 from clast.results.schema import (
+    BOLT_POINTS,
     BOLT_STATES,
+    CHANNELS,
     CONTACTS,
     KIND_FIELDS,
     LINK_STATES,
@@ -94,13 +96,13 @@ class Results(Recording):
             raise self._damaged(f"frame {frame} has contacts along joints that do not exist")
         return rows
 
-    def bolt_points(self, frame: int) -> Floats:
-        """Return the points of the bolts in a frame, m, shape (q, 2)."""
-        count = len(self.bolt_of_point)
+    def beside(self, name: str, frame: int) -> Floats:
+        """Return an array of a frame beside those of blocks (``schema.BESIDE``)."""
+        count = {BOLT_POINTS: len(self.bolt_of_point), CHANNELS: len(self.channels.edge)}[name]
         rows = slice(frame * count, (frame + 1) * count)
-        points: Floats = ask(self.path, lambda file: file["bolt_points"][rows])
-        self._check_sound(points[None], "bolts", [frame])
-        return points
+        values: Floats = ask(self.path, lambda file: file[name][rows])
+        self._check_sound(values[None], name.partition("_")[0].rstrip("s") + "s", [frame])
+        return values
 
     def _damaged(self, fault: str) -> CaseError:
         return CaseError(f"is damaged: {fault}", where=str(self.path), remedy=AGAIN)

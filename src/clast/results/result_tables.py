@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from clast import spelling, thumbnails
 from clast.errors import CaseError
+from clast.model.arrays import connected, following, no_floats, no_ints
 from clast.model.model import Floats, Ints
 from clast.results.schema import (
     BOLT_STATES,
     BOLT_TABLE,
+    CHANNEL_TABLE,
     CONTACTS,
     HISTORY,
     LINING_STATES,
@@ -136,7 +138,7 @@ class Columns(dict[str, NDArray[Any]]):
     @property
     def schema(self) -> TableSchema | None:
         """The table of the schema that it is; None for one that is put together from others."""
-        return next((one for one in TABLES if one.name == self._schema), None)
+        return next((one for one in (*TABLES, CHANNEL_TABLE) if one.name == self._schema), None)
 
     @property
     def units(self) -> dict[str, str]:
@@ -256,6 +258,19 @@ class ConvergenceHistory(Columns):
 
     time: Floats
     convergence: Floats
+
+
+class FlowHistory(Columns):
+    """Water at a boundary, well or opening, a row at the start and after every step; t rows."""
+
+    time: Floats
+    into_rock: Floats
+    out_of_rock: Floats
+
+    @property
+    def inflow(self) -> Floats:
+        """What comes out of the rock, less what goes into it, m2/s, (t,): into an opening."""
+        return np.asarray(self["out_of_rock"] - self["into_rock"])
 
 
 class ReactionHistory(Columns):
@@ -400,6 +415,81 @@ class FrameContacts(Columns):
     def __repr__(self) -> str:
         total = float(self.normal_force.sum()) if len(self) else 0.0
         return f"FrameContacts({len(self)} rows, normal forces {total:.4g} N/m: {', '.join(self)})"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Channels:
+    """Channels of water of a model, k of them."""
+
+    edge: Ints = no_ints(2)
+    """Edges on either side, shape (k, 2)."""
+    share: Floats = no_floats(2, 2)
+    """Where either edge (k, face) has its ends, as the first one runs, shape (k, 2, 2)."""
+    node: Ints = no_ints(2)
+    """Nodes at the ends, shape (k, 2)."""
+
+
+class FrameFlow(Columns):
+    """The water of one frame in channels that are not excavated, a row each; k rows."""
+
+    start: Floats
+    end: Floats
+    pressure: Floats
+    saturation: Floats
+    aperture: Floats
+    flow: Floats
+    wet: Floats
+    first_node: Ints
+    last_node: Ints
+    left: Ints
+    right: Ints
+
+    def __init__(
+        self, channels: Channels, values: Floats, vertices: Floats, block_start: Ints
+    ) -> None:
+        there = values[:, 4] > 0.0
+        edge, share, values = channels.edge[there], channels.share[there], values[there]
+        rows = np.zeros(len(edge), CHANNEL_TABLE.row)
+        first, last = vertices[edge], vertices[following(block_start)[edge]]
+        faces = first[:, :, None] + share[..., None] * (last - first)[:, :, None]
+        ends = faces.mean(axis=1)
+        rows["start"], rows["end"] = ends[:, 0], ends[:, 1]
+        for name, at in {"pressure": 0, "saturation": 2, "aperture": 4}.items():
+            rows[name] = values[:, at : at + 2]
+        rows["flow"], rows["wet"] = values[:, 6], values[:, 7]
+        rows["first_node"], rows["last_node"] = channels.node[there].T
+        owner = np.searchsorted(block_start, edge, side="right") - 1
+        rows["left"], rows["right"] = owner.T
+        super().__init__(rows, CHANNEL_TABLE)
+
+    @property
+    def water_table(self) -> tuple[Floats, ...]:
+        """Lines through the points of channels with no pressure, m, (c, 2) each, x rising.
+
+        There is one for each connected part of the joints under pressure.
+        """
+        wet = np.flatnonzero(self["wet"] > 0.0)
+        node = np.stack([self["first_node"], self["last_node"]], axis=1)[wet]
+        if not len(wet):
+            return ()
+        pressed = self.rows["pressure"][wet] > 0.0
+        part = connected(node[:, 0], node[:, 1], int(node.max()) + 1)[node[:, 0]]
+        wholly = self["wet"][wet] >= 1.0
+        cut = np.flatnonzero(~pressed.all(axis=1) | ~wholly)
+        side = pressed[cut, 1].astype(np.int64)
+        ends = np.stack([self.rows["start"], self.rows["end"]], axis=1)[wet[cut]]
+        row = np.arange(len(cut))
+        below, above = ends[row, side], ends[row, 1 - side]
+        at = below + self["wet"][wet[cut], None] * (above - below)
+        lines = []
+        for one in np.unique(part[cut]):
+            points = np.unique(at[part[cut] == one], axis=0)
+            lines.append(points)
+        return tuple(lines)
+
+    def __repr__(self) -> str:
+        most = float(self.rows["pressure"].max(initial=0.0))
+        return f"FrameFlow({len(self)} channels, up to {most:.4g} Pa)"
 
 
 def no_contacts() -> NDArray[Any]:

@@ -25,8 +25,9 @@ from clast.results.output import check_output, claimed, hidden, taken_up
 from clast.results.result_tables import GrowingTable
 from clast.results.run_report import Report, about_model, version_of
 from clast.results.schema import (
+    BESIDE,
     BOLT_POINTS,
-    BOLT_TABLE,
+    CHANNELS,
     CHUNK_BYTES,
     CHUNK_ROWS,
     ENERGY,
@@ -103,15 +104,15 @@ class ResultFile:
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
         tables: Mapping[str, GrowingTable],
-        bolt_points: Floats,
+        beside: Mapping[str, Floats],
     ) -> None:
         """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables.
 
-        ``bolt_points`` (q, 2), m, are where the bolts are.
+        ``beside`` are arrays by their names (``schema.BESIDE``).
         """
         if self._frames:
             with self._guarded():
-                self._put_frame(time, arrays, contacts, tables, bolt_points)
+                self._put_frame(time, arrays, contacts, tables, beside)
             return
         try:
             with self._guarded("make room, or choose another place"):
@@ -124,12 +125,14 @@ class ResultFile:
                 if self.about.get("stages"):
                     _growing(file, FRAME_STAGE, dtype="i8")
                 for one in TABLES:
-                    if one is BOLT_TABLE and len(model.bolts):
-                        _growing(file, BOLT_POINTS, (2,), batch=len(model.bolts.block))
+                    name = {"bolts": BOLT_POINTS, "flow": CHANNELS}.get(one.name, "")
+                    width, rows = BESIDE.get(name, (0, lambda _: 0))
+                    if rows(model):
+                        _growing(file, name, (width,), batch=rows(model))
                     if one.is_kept(model):
                         _write_table(file, one, model)
                 write_lineage(self._file, self.lineage)
-                self._put_frame(time, arrays, contacts, tables, bolt_points)
+                self._put_frame(time, arrays, contacts, tables, beside)
                 self._file.close()
                 self._storage.commit()
                 os.replace(hidden(self.path), self.path)
@@ -218,7 +221,7 @@ class ResultFile:
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
         tables: Mapping[str, GrowingTable],
-        bolt_points: Floats,
+        beside: Mapping[str, Floats],
     ) -> None:
         """Put a frame behind the last one that was completed; it may be tried again."""
         number, contact_end = self._frames, self._contacts + len(contacts)
@@ -228,8 +231,9 @@ class ResultFile:
         if number % CHUNK_ROWS == 0:
             self._put_offsets(number)
         self._column("contacts").put(self._contacts, contacts)
-        if len(bolt_points):
-            self._column(BOLT_POINTS).put(number * len(bolt_points), bolt_points)
+        for name, values in beside.items():
+            if len(values):
+                self._column(name).put(number * len(values), values)
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
         self._column("frames").put(number, np.array([ends], FRAME_ROW))

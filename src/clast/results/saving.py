@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from clast.errors import CaseError
+from clast.results.frame_samples import beside_of
 from clast.results.output import check_output, hidden
 from clast.results.result_tables import GrowingTable
 from clast.results.result_writer import ResultFile
@@ -36,8 +37,7 @@ def save_run(run: Any, path: Path) -> Path:
         for name, table in tables.items():
             table.extend(run.tables[name][len(table) : place.counts[name]])
         file.stage = place.stage
-        points = state.points[model.point_slices.bolts] + model.origin
-        file.frame(state.time, fields.of(state), contacts, tables, points)
+        file.frame(state.time, fields.of(state), contacts, tables, beside_of(model, state))
     for name, table in tables.items():
         table.extend(run.tables[name][len(table) :])
     file.finish(run.report, tables)

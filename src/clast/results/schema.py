@@ -127,6 +127,18 @@ MEASURED_CONTACTS = Things(
     "measured_contact", "measured contact", lambda m: m.measured_contacts.name
 )
 CONVERGENCES = Things("convergence", "convergence", lambda m: m.convergences.name)
+FLOWS = Things(
+    "flow",
+    "boundary or well of the flow",
+    lambda m: (*m.flow.names, ALL_JOINTS) if m.flow else (),
+)
+MEASURED_FLOWS = Things(
+    "measured_flow",
+    "measured flow",
+    lambda m: tuple(name for name, _ in m.flow.measured) if m.flow else (),
+)
+ALL_JOINTS = "all joints"
+"""Name of the sum of all flows."""
 TIME = Column("time", "s", "time")
 
 
@@ -381,9 +393,60 @@ CONVERGENCE_TABLE = TableSchema(
     ),
 )
 
+FLOW_COLUMNS = (
+    Column("into_rock", "m2/s", "water that flows into the joints there"),
+    Column("out_of_rock", "m2/s", "water that leaves the joints there"),
+)
+FLOW_TABLE = TableSchema(
+    name="flow",
+    meaning="Water that flows in joints: boundaries, wells, openings, and the sum of all.",
+    per=Per.INSTANT,
+    of=FLOWS,
+    without="no water flows in joints",
+    drawn=("into_rock", "out_of_rock"),
+    columns=(
+        *FLOW_COLUMNS,
+        Column("runoff", "m2/s", "rain that does not enter"),
+        Column("pressure", "Pa", "largest pressure at its nodes"),
+        Column("stored", "m2/s", "what is stored in all joints; 0 of a part"),
+        Column("unaccounted", "m2/s", "what is in, less what is out and stored, of all joints"),
+        _number("iterations", "linear systems of the last solution, of all joints"),
+    ),
+)
+MEASURED_FLOW_TABLE = TableSchema(
+    name="measured_flows",
+    meaning="Measured flows: in each row those of all.",
+    per=Per.INSTANT,
+    of=MEASURED_FLOWS,
+    without="no flows are measured",
+    drawn=("into_rock", "out_of_rock"),
+    columns=FLOW_COLUMNS,
+)
+ENDS = ("first", "last")
+"""Components of numbers at both ends of a channel."""
+CHANNEL_TABLE = TableSchema(
+    name="channels",
+    meaning="Channels of water in a frame.",
+    per=Per.FRAME,
+    columns=(
+        Column("start", "m", "first end", PLANE),
+        Column("end", "m", "last end", PLANE),
+        Column("pressure", "Pa", "pressure at both ends", ENDS),
+        Column("saturation", "", "share of the capacity with which water runs down", ENDS),
+        Column("aperture", "m", "hydraulic aperture at both ends", ENDS),
+        Column("flow", "m2/s", "flow from the first to the last end"),
+        Column("wet", "", "share under pressure, from the end that has one"),
+        _number("first_node", "node at its first end"),
+        _number("last_node", "node at its last end"),
+        _number("left", "block to its left"),
+        _number("right", "block to its right"),
+    ),
+)
+"""Put together from ``CHANNELS`` and the blocks of the frame; in no file as such."""
+
 TABLES = (
     *(CONTACTS, ENERGY, STEPS, BOLT_TABLE, REACTION_TABLE, LINK_TABLE, LINING_TABLE),
-    *(CONTACT_TABLE, CONVERGENCE_TABLE, HISTORY),
+    *(CONTACT_TABLE, CONVERGENCE_TABLE, FLOW_TABLE, MEASURED_FLOW_TABLE, HISTORY),
 )
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
@@ -400,6 +463,14 @@ FRAME_STAGE = "frame_stage"
 """Numbers of the stages of the frames."""
 BOLT_POINTS = "bolt_points"
 """Points that the bolts lie along, m, frame after frame."""
+CHANNELS = "channels"
+"""Water in channels, frame after frame: columns pressure to wet of ``CHANNEL_TABLE``, 0 where a
+channel is excavated."""
+BESIDE: dict[str, tuple[int, Callable[[Model], int]]] = {
+    BOLT_POINTS: (2, lambda m: len(m.bolts.block)),
+    CHANNELS: (8, lambda m: len(m.flow.network.length) if m.flow and m.flow.network else 0),
+}
+"""Arrays beside those of blocks: width, and rows of a model in each frame."""
 
 
 @dataclass(frozen=True)
@@ -626,6 +697,25 @@ MODEL = (
         "f",
         (3,),
     ),
+    _names(FLOWS),
+    _names(MEASURED_FLOWS),
+    OfModel(
+        "channel_edge",
+        "flow.network.edge",
+        "edges on either side of each channel of water, by their first vertices",
+        FLOWS,
+        "iu",
+        (2,),
+    ),
+    OfModel(
+        "channel_share",
+        "flow.network.share",
+        "where either edge has its ends, as the first one runs",
+        FLOWS,
+        "f",
+        (2, 2),
+    ),
+    OfModel("channel_node", "flow.network.node", "nodes at its ends, from 0", FLOWS, "iu", (2,)),
     OfModel(
         "bolt_of_point",
         "bolts.bolt",

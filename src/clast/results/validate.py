@@ -18,16 +18,21 @@ from clast.model.model import Ints
 from clast.model.supports import GROUND, RIGID, LiningJoints, LinkLines
 from clast.results.checkpoints.encode import is_well_typed
 from clast.results.open_file import MalformedError
+from clast.results.result_tables import Channels
 from clast.results.run_report import CHECKS, Report, report_from_dict
 from clast.results.schema import (
+    BESIDE,
     BOLT_POINTS,
+    CHANNELS,
     CONVERGENCES,
+    FLOWS,
     FRAME_ROW,
     FRAME_STAGE,
     KIND_FIELDS,
     LINING_JOINTS,
     LINKS,
     MEASURED_CONTACTS,
+    MEASURED_FLOWS,
     MODEL,
     MOVING_FIELDS,
     POLYGON,
@@ -50,9 +55,10 @@ def parts_of_model(file: Any, frames: int) -> Parts:
     parts = _blocks(file)
     blocks, corners = len(parts["block_name"]), int(parts["block_start"][-1])
     parts |= {**_edge_joints(file, corners), **_points(file), **_bolts(file, frames)}
-    for things in (MEASURED_CONTACTS, REACTIONS, LINKS):
+    for things in (MEASURED_CONTACTS, REACTIONS, LINKS, FLOWS, MEASURED_FLOWS):
         parts[f"{things.name}_name"] = _names_of(file, things)
     parts["lining_joints"] = _lining_joints(file, corners)
+    parts["channels"] = _channels(file, corners, frames)
     if pairs := _names_of(file, CONVERGENCES):
         point = _indices(file, "convergence_points", (len(parts["point_name"]),) * 2)
         _require(len(point) == len(pairs), "/model/convergence_points has not two of each")
@@ -135,6 +141,20 @@ def _bolts(file: Any, frames: int) -> Parts:
     _require((np.diff(point) >= 0).all(), "/model/bolt_of_point is not in the order of the bolts")
     _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), frames * len(point))
     return {"bolt_name": name, "bolt_of_point": point}
+
+
+def _channels(file: Any, corners: int, frames: int) -> Channels:
+    if not _names_of(file, FLOWS):
+        return Channels()
+    edge, share = (
+        _indices(file, "channel_edge", (corners, corners)),
+        of_model(file, "channel_share"),
+    )
+    node = of_model(file, "channel_node")
+    whole = len(edge) == len(share) == len(node) and (node >= 0).all()
+    _require(whole and (np.abs(share - 0.5) <= 0.5 + 1e-6).all(), "/model/channel_share is wrong")
+    _check_length(_numbers(file, CHANNELS, "f", (BESIDE[CHANNELS][0],)), frames * len(edge))
+    return Channels(edge=edge, share=share, node=node)
 
 
 def _lining_joints(file: Any, corners: int) -> LiningJoints:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from clast.actions.active import actions_of, states_of
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.parallel import threads_worth
 from clast.contact.contacts import Contacts
@@ -88,6 +89,9 @@ class Stepping:
         state, notes = in_equilibrium(
             self.model, self.method, initial_state(self.model), self.schedule.step
         )
+        if self.model.flow is not None:  # the first frame shows the water before any stage
+            actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
+            state = replace(state, actions=states_of(actions, self.model, state))
         ledger = energy_balance.opening(self.model, state)
         state, step = replace(state, ledger=ledger), self.schedule.step
         seen = self.watch.begin(state)

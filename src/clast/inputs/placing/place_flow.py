@@ -19,9 +19,10 @@ from clast.model.drainage import distances, places_on
 from clast.model.edges import outline_edges
 from clast.model.factors import NO_FACTOR
 from clast.model.flow.balance import INNER
+from clast.model.flow.channels import Network
 from clast.model.flow.conditions import Conditions, conditions_of, faces_on, nodes_on
 from clast.model.flow.given import RAIN, SEEPS, Flow, FlowBoundary, Well
-from clast.model.flow.network import Network, network_of
+from clast.model.flow.network import network_of
 from clast.model.model import Model
 from clast.model.ranges import check_names
 from clast.model.water import WetFaces, ends_of_faces
@@ -72,6 +73,7 @@ def with_flow(model: Model, given: FlowInputs, bed: Bed) -> Model:
     flowing = replace(model, flow=flow)
     if wells or flow.longest < np.inf:
         rock = _rock(flowing, bed, network_of(flowing, flow.longest, flow.points))
+    flowing = replace(model, flow=replace(flow, network=rock.network))
     conditions = conditions_of(flowing, rock.network, rock.faces, 0.0)
     _check_overlaps(flow, rock)
     _check_water(model, rock.network)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.model.arrays import Floats
-from clast.model.flow.network import Network, faces_at
+from clast.model.flow.channels import Network, faces_at
 from clast.model.joints import Joint
 from clast.model.model import Model
 

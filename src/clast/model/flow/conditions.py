@@ -14,6 +14,7 @@ import shapely
 
 from clast.model.arrays import Bools, Floats, Ints, no_bools, no_floats, no_ints
 from clast.model.flow.balance import GIVEN, INNER, SEEPAGE
+from clast.model.flow.channels import Network
 from clast.model.flow.given import (
     FLUX,
     HEAD,
@@ -25,7 +26,6 @@ from clast.model.flow.given import (
     Flow,
     FlowBoundary,
 )
-from clast.model.flow.network import Network
 from clast.model.model import Model
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.model.arrays import Bools, Floats, Ints
 from clast.model.factors import Factor
+from clast.model.flow.channels import Network
 
 HEAD, PRESSURE, FLUX, RAIN = "head", "pressure", "flux", "rain"
 SEEPS, TIGHT, RATE = "seepage", "impermeable", "rate"
@@ -96,6 +97,8 @@ class Flow:
     wells: tuple[Well, ...] = ()
     measured: tuple[tuple[str, str], ...] = ()
     """Name of each measured flow, and of the boundary, well or opening that it is of."""
+    network: Network | None = None
+    """Its channels while nothing is excavated."""
     sides: Floats = field(default_factory=lambda: np.zeros(3))
     """x of the left and right side of the model and y of its bottom, about its origin, m."""
 

@@ -19,7 +19,7 @@ from clast.results.checkpoints.checkpoint import Recorded, belongs, read_lineage
 from clast.results.open_file import QUICKLY_CHECKED, ask, check_ours
 from clast.results.output import check_output, claimed, hidden
 from clast.results.schema import (
-    BOLT_POINTS,
+    BESIDE,
     CHUNK_ROWS,
     CONTACTS,
     ENERGY,
@@ -86,7 +86,7 @@ def lengths_after(model: Model, frames: int, last: NDArray[Any]) -> dict[str, in
         "frames": frames,
         FRAME_STAGE: frames,
         "contacts": int(last["contacts"][0]),
-        BOLT_POINTS: frames * len(model.bolts.block),
+        **{name: frames * rows(model) for name, (_, rows) in BESIDE.items()},
         **{
             place: counts[one.name]
             for one in OVER_TIME

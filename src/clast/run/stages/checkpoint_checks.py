@@ -38,7 +38,9 @@ def faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> I
         yield "other things act on the blocks"
         return
     for action, own in zip(actions, state.actions, strict=False):
-        if not _own_fits(own, action.begin(model), model):
+        may_be = getattr(action, "may_be", None)  # a state that stages change in shape
+        begun = action.begin(model) if may_be is None else None
+        if not (_own_fits(own, begun, model) if may_be is None else may_be(own, model)):
             yield f"the state of {type(action).__name__} is impossible"
     watched = Watch(model=model, method=method).begin(state)
     for name in ("least", "greatest"):

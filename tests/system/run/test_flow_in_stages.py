@@ -1,0 +1,180 @@
+"""Whole runs with water that flows in joints: stages, results, files, and going on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clast
+from clast.exports.csv_tables import write_csv
+from scenes.restarts import pressed_at
+
+CASE = """
+title = "A tunnel between two lakes"
+gravity = [0.0, -9.81]
+[time]
+end = 0.03
+step = 1e-2
+dynamic_ratio = 0.0
+[rock.stone]
+young = 50e9
+poisson = 0.2
+density = 2600.0
+[joint.default]
+friction_angle = 40.0
+aperture = 2e-4
+[domain]
+boundary = [[0, 0], [10, 0], [10, 10], [0, 10]]
+fixed_sides = ["bottom", "left", "right"]
+[[joint_set]]
+name = "a"
+angle = 20
+spacing = 1.6
+[[joint_set]]
+name = "b"
+angle = 95
+spacing = 1.3
+[[opening]]
+name = "tunnel"
+shape = "box"
+corner = [4, 1.2]
+size = [2, 2]
+{opening}
+[output]
+every = 0.01
+[flow]
+[[flow_boundary]]
+name = "lake"
+where = {{side = "left"}}
+head = {head}
+[[flow_boundary]]
+name = "sea"
+where = {{side = "right"}}
+head = 7.3
+[[well]]
+name = "drain"
+line = [[2.0, 5.0], [3.0, 4.0]]
+pressure = 0.0
+only_outflow = true
+[[measured_flow]]
+name = "water in the heading"
+of = "tunnel"
+"""
+STAGES = """
+[[stage]]
+name = "before"
+until = "time"
+time = 0.02
+[[stage]]
+name = "drawdown"
+until = "time"
+time = 0.02
+flow_boundary = {lake = {head = 5.0}}
+[[stage]]
+name = "drained"
+until = "time"
+time = 0.01
+install = ["drain"]
+[[stage]]
+name = "dug"
+until = "time"
+time = 0.02
+excavate = ["tunnel"]
+"""
+
+
+def staged() -> clast.Case:
+    return clast.Case.from_text(CASE.format(opening="", head=7.3) + STAGES, "case")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
+    with pytest.warns(clast.RunWarning):
+        return staged().run(output=tmp_path_factory.mktemp("flow") / "run.vtkhdf")
+
+
+@pytest.mark.filterwarnings("ignore::clast.RunWarning")
+def test_stages_end_with_the_flow_of_a_case_that_begins_so(run):
+    void = CASE.format(opening="excavated = true", head=5.0)
+    direct = clast.Case.from_text(void, "case").run()
+    for name in ("lake", "sea", "drain", "tunnel", "all joints"):
+        last = run.inflow(name).inflow[-1]
+        assert last == pytest.approx(direct.inflow(name).inflow[-1], rel=1e-9, abs=1e-18), name
+
+
+def test_flows_change_with_the_stages_and_balance(run):
+    lake, sea, drain, tunnel = (run.inflow(n).inflow for n in ("lake", "sea", "drain", "tunnel"))
+    stage = {name: run.frame(stage=name) for name in ("before", "drawdown", "drained", "dug")}
+    at = {name: run.rows_at(run.inflow("lake").time, one.number) for name, one in stage.items()}
+    assert abs(lake[at["before"]]) < 1e-15
+    assert lake[at["drawdown"]] == pytest.approx(-sea[at["drawdown"]], rel=1e-9)
+    assert sea[at["drawdown"]] < 0.0
+    assert drain[at["drawdown"]] == 0.0 < drain[at["drained"]]
+    assert tunnel[at["drained"]] == 0.0 < tunnel[at["dug"]]
+    np.testing.assert_allclose(lake + sea + drain + tunnel, 0.0, atol=1e-9 * tunnel[-1])
+    everything = run.table("flow", "all joints")
+    assert np.abs(everything["unaccounted"]).max() < 1e-12 * tunnel[-1]
+    measured = run.inflow("water in the heading")
+    np.testing.assert_array_equal(measured.inflow, tunnel)
+
+
+def test_frames_have_the_channels_and_the_water_table(run):
+    first, last = run.flow(0), run.frame(-1).flow
+    assert len(last) < len(first)
+    assert last.pressure.min() >= 0.0
+    level = np.concatenate(run.frame(0).water_table)
+    np.testing.assert_allclose(level[:, 1], 7.3, atol=1e-9)
+    # balance at an inner node of the frame: what comes along channels leaves along others
+    node = np.concatenate([first["first_node"], first["last_node"]])
+    out = np.bincount(node, np.concatenate([first["flow"], -first["flow"]]))
+    inner = np.bincount(node) == 4
+    assert np.abs(out[inner]).max() < 1e-15
+    assert any("l/min per 10 m) leaves the rock at 'tunnel'" in one for one in run.report.notes)
+
+
+def test_the_file_has_the_same_and_so_has_a_run_in_memory(run, tmp_path):
+    read = clast.read(run.output)
+    with pytest.warns(clast.RunWarning):
+        memory = staged().run()
+    for other in (read, memory, clast.read(memory.save(tmp_path / "saved.vtkhdf"))):
+        for frame in range(len(run.times)):
+            np.testing.assert_array_equal(other.flow(frame).rows, run.flow(frame).rows)
+        for name in run.flow_name:
+            np.testing.assert_array_equal(other.inflow(name).rows, run.inflow(name).rows)
+    names = {one.name for one in write_csv(read, tmp_path / "csv")}
+    assert {"flow.csv", "measured_flows.csv", "channels.csv"} <= names
+    rows = (tmp_path / "csv" / "channels.csv").read_text().splitlines()
+    assert len(rows) == 1 + sum(len(run.flow(k)) for k in range(len(run.times)))
+
+
+def test_water_has_its_entry_in_the_ledger(run):
+    energy = run.energy
+    assert np.abs(energy["water"]).max() > 0.0
+    assert np.abs(energy["unaccounted"]).max() < 1e-6 * np.abs(energy["water"]).max()
+
+
+def test_without_a_flow_there_is_nothing_of_it(tmp_path: Path):
+    text = CASE.format(opening="", head=7.3)
+    dry = clast.Case.from_text(text[: text.index("[flow]")], "case").run(
+        output=tmp_path / "dry.vtkhdf"
+    )
+    assert dry.flow_name == ()
+    assert len(dry.flow()) == 0
+    import h5py
+
+    with h5py.File(dry.output) as file:
+        assert not {"flow", "measured_flows", "channels"} & set(file)
+
+
+@pytest.mark.filterwarnings("ignore::clast.RunWarning")
+def test_a_run_that_was_stopped_goes_on_to_the_last_bit(run, tmp_path):
+    part = staged().run(output=tmp_path / "part.vtkhdf", progress=pressed_at(5))
+    assert not part.report.finished
+    again = clast.resume(part.checkpoint)
+    np.testing.assert_array_equal(again.state.vertices, run.state.vertices)
+    for name in run.flow_name:
+        np.testing.assert_array_equal(again.inflow(name).rows, run.inflow(name).rows)
+    for frame in range(len(run.times)):
+        np.testing.assert_array_equal(again.flow(frame).rows, run.flow(frame).rows)
