@@ -63,7 +63,7 @@ def tunnel() -> Cut:
     )
 
 
-def drawn(found: Cut, by: str = "set", look: Look = DEFAULT):
+def drawn(found: Cut, by: str = "joint", look: Look = DEFAULT):
     """The figure, and its collections and patches by their labels."""
     figure = cut_figure(found, by=by, title="", look=look)
     axes = figure.axes[0]
@@ -102,6 +102,33 @@ def test_edges_inside_are_drawn_once(tunnel: Cut):
     onwards = [np.roll(tunnel.polygon(b), -1, axis=0) for b in range(tunnel.block_count)]
     sides = np.hypot(*(np.concatenate(onwards) - tunnel.vertices).T).sum()
     assert every == pytest.approx(0.5 * (sides + rim))
+
+
+def test_sets_that_share_a_joint_have_colours_of_their_own():
+    sets = [
+        JointSet(name="bedding", angle=10.0, spacing=3.0, joint="rough"),
+        JointSet(name="steep", angle=80.0, spacing=4.0, joint="rough"),
+        JointSet(name="third", angle=130.0, spacing=9.0),
+    ]
+    found = cut(rectangle(30, 20), sets)
+    figure, lines = drawn(found, "set")
+    assert legend(figure) == ["bedding", "steep", "third", "boundary"]
+    assert len({colour(lines[one.name]) for one in sets}) == 3
+    by_joint = drawn(found)[1]
+    assert length(lines["bedding"]) + length(lines["steep"]) == pytest.approx(
+        length(by_joint["rough"])
+    )
+    assert length(lines["third"]) == pytest.approx(length(by_joint["no joint named"]))
+    # lines run as their set does, but for edges beside collapsed ones
+    for one in sets:
+        along = np.concatenate([np.diff(k, axis=0) for k in lines[one.name].get_segments()])
+        turn = np.degrees(np.arctan2(along[:, 1], along[:, 0])) % 180.0
+        assert np.mean(np.abs(turn - one.angle) < 0.3) > 0.9
+
+
+def test_beds_and_heads_of_a_pattern_are_two_sets(wall: Cut, tunnel: Cut):
+    assert list(drawn(wall, "set")[1])[:2] == ["wall: bed", "wall: head"]
+    assert legend(drawn(tunnel, "set")[0])[:3] == ["A", "B", "traces"]
 
 
 def test_openings_voids_and_what_is_no_joint_look_different(tunnel: Cut):
@@ -223,7 +250,7 @@ def test_sectors_of_the_rose_have_areas_as_lengths(wall: Cut):
         # both ways
         half = len(outer) // 2
         assert outer[:half] == pytest.approx(outer[half:])
-    assert area["bed"] / area["head"] == pytest.approx(6.0 / 3.5)
+    assert area["wall: bed"] / area["wall: head"] == pytest.approx(6.0 / 3.5)
 
 
 def test_histograms_count_all_blocks_and_edges_and_mark_the_limits(tunnel: Cut):
@@ -287,7 +314,7 @@ def test_page_is_complete_in_itself(tunnel: Cut, tmp_path: Path):
     path = write_cut_report(tunnel, tmp_path / "cut.html", title="<b>Heading</b> & adit")
     found = read(path)
     assert "<b>Heading</b> & adit" in found.cells
-    assert len(found.pictures) == 3  # by joint, by rock, statistics
+    assert len(found.pictures) == 3  # by set, by rock, statistics
     assert all(one["alt"] for one in found.pictures)
     assert all(link.startswith("data:image/png;base64,") for link in found.links)
     assert not re.search(r"url\(|@import|<script", path.read_text("utf-8"))

@@ -85,7 +85,8 @@ def cut(
         ),
     ] = None,
     by: Annotated[
-        Literal["set", "rock"], typer.Option(help="Colour the blocks of a picture by this.")
+        Literal["set", "joint", "rock"],
+        typer.Option(help="Colour edges by set or by joint, or blocks by rock."),
     ] = "set",
     names: BlockNames = None,
     settings: Settings = None,
@@ -100,22 +101,23 @@ def cut(
         check_file(names, PICTURE_ENDINGS)
     with status() as show:
         show("cutting")
-        result = Case.from_toml(case, settings or ()).cut()
+        read = Case.from_toml(case, settings or ())
+        result, title = read.cut(), read.title or read.name
     if output is not None:
         from clast.pictures.rock_mass import plot_cut, write_cut_report
 
         if output.suffix.casefold() in BLOCK_ENDINGS:
             write_cut(output, result)
         elif output.suffix.casefold() == ".html":
-            write_cut_report(result.cut, output, title=case.stem)
+            write_cut_report(result.cut, output, title=title)
         else:
-            plot_cut(result.cut, output, by=by, title=case.stem)
+            plot_cut(result.cut, output, by=by, title=title)
     if names is not None:
-        write_names(names, result.cut, (), case.stem)
+        write_names(names, result.cut, (), title)
     if as_json:
         print_json({**cut_content(result), "output": None if output is None else str(output)})
         return
-    print_table(cut_table(result, case.stem))
+    print_table(cut_table(result, title))
     if result.cut.report.sets:
         print_table(sets_table(result))
     for note in result.notes:

@@ -398,3 +398,17 @@ def joints_of(tables: Sequence[LineTable]) -> tuple[tuple[str, ...], Ints]:
     given = dict.fromkeys(one.joint for one in tables if one.joint is not None)
     names = (*given, WELDED)
     return names, np.array([-1 if t.joint is None else names.index(t.joint) for t in tables])
+
+
+def sets_of(tables: Sequence[LineTable]) -> tuple[tuple[str, ...], Ints]:
+    """Return the names of what cuts, and the number of each table's, shape (k,).
+
+    Tables of one name are one; those of several joints, as beds and head joints are, have these
+    added.
+    """
+    joints: dict[str, set[str | None]] = {}
+    for one in tables:
+        joints.setdefault(one.name, set()).add(one.joint)
+    labels = [t.name if len(joints[t.name]) == 1 else f"{t.name}: {t.joint}" for t in tables]
+    names = tuple(dict.fromkeys(labels))
+    return names, np.array([names.index(label) for label in labels])

@@ -33,6 +33,7 @@ from clast.rockmass.cut_lines import (
     joints_of,
     plan_of,
     set_lines,
+    sets_of,
     site,
     tables,
     trace_lines,
@@ -74,12 +75,17 @@ class Cut:
     edge_joint: Ints
     """Index into ``joint_names`` of the edge from each vertex to the next, shape (nv,); -1 where no
     other block is, or where no joint is named: by pair of blocks, rocks, or the default."""
+    edge_set: Ints
+    """Index into ``set_names`` of what cut the edge from each vertex to the next, shape (nv,); -1
+    where no other block is, and where a weld splits a ring."""
     opening: Ints
     """Index into ``opening_names`` of the opening that each block is part of, -1, shape (nb,)."""
     rock_names: tuple[str, ...]
     """Names of the rocks."""
     joint_names: tuple[str, ...]
     """Names of the joints; "welded" is the last."""
+    set_names: tuple[str, ...]
+    """Names of the joint sets, traces, patterns, regions and openings that cut."""
     opening_names: tuple[str, ...]
     """Names of the openings."""
     report: CutReport
@@ -309,13 +315,15 @@ def _assemble(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
         given = [at.domain.rock if o.given.rock is None else o.given.rock for o in at.regions]
         rocks = tuple(dict.fromkeys([at.domain.rock, *given]))
         rock = np.array([rocks.index(name) for name in (*given, at.domain.rock)], np.int64)
+        sets, of_table = sets_of(work.lines.tables)
         uncut = [k for k, one in enumerate(at.openings) if not one.given.cut]
         lies_in = _owners(work, [at.openings[k].polygon for k in uncut])
         arrays = {
             "vertices": work.vertices,
             "block_start": blocks.start,
             "rock": rock[_owners(work, [one.polygon for one in at.regions])],
-            "edge_joint": _edge_joints(work, names),
+            "edge_joint": _on_edges(work, work.joint, names.index(WELDED)),
+            "edge_set": _on_edges(work, of_table, -1),
             "opening": np.where(
                 blocks.group >= 0, blocks.group, np.array([*uncut, -1], np.int64)[lies_in]
             ),
@@ -329,19 +337,20 @@ def _assemble(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
         **arrays,
         rock_names=rocks,
         joint_names=names,
+        set_names=sets,
         opening_names=tuple(one.given.name for one in at.openings),
         report=report,
     )
 
 
-def _edge_joints(work: CutRecord, names: tuple[str, ...]) -> Ints:
-    """Return the joint of each edge, -1 where only one block is, shape (nv,)."""
+def _on_edges(work: CutRecord, of_table: Ints, welded: int) -> Ints:
+    """Return the number of each edge's table, of welds ``welded``, -1 on rims, shape (nv,)."""
     blocks = work.blocks
     here, there = blocks.node, blocks.node[following(blocks.start)]
     count = np.int64(here.max() + 1)
     shared = np.isin(here * count + there, there * count + here)
-    joint = np.append(work.joint[work.lines.table], names.index(WELDED))[blocks.line]
-    return np.where(shared, joint, -1)
+    number = np.append(of_table[work.lines.table], welded)[blocks.line]
+    return np.where(shared, number, -1)
 
 
 def _owners(work: CutRecord, polygons: Sequence[shapely.Polygon]) -> Ints:

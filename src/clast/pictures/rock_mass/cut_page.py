@@ -34,7 +34,7 @@ STYLE = (
     ".wide img{min-width:0}h2{break-after:avoid}}"
 )
 """How the page looks: tables and sheets that are wider than a phone scroll by themselves."""
-CAPTIONS = {"set": "Edges by joint.", "rock": "Blocks by rock."}
+CAPTIONS = {"set": "Edges by joint set.", "rock": "Blocks by rock."}
 FINDINGS = {
     "dangling": "Ends of lines that border nothing, taken out",
     "loose": "Of these, ends just short of another line",

@@ -36,7 +36,7 @@ LIMIT = "#b3261e"
 def plot_cut_statistics(cut: Cut, path: Path | str, *, title: str = "") -> Path:
     """Draw a rose of directions and histograms of areas and lengths; return the picture's path.
 
-    The rose has the directions of the joints between blocks, weighted by length, by joint;
+    The rose has the directions of the joints between blocks, weighted by length, by set;
     directions are degrees counter-clockwise from +x, and a line points both ways.  Lengths are
     those of the edges of all blocks, so that those inside count twice, as in the report.
     CaseError where the picture cannot be written.
@@ -46,7 +46,7 @@ def plot_cut_statistics(cut: Cut, path: Path | str, *, title: str = "") -> Path:
 
 def statistics_figure(cut: Cut, *, title: str) -> Figure:
     """Return the picture of ``plot_cut_statistics``."""
-    joints = edges_of_cut(cut).joints
+    joints = edges_of_cut(cut, "set").joints
     report = cut.report
     handles = _handles(joints, (report.smallest_block, report.smallest_edge))
     count = counted(cut)

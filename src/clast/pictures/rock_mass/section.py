@@ -45,7 +45,7 @@ class CutEdges:
     """All edges of a cut, each once."""
 
     joints: tuple[EdgeGroup, ...]
-    """Those of each joint that has some, then those along which no joint is named."""
+    """Those of each set or joint that has some, then those along which no joint is named."""
     others: tuple[EdgeGroup, ...]
     """Welds, construction joints, and the rim where only one block is."""
 
@@ -55,25 +55,32 @@ class CutEdges:
         return next((one.ends for one in self.others if one.stroke is RIM), np.zeros((0, 2, 2)))
 
 
-def edges_of_cut(cut: Cut) -> CutEdges:
-    """Return the edges of a cut by their joints, those inside once."""
+def edges_of_cut(cut: Cut, by: str = "joint") -> CutEdges:
+    """Return the edges of a cut, those inside once, by "joint" or by "set"."""
     after = following(cut.block_start)
     ends = np.stack([cut.vertices, cut.vertices[after]], axis=1)
     partner = partners(cut.vertices, after)
     once = (partner < 0) | (np.arange(len(partner)) < partner)
-    number = np.where(partner < 0, len(cut.joint_names), cut.edge_joint)
-    strokes = {**strokes_of(dict(enumerate(cut.joint_names))), len(cut.joint_names): RIM}
-    edges = groups(strokes, number[once], ends[once])
-    others = (CONSTRUCTED, WELD, RIM)
+    strokes = strokes_of(dict(enumerate(cut.joint_names)))
+    others, number = (CONSTRUCTED, WELD), cut.edge_joint
+    if by == "set":
+        # welds and construction joints are of no set
+        welds = {k: stroke for k, stroke in strokes.items() if stroke in others}
+        count = len(cut.joint_names)
+        number = np.where(np.isin(number, [*welds]), number, count + cut.edge_set)
+        sets = {count + k: name for k, name in enumerate(cut.set_names)}
+        strokes = {**strokes_of(sets), **welds}
+    rim = max(strokes, default=0) + 1
+    edges = groups({**strokes, rim: RIM}, np.where(partner < 0, rim, number)[once], ends[once])
     return CutEdges(
-        joints=tuple(one for one in edges if one.stroke not in others),
-        others=tuple(one for one in edges if one.stroke in others),
+        joints=tuple(one for one in edges if one.stroke not in (*others, RIM)),
+        others=tuple(one for one in edges if one.stroke in (*others, RIM)),
     )
 
 
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
 """Hatching of rock that a stage excavates, and of voids."""
-BY = {"set": "edges by joint", "rock": "blocks by rock"}
+BY = {"set": "edges by joint set", "joint": "edges by joint", "rock": "blocks by rock"}
 """The meanings of the colours, and their captions."""
 
 
@@ -82,9 +89,9 @@ def plot_cut(
 ) -> Path:
     """Draw the blocks of a cut coloured by ``by`` and return the picture's path.
 
-    ``by`` is "set" (edges in the colours of their joints) or "rock" (blocks in those of their
-    rocks).  Construction joints are dashed, welds dotted, rock of openings and voids hatched.
-    ``look`` has size, resolution and the part that is shown.  The format follows from the ending of
+    ``by`` is "set" (edges in the colours of the sets and traces that cut them), "joint" (in those
+    of their joints) or "rock" (blocks in those of their rocks).  Construction joints are dashed, welds
+    dotted, rock of openings and voids hatched.  ``look`` has size, resolution and the part that is shown.  The format follows from the ending of
     ``path``.  Raises CaseError for a cut that is not there, or that cannot be drawn or written.
     """
     return canvas.save(cut_figure(cut, by=by, title=title, look=look), Path(path))
@@ -105,7 +112,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
             where="limits",
             remedy="leave them out",
         )
-    edges = edges_of_cut(cut)
+    edges = edges_of_cut(cut, by)
     joints, fills = edges.joints, [GROUND] * len(cut.rock_names)
     if by == "rock":
         ends = [one.ends for one in joints]
