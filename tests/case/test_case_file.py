@@ -179,3 +179,22 @@ def test_every_key_of_the_format_says_what_it_means():
 def test_writing_keeps_every_digit_and_odd_keys():
     content = {"a": 0.1, "b": [1e-17, -3.0], "c": {"odd key": 'x"y\n'}, "d": [{"e": True}]}
     assert case_text.parse(case_text.to_toml(content), "x") == content
+
+
+@pytest.mark.parametrize(
+    "make",
+    [lambda keys: Case(**keys), Case.model_validate, lambda keys: Case.validated(keys, "case")],
+)
+def test_a_case_made_in_python_is_refused_in_clasts_own_words(make):
+    with pytest.raises(CaseError) as refused:
+        make({"time": {"step": -1.0, "end": 1.0}, "rok": {}})
+    told = str(refused.value)
+    assert told.startswith("case: 3 things to put right")
+    for words in (
+        "[time] step: must be above 0, not -1",
+        "rock: is missing",
+        "did you mean 'rock'?",
+    ):
+        assert words in told
+    with pytest.raises(CaseError, match="must be a table, not 5"):
+        Case.model_validate(5)

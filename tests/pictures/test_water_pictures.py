@@ -5,13 +5,16 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 import clast
 from clast.actions.water import pressed_by
 from clast.pictures import canvas
 from clast.pictures.draw_water import PALE, dry_of, pressures_of, waters_of, with_levels
 from clast.pictures.figure_options import Look
+from clast.pictures.film import FilmLook, FrameDrawer
 from clast.pictures.plot import plot_two_frames
 from clast.results.frames import absent_in_frame
 from clast.run.excavation import without
@@ -128,3 +131,35 @@ def test_no_picture_has_water_in_a_void(undercut: clast.Run, monkeypatch, drawn:
     for x0, y0, x1, y1 in ((2.05, 0.02, 3.95, 1.9), (-1.95, 0.02, -1.05, 0.98)):
         inside = (middle > (x0, y0)).all(axis=1) & (middle < (x1, y1)).all(axis=1)
         assert not inside.any()
+
+
+@pytest.mark.parametrize("magnify", [1.0, 3.0])
+def test_water_can_be_left_out_of_pictures_and_films(wet_run: clast.Run, tmp_path: Path, magnify):
+    picture = tmp_path / "a.svg"
+    for water in (True, False):
+        look = Look(water=water, magnify=magnify)
+        drawn = clast.plot_results(wet_run, picture, look=look).read_text("utf-8")
+        assert ("water level" in drawn, "water pressure" in drawn) == (water, water)
+    frames = range(len(wet_run.times))
+    looks = [FilmLook(size=(400,), water=water, magnify=magnify) for water in (True, False)]
+    with_water, without_water = (FrameDrawer(wet_run, frames, one, 400) for one in looks)
+    last = len(wet_run.times) - 1
+    blue = [
+        int((one.picture(last)[..., 2] > 1.3 * one.picture(last)[..., 0]).sum())
+        for one in (with_water, without_water)
+    ]
+    assert blue[0] > 100 > blue[1]
+
+
+def test_pressures_leave_the_colours_of_blocks_to_be_seen(undercut: clast.Run):
+    pixels = []
+    for water in (True, False):
+        figure = Figure(figsize=(8, 4), dpi=100)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        undercut.plot(ax=axes, field="rock", look=Look(water=water, zoom=(-3, -1, 5, 2)))
+        drawn = FigureCanvasAgg(figure)
+        drawn.draw()
+        pixels.append(np.asarray(drawn.buffer_rgba())[..., :3].astype(float))
+    change = np.abs(pixels[0] - pixels[1]).max(axis=2)
+    assert 0.03 < (change > 20.0).mean() < 0.25
+    assert (change > 80.0).mean() < 0.02

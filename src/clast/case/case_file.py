@@ -14,7 +14,16 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, get_origin
 
-from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    StrictStr,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from clast import spelling
 from clast.errors import CaseError, ClastError, ModelError
@@ -76,6 +85,8 @@ if TYPE_CHECKING:
 
 NAMING = "file"
 """Key of all tables of a case that names a file beside it."""
+FILE = "file"
+"""Key of the name of the file in the context of a validation."""
 SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it all checks of it, as it is."""
 
@@ -243,6 +254,19 @@ class Case(BaseModel):
             raise refusals(faults)
         return self
 
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_words(
+        cls, content: Any, validate: ModelWrapValidatorHandler[Self], info: ValidationInfo
+    ) -> Self:
+        """Make one CaseError of the faults that pydantic finds, whoever asks for the case."""
+        try:
+            return validate(content)
+        except ValidationError as error:
+            faults, file = faults_of(error, explained(cls)), (info.context or {}).get(FILE, "case")
+            tables = content if isinstance(content, dict) else {}
+            raise error_of(faults, file=file, content=tables) from None
+
     @classmethod
     def from_toml(cls, source: str | Path, settings: Iterable[str] = ()) -> Case:
         """Return the case in a file, or in a TOML text (a ``str`` of several lines).
@@ -275,11 +299,7 @@ class Case(BaseModel):
     @classmethod
     def validated(cls, content: dict[str, Any], file: str) -> Case:
         """Return the case with a content from ``file``; its faults become one CaseError."""
-        try:
-            case = cls.model_validate(content)
-        except ValidationError as error:
-            faults = faults_of(error, explained(cls))
-            raise error_of(faults, file=file, content=content) from None
+        case = cls.model_validate(content, context={FILE: file})
         case._file = file
         return case
 

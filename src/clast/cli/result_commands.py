@@ -120,6 +120,15 @@ Layers = Annotated[
         "normal-forces, shear-forces, moments.",
     ),
 ]
+WaterLayer = Annotated[
+    bool, typer.Option("--water/--no-water", help="Draw levels and pressures of water.")
+]
+Magnification = Annotated[
+    str,
+    typer.Option(
+        metavar="N", help="Draw displacements so many times as large; auto: so that they are seen."
+    ),
+]
 FramePair = Annotated[
     str, typer.Option(metavar="A,B", help="Draw two frames side by side, in one scale.")
 ]
@@ -158,6 +167,8 @@ def plot(
     size: PictureSize = "",
     dpi: DotsPerInch = None,
     layers: Layers = "",
+    water: WaterLayer = True,
+    magnify: Magnification = "1",
     compare_frames: FramePair = "",
     history: HistoryNames = "",
     against: Abscissa = "time",
@@ -183,6 +194,8 @@ def plot(
         size=numbers("--size", size, 1, 2),
         dpi=dpi,
         layers=tuple(words(layers)),
+        water=water,
+        magnify=_factor(magnify),
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
@@ -218,6 +231,11 @@ def plot(
     draw = others[given[0]][1] if given else draw_frame
     draw()
     tell(f"picture: {target}")
+
+
+def _factor(written: str) -> Any:
+    """Return the factor of --magnify, a number or "auto"."""
+    return written if written == "auto" else (numbers("--magnify", written, 1) or (1.0,))[0]
 
 
 def _two_frames(pair: str) -> tuple[int, int]:
@@ -293,6 +311,8 @@ def film(
     ] = None,
     limits: Limits = "",
     zoom: Zoom = "",
+    water: WaterLayer = True,
+    magnify: Magnification = "1",
     size: Annotated[
         str, typer.Option(metavar="W[,H]", help="Width and height, pixels; about 1280 if absent.")
     ] = "",
@@ -306,6 +326,8 @@ def film(
         size=numbers("--size", size, 1, 2),
         zoom=numbers("--zoom", zoom, 4),
         limits=numbers("--limits", limits, 2),
+        water=water,
+        magnify=_factor(magnify),
     )
     pace = FilmSpeed(fps=fps, speed=speed)
     target = output or file.with_suffix(".mp4")

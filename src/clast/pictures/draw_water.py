@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from clast.model.water import Water, surface_at
 from clast.pictures.canvas import Part
 from clast.pictures.fields import prefixed
 from clast.pictures.forces import length_of_longest
+from clast.pictures.magnified import as_it_was, carried
 from clast.pictures.strokes import following
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 BLUE, PALE = "#1f6fb4", "#5aa5dc"
 """Colours of the level and of pressures."""
+LONGEST, CLEAR = 0.6, 0.3
+"""Ordinate of the largest pressure in lengths of the longest arrow of a contact, and how much of
+what lies behind diagrams their fill covers: colours of blocks are seen through and beside them."""
 TRIANGLE_SIZE, TRIANGLE_PLACE = 8.0, 0.06
 """Size of the triangle, points, and its place from the left, as a share of the picture."""
 
@@ -134,7 +138,7 @@ def handles_of_water(waters: Sequence[Water], pressures: PressureDiagrams) -> li
     if pressures.largest > 0.0:
         factor, unit = prefixed(pressures.largest, "Pa")
         label = f"water pressure, up to {pressures.largest * factor:.3g} {unit}"
-        handles.append(Patch(fc=PALE, ec=BLUE, lw=0.4, alpha=0.6, label=label))
+        handles.append(Patch(fc=(PALE, CLEAR), ec=BLUE, lw=0.3, label=label))
     return handles
 
 
@@ -147,10 +151,14 @@ def draw_water(
 
     if not waters:
         return
+    drawn, results = results, as_it_was(results)
     pressures = pressures_of(results, waters, frame, results.vertices(frame))
     if pressures.largest > 0.0:
-        outlines = list(_diagrams(pressures, length_of_longest(results, *part)))
-        looks: dict[str, Any] = {"fc": PALE, "ec": BLUE, "lw": 0.4, "alpha": 0.6, "zorder": 3.5}
+        block = np.searchsorted(results.block_start, pressures.edge, side="right") - 1
+        ends = [carried(drawn, frame, block, pressures.ends[:, end]) for end in (0, 1)]
+        pressures = replace(pressures, ends=np.stack(ends, axis=1))
+        outlines = list(_diagrams(pressures, LONGEST * length_of_longest(results, *part)))
+        looks: dict[str, Any] = {"fc": (PALE, CLEAR), "ec": BLUE, "lw": 0.3, "zorder": 3.5}
         axes.add_collection(PolyCollection(outlines, **looks))
     figure = axes.get_figure(root=True)
     up = (

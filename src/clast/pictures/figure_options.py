@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from clast import spelling
 from clast.errors import CaseError
@@ -46,6 +47,10 @@ class Look:
     """Part that is shown: xmin, ymin, xmax, ymax, m."""
     layers: tuple[str, ...] = ()
     """Layers drawn above the blocks as well, some of LAYERS."""
+    water: bool = True
+    """Whether levels and pressures of water are drawn."""
+    magnify: float | Literal["auto"] = 1.0
+    """Factor of displacements from the start; "auto": one with which they are seen."""
 
     def __post_init__(self) -> None:
         for name in ("limits", "size", "zoom"):
@@ -70,6 +75,13 @@ class Look:
             if name not in LAYERS:
                 remedy = spelling.advice(name, LAYERS, kind="layer")
                 raise CaseError(f"there is no layer '{name}'", where="layers", remedy=remedy)
+        given = math.nan if isinstance(self.magnify, str) else float(self.magnify)
+        if self.magnify != "auto" and not (math.isfinite(given) and given > 0.0):
+            raise CaseError(
+                f"{self.magnify} is not a valid factor of displacements",
+                where="magnify",
+                remedy='give a number above 0, as 100, or "auto"',
+            )
         self._check_size()
 
     def _check_size(self) -> None:

@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, groupby
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, TypeAlias, cast
+from typing import IO, TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -59,6 +59,10 @@ class FilmLook:
     """Part that is shown: xmin, ymin, xmax, ymax, m; None for all that blocks pass through."""
     limits: tuple[float, float] | None = None
     """Values at the ends of the colours, in m, m/s, degrees or Pa; None for those of all frames."""
+    water: bool = True
+    """Whether levels and pressures of water are drawn."""
+    magnify: float | Literal["auto"] = 1.0
+    """Factor of displacements from the start; "auto": one with which they are seen."""
 
     def __post_init__(self) -> None:
         check_field(self.field, JOINT_FIELDS)
@@ -74,7 +78,8 @@ class FilmLook:
     def of_picture(self, *pixels: float) -> Look:
         """Return the look of a picture of a width, or a width and a height, in pixels."""
         size = tuple(length / DOTS / CM for length in pixels)
-        return Look(limits=self.limits, zoom=self.zoom, size=size, dpi=DOTS)
+        words: dict[str, Any] = {"water": self.water, "magnify": self.magnify}
+        return Look(limits=self.limits, zoom=self.zoom, size=size, dpi=DOTS, **words)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,7 +313,7 @@ class FrameDrawer:
         from matplotlib.collections import PolyCollection
 
         self._results = results
-        self._drawing = FrameDrawing(results, frames, look.field, look.zoom)
+        self._drawing = FrameDrawing(results, frames, look.field, look.of_picture(width))
         some = [*frames[: -1 : -(-len(frames) // 60)], frames[-1]]
         part, bars = self._drawing.part, int(self._drawing.has_scale)
 

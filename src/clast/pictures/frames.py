@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.model.model import Floats, Ints
 from clast.model.stage_records import counted_from
+from clast.model.water import Water
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE
 from clast.pictures.draw_surcharge import (
@@ -25,8 +26,10 @@ from clast.pictures.draw_water import (
     with_levels,
 )
 from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, prefixed, scale_of
+from clast.pictures.figure_options import Look
 from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
 from clast.pictures.layers import LAYERS
+from clast.pictures.magnified import as_it_was, factor_to_be_seen, magnified
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, edges_by_joint, handles_of
 from clast.pictures.supports import draw_bolts, draw_links, handles_of_bolts, handles_of_links
 from clast.results import Recording
@@ -43,7 +46,8 @@ class FrameDrawing:
     """Draws frames of a run with one field, in one part.
 
     ``part`` has the corners (2,), m, of what is shown: all blocks in the frames and at the start,
-    or ``zoom``.  Raises CaseError for a field that is not known and for a part without blocks.
+    or the zoom of ``look``.  Raises CaseError for a field that is not known and for a part without
+    blocks.
     """
 
     def __init__(
@@ -51,17 +55,25 @@ class FrameDrawing:
         results: Recording,
         frames: Sequence[int],
         field: str,
-        zoom: tuple[float, float, float, float] | None,
-        layers: Sequence[str] = (),
+        look: Look,
     ) -> None:
         check_field(field, JOINT_FIELDS)
-        self.results, self.field = results, field
-        self.layers = [LAYERS[name] for name in layers if name in LAYERS]
+        factor = look.magnify
+        self.factor = factor_to_be_seen(results, frames) if factor == "auto" else factor
+        self.results = results = magnified(results, self.factor)
+        self.field = field
+        self.layers = [LAYERS[name] for name in look.layers if name in LAYERS]
         self.start = results.vertices(0)
-        self.part = _part(results, frames, zoom)
+        self._water = look.water
+        self.part = _part(results, frames, look.zoom)
+        if look.water and look.zoom is None:
+            self.part = with_levels(as_it_was(results), self._waters(frames[-1]), self.part)
         self.has_scale = field in SCALARS or field in JOINT_FIELDS
-        places = places_of_points(results, frames)
-        self._points = dict(zip(frames, places, strict=True))
+        start, places = results.point_start, places_of_points(results, frames)
+        self._points = dict(zip(frames, start + self.factor * (places - start), strict=True))
+
+    def _waters(self, frame: int) -> tuple[Water, ...]:
+        return waters_of(self.results, frame) if self._water else ()
 
     @property
     def label(self) -> str:
@@ -98,10 +110,11 @@ class FrameDrawing:
 
     def handles(self, frame: int) -> list[Any]:
         """Return the legend of a frame."""
-        results, waters = self.results, waters_of(self.results, frame)
-        pressures = pressures_of(results, waters, frame, results.vertices(frame))
+        results, waters = self.results, self._waters(frame)
+        pressures = pressures_of(results, waters, frame, as_it_was(results).vertices(frame))
         return [
             *_block_handles(results, self.field, frame),
+            *self._magnification(),
             *handles_of(self._edges(frame), self.part),
             *handles_of_water(waters, pressures),
             *handles_of_surcharge(surcharge_of(results, frame)),
@@ -138,7 +151,7 @@ class FrameDrawing:
         else:
             label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
         draw_surcharge(axes, surcharge_of(results, frame))
-        draw_water(axes, results, waters_of(results, frame), frame, seen)
+        draw_water(axes, results, self._waters(frame), frame, seen)
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
         draw_bolts(axes, results.bolts(frame))
         for layer in self.layers:
@@ -149,6 +162,17 @@ class FrameDrawing:
         _draw_convergences(axes, results, self._points[frame], frame)
         _draw_points(axes, results.point_name, self._points[frame])
         return coloured, label
+
+    def _magnification(self) -> list[Any]:
+        """Return the entry of the legend that says how much displacements are magnified."""
+        from matplotlib.lines import Line2D
+
+        return [Line2D([], [], ls="", label=self.magnification)] if self.magnification else []
+
+    @property
+    def magnification(self) -> str:
+        """How much displacements are magnified, in words; nothing where they are not."""
+        return "" if self.factor == 1.0 else f"displacements × {self.factor:,.6g}"
 
     def _edges(self, frame: int) -> Sequence[EdgeGroup]:
         """Return the edges in the colours of their joints, if they are asked for."""
@@ -162,7 +186,7 @@ class FrameDrawing:
 def _part(
     results: Recording, frames: Sequence[int], zoom: tuple[float, float, float, float] | None
 ) -> canvas.Part:
-    """Return the part to show: where blocks are in some frames, with water, or the given part."""
+    """Return the part to show: where blocks are in some frames, or the given part."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     passed = False
     part = None if zoom is None else (np.array(zoom[:2]), np.array(zoom[2:]))
@@ -173,7 +197,7 @@ def _part(
             passed = passed or bool(draw_blocks.within(results, here, *part).any())
     if part is None:
         low, high = with_surcharge(surcharge_of(results, frames[-1]), (low, high))
-        return with_levels(results, waters_of(results, frames[-1]), (low, high))
+        return low, high
     if not passed:
         raise canvas.empty_part(low, high)
     return part

@@ -17,6 +17,7 @@ import numpy as np
 from clast.contact.contacts import SLIDE
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.fields import ColourScale, Field, scale_of
+from clast.pictures.magnified import as_it_was
 from clast.pictures.strokes import following, partners, visible
 from clast.results import FrameContacts, Recording
 from clast.results.frames import absent_in_frame
@@ -54,7 +55,7 @@ class Faces:
 
 def faces_opened(results: Recording, frame: int) -> Faces:
     """Return the edges that ran along each other at the start, and how far they are apart, m."""
-    here, start = results.vertices(frame), results.vertices(0)
+    here, start = as_it_was(results).vertices(frame), results.vertices(0)
     after = following(results.block_start)
     other = partners(start, after)
     absent = np.repeat(absent_in_frame(results, frame), np.diff(results.block_start))
@@ -67,9 +68,10 @@ def faces_opened(results: Recording, frame: int) -> Faces:
     apart = np.einsum("kex,kx->ke", theirs - mine, out).mean(axis=1)
     near = np.hypot(*(theirs - mine).mean(axis=1).T) <= 0.5 * length
     # further apart they are no neighbours; what is pressed together is closed
-    return Faces(
-        ends=0.5 * (mine + theirs)[near], value=np.maximum(0.0, apart[near]), edge=edge[near]
-    )
+    drawn, (edge, value) = results.vertices(frame), (edge[near], np.maximum(0.0, apart[near]))
+    mine = np.stack([drawn[edge], drawn[after[edge]]], axis=1)
+    theirs = np.stack([drawn[after[other[edge]]], drawn[other[edge]]], axis=1)
+    return Faces(ends=0.5 * (mine + theirs), value=value, edge=edge)
 
 
 def _from_sums(

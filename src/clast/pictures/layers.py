@@ -14,6 +14,7 @@ from clast.pictures.draw_blocks import areas_of, outlines_of
 from clast.pictures.fields import prefixed, round_below
 from clast.pictures.joint_values import resultants_of
 from clast.pictures.linings import DIAGRAMS, diagram
+from clast.pictures.magnified import as_it_was
 from clast.results import Recording
 from clast.results.frames import absent_in_frame
 
@@ -157,8 +158,8 @@ def levels(results: Recording, frame: int) -> tuple[list[Any], Callable[[Axes], 
         if event.kind == "displacements reset":
             last = results.frame(-1, stage=event.stage).number
             since = last if last < frame else since
-    here = results.vertices(frame)
-    size = np.hypot(*(here - results.vertices(since)).T)
+    here, run = results.vertices(frame), as_it_was(results)
+    size = np.hypot(*(run.vertices(frame) - run.vertices(since)).T)
     there = np.repeat(~absent_in_frame(results, frame), np.diff(results.block_start))
     largest = float(size[there].max(initial=0.0))
     factor, unit = prefixed(largest, "m")

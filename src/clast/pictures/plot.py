@@ -70,11 +70,12 @@ def draw_results(
     """Return the picture that ``plot_results`` writes."""
     canvas.check_installed()
     number = results.frame(frame).number
-    drawing = FrameDrawing(results, [number], field, look.zoom, look.layers)
+    drawing = FrameDrawing(results, [number], field, look)
     part, bars, title = drawing.part, int(drawing.has_scale), results.title or results.name
     sheet, keys = canvas.lay_out(part, look, title, drawing.handles(number), bars, 1)
     size = sheet.room
     arrows, pushes = None, list[ReactionArrow]()
+    results = drawing.results
     if contacts:
         arrows, part = _contact_arrows(results, number, part, size, look)
     seen = canvas.seen(*part, size)
@@ -109,7 +110,7 @@ def draw_on(axes: Axes, results: Recording, *, frame: int, field: str, look: Loo
         what = f"a {type(axes).__name__} is not axes of matplotlib"
         raise CaseError(what, where="ax", remedy="give those of: figure, ax = plt.subplots()")
     number = results.frame(frame).number
-    drawing = FrameDrawing(results, [number], field, look.zoom, look.layers)
+    drawing = FrameDrawing(results, [number], field, look)
     box = axes.get_window_extent()
     dots = axes.figure.dpi
     size = max(box.width / dots, 0.1), max(box.height / dots, 0.1)
@@ -119,6 +120,8 @@ def draw_on(axes: Axes, results: Recording, *, frame: int, field: str, look: Loo
     coloured, label = drawing.draw(axes, number, seen, scale)
     if scale is not None:
         axes.figure.colorbar(coloured, ax=axes, label=label, extend=scale.extend)
+    if drawing.magnification:
+        axes.set_title(drawing.magnification, loc="right", **TEXT)
 
 
 def _reactions(
@@ -180,7 +183,7 @@ def plot_two_frames(
     ``look.size`` is that of the whole picture.  Raises CaseError as ``plot_results`` does.
     """
     numbers = [results.frame(frame).number for frame in frames]
-    drawing = FrameDrawing(results, numbers, field, look.zoom, look.layers)
+    drawing = FrameDrawing(results, numbers, field, look)
     title, bars = results.title or results.name, int(drawing.has_scale)
     handles, below = drawing.handles(numbers[-1]), int("scale" in look.layers)
 

@@ -90,9 +90,10 @@ def plot_cut(
     """Draw the blocks of a cut coloured by ``by`` and return the picture's path.
 
     ``by`` is "set" (edges in the colours of the sets and traces that cut them), "joint" (in those
-    of their joints) or "rock" (blocks in those of their rocks).  Construction joints are dashed, welds
-    dotted, rock of openings and voids hatched.  ``look`` has size, resolution and the part that is shown.  The format follows from the ending of
-    ``path``.  Raises CaseError for a cut that is not there, or that cannot be drawn or written.
+    of their joints) or "rock" (blocks in those of their rocks).  Construction joints are dashed,
+    welds dotted, rock of openings and voids hatched.  ``look`` has size, resolution and the part
+    that is shown.  The format follows from the ending of ``path``.  Raises CaseError for a cut that
+    is not there, or that cannot be drawn or written.
     """
     return canvas.save(cut_figure(cut, by=by, title=title, look=look), Path(path))
 
