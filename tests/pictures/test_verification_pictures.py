@@ -128,7 +128,16 @@ def test_every_one_of_a_few_values_has_its_mark():
 
 
 @pytest.mark.parametrize(
-    "span", [(50.0, 100.0), (2e8, 2e9), (1e-7, 2e-6), (250.0, 6000.0), (3.0, 4.5), (1e-3, 1e5)]
+    "span",
+    [
+        (50.0, 100.0),
+        (2e8, 2e9),
+        (1e-7, 2e-6),
+        (250.0, 6000.0),
+        (3.0, 4.5),
+        (1e-3, 1e5),
+        (0.17, 0.72),
+    ],
 )
 @pytest.mark.parametrize("scales", [("log", "linear"), ("linear", "log"), ("log", "log")])
 def test_numbers_of_logarithmic_axes_are_few_and_as_small_as_others(span: Any, scales: Any):

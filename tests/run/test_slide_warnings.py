@@ -79,6 +79,43 @@ def test_slices_over_ground_that_steepens_are_free():
     assert "locked" in text
 
 
+def corner(floor: float, ends: float) -> list[np.ndarray]:
+    """Return ground with a floor at an angle, degrees, before a plane of 35, and a wedge on it.
+
+    The wedge ends so far above the floor, m; the plane goes on behind it.
+    """
+    up, flat = (np.array([np.cos(a), np.sin(a)]) for a in np.radians([35.0, floor]))
+    foot, head = ends * up, 10.0 * up
+    front, back = -8.0 * flat, 14.0 * up
+    ground = [front, [front[0], -20.0], [back[0], -20.0], back, [0.0, 0.0]]
+    wedge = [foot, head, head + np.array([0.0, 4.0]), foot + np.array([3.0, 8.0])]
+    return [np.array(ground), np.array(wedge)]
+
+
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+@pytest.mark.parametrize("angle", [0.0, 0.6])
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(
+    ("floor", "ends", "said"),
+    [
+        (0.0, 0.0, "by 35 degrees"),
+        (20.0, 0.0, "by 15 degrees"),
+        (0.0, 0.5, ""),
+        (35.0, 0.0, ""),
+        (50.0, 0.0, ""),
+    ],
+)
+def test_a_plane_that_comes_out_in_a_corner_is_warned_of(floor, ends, said, order, angle, mirrored):
+    """Its toe is held by the floor: limit equilibrium, and what is above the floor, slide."""
+    outlines = [one * [mirrored, 1.0] for one in corner(floor, ends)]
+    outlines = [turned(one[::-1] if mirrored < 0.0 else one, angle) for one in outlines]
+    gravity = tuple(turned(np.array([[0.0, -9.8]]), angle)[0])
+    blocks = system(outlines[::order], fixed=[0 if order > 0 else 1], gravity=gravity)
+    found = list(slide_warnings(blocks))
+    assert len(found) == bool(said)
+    assert all(said in text and "comes out in a corner" in text for text in found)
+
+
 def test_even_ground_and_other_systems_are_not_warned_of():
     assert not list(slide_warnings(system(slide(90.0, lower=UPPER), fixed=[0])))
     assert not list(slide_warnings(system(slide(None), fixed=[])))

@@ -262,6 +262,8 @@ def label_logarithms(axes: Axes) -> None:
     from matplotlib import ticker
 
     def plain(value: float, _: int) -> str:
+        if not value > 0.0:  # a tick that the axis has no place for
+            return ""
         if 1e-3 <= value < 1e4:
             return f"{value:g}"
         exponent = int(np.floor(np.log10(value) + 1e-9))

@@ -455,8 +455,9 @@ def _servo_warnings(model: Model) -> Iterator[str]:
 
 
 def slide_warnings(model: Model) -> Iterator[str]:
-    """Warn of slices over bent ground, where all that can move lies on ground that cannot.
+    """Warn of slides into corners of ground that cannot move, and of slices over its bends.
 
+    The latter where all that can move lies on such ground.
     Rock that slides over a bend has to shear inside.  A block whose base runs over the bend is
     locked.  Of two slices that meet at a bend where the ground flattens, the toe of the upper one
     would go into the next plane: it carries there from the first movement on, whatever the
@@ -472,10 +473,40 @@ def slide_warnings(model: Model) -> Iterator[str]:
     on_ground = np.zeros(len(length), np.bool_)
     for own, other in (facing.T, facing.T[::-1]):
         on_ground[own[ground[owner[other]] & ~ground[owner[own]]]] = True
+    yield from _corners(model, facing, on_ground, ground)
     if len(np.setdiff1d(np.flatnonzero(~ground), owner[on_ground])):
         return
     yield from _locked(model, on_ground)
     yield from _toes(model, facing, on_ground)
+
+
+def _corners(model: Model, facing: Ints, on_ground: Bools, ground: Bools) -> Iterator[str]:
+    """Warn of planes that come out in a corner before which the ground is flatter."""
+    owner, after = model.vertex_block, model.vertex_after
+    along = edges(model.vertices, model.block_start)[0]
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    base, below = np.concatenate([facing, facing[:, ::-1]]).T
+    on = on_ground[base] & ground[owner[below]]
+    base, below = base[on], below[on]
+    falls = along[base] @ model.gravity > 0.0  # to its end, where the ground's edge begins
+    foot, corner = np.where(falls, after[base], base), np.where(falls, below, after[below])
+    beyond = np.where(falls, before[below], after[below])
+    way = np.where(falls, 1.0, -1.0)
+    turn = way * _bends(model, way[:, None] * along[base], -way[:, None] * along[beyond])
+    apart = np.hypot(*(model.vertices[foot] - model.vertices[corner]).T)
+    meets = (apart <= 1e-6 * np.sqrt(model.area)[owner[base]]) & ~np.isin(beyond, facing)
+    (buried,) = np.nonzero(meets & (turn > 0.0))
+    if not len(buried):
+        return
+    worst = buried[np.argmax(turn[buried])]
+    yield (
+        f"the plane below block {named(model, np.unique(owner[base[buried]]), 3)} comes out in a "
+        f"corner of the ground, which is flatter beyond by {np.degrees(turn[worst]):.2g} degrees, "
+        f"at {_place(model, int(foot[worst]))}: the toe rests on it as soon as it moves, and "
+        "factors of safety come out too high. Let the plane come out a little above the ground "
+        "before it, and compare with limit equilibrium"
+    )
 
 
 def _locked(model: Model, on_ground: Bools) -> Iterator[str]:

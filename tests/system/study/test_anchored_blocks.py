@@ -65,12 +65,27 @@ def test_an_anchor_that_carries_more_without_a_limit_is_warned_of(tmp_path, bolt
     )
 
 
-def test_an_anchor_that_yields_gives_no_more_than_that(tmp_path):
-    """Neither warned of, nor too strong: its yield force is of one bolt."""
-    kind = {**ONE_BOLT, "pretension": 3e5, "yield_force": 3.6e5}
-    found = clast.factor_of_safety(anchored(tmp_path / "c.toml", kind), tolerance=0.005)
-    assert found.value == pytest.approx(exact(35.0, 40.0, 20.0, 1.2e5), rel=0.008)
-    assert not found.warnings
+GROUTED = {"anchorage": "grouted", "free_length": 1.0}
+
+
+@pytest.mark.parametrize("held", [{}, GROUTED])
+@pytest.mark.parametrize("pretension", [0.0, 3e5])
+@pytest.mark.parametrize("view", [{}, {"dip": 50.0, "friction": 55.0, "angle": 40.0}])
+def test_an_anchor_that_yields_gives_no_more_than_that(tmp_path, view, pretension, held):
+    """Neither warned of, nor too strong: its yield force is of one bolt, passive or locked off."""
+    given = {"dip": 35.0, "friction": 40.0, "angle": 20.0, **view}
+    kind = {**ONE_BOLT, "pretension": pretension, "yield_force": 3.6e5}
+    found = clast.factor_of_safety(anchored(tmp_path / "c.toml", kind, **view, **held))
+    assert found.low <= 1.005 * exact(**given, force=1.2e5)
+    assert found.high >= 0.995 * exact(**given, force=1.2e5)
+    assert found.width <= 0.01 and not found.warnings
+
+
+def test_a_jack_pulls_grouted_anchors_alike(tmp_path):
+    kind = {**ONE_BOLT, "pretension": 3e5, "yield_force": 9e5}
+    file = anchored(tmp_path / "c.toml", kind, **JACKED, **GROUTED)
+    found = clast.factor_of_safety(file, tolerance=0.005)
+    assert found.value == pytest.approx(exact(35.0, 40.0, 20.0, 1e5), rel=0.006)
 
 
 def test_a_push_finds_the_same_anchor(tmp_path):

@@ -260,7 +260,8 @@ def _check_room(stage: Stage, model: Model, since: Mapping[int, str]) -> None:
                     f"lies in block '{shortened(model.block_name[block])}', which has not been "
                     f"excavated by {_where(stage)}",
                     where=f"lining '{shortened(one.name)}', stage",
-                    remedy="name a later stage, or excavate its place before",
+                    remedy="name a later stage, or excavate its place before; an end is square to "
+                    "the line: where the wall leans, let the line end upright",
                 )
 
 
