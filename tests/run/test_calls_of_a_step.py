@@ -21,8 +21,8 @@ from clast.run.simulate import simulate
 from clast.step.method import Method
 
 STEP = 1e-3
-# some 40 of the calls take the arrays of the contacts' memory in the order of their contacts, one by
-# one: a hundredth of the time of the smallest step
+# some 40 of the calls take the arrays of the contacts' memory in the order of their contacts, one
+# by one: a hundredth of the time of the smallest step
 
 
 def incline() -> tuple[Model, Method]:
