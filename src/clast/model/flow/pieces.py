@@ -23,10 +23,11 @@ import numpy as np
 from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE, Balance
 
-HOLD = 1e-12
+HOLD = 1e-14
 """Slope of a node whose balance does not depend on its own unknown, as a share of its channels'."""
-ROUNDING = 8 * float(np.finfo(np.float64).eps)
+ROUNDING = 1 * float(np.finfo(np.float64).eps)
 """By how much a sum of flows may differ from none, as a share of its terms."""
+TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -48,10 +49,11 @@ class Problem:
 
     @cached_property
     def around(self) -> Floats:
-        """Return the conductance of the channels at each node, m2/(s Pa), shape (m,)."""
+        """Return the conductance of the channels at each node, m2/(s Pa), above 0, shape (m,)."""
         balance = self.balance
         both = np.repeat(balance.conductance, 2)
-        return np.bincount(balance.node.ravel(), both, len(balance.kind)).astype(np.float64)
+        sums = np.bincount(balance.node.ravel(), both, len(balance.kind))
+        return np.where(sums > 0.0, sums, max(float(sums.max(initial=0.0)), TINY))
 
     @cached_property
     def free(self) -> Any:
@@ -158,7 +160,7 @@ def water_at(problem: Problem, piece: Piece, x: Floats) -> Water:
 def error_of(problem: Problem, water: Water) -> float:
     """Return by how much the balance of a free node is out, at most, as a share of what flows."""
     flows = np.abs(water.flow).max(initial=0.0), np.abs(problem.balance.inflow).max(initial=0.0)
-    size = max(*flows, 1e-3 * water.terms.max(initial=0.0), np.finfo(np.float64).tiny)
+    size = max(*flows, 1e-3 * water.terms.max(initial=0.0), TINY)
     return float(np.abs(water.left[problem.free]).max(initial=0.0) / size)
 
 
@@ -193,7 +195,7 @@ def slopes(problem: Problem, piece: Piece) -> Any:
 
 def held(problem: Problem) -> Floats:
     """Return the slope by which nodes are held, m2/(s Pa), shape (m,)."""
-    return HOLD * problem.around + np.finfo(np.float64).tiny
+    return HOLD * problem.around
 
 
 def change(problem: Problem, piece: Piece, left: Floats) -> Floats:

@@ -23,6 +23,7 @@ from clast.model.flow.balance import GIVEN, SEEPAGE, Balance, Solved
 from clast.model.flow.path import followed
 from clast.model.flow.pieces import (
     ROUNDING,
+    TINY,
     Piece,
     Problem,
     change,
@@ -138,12 +139,12 @@ def _newton(
 
     They stop at the kinks of nodes, and where nodes are empty.
     """
-    free, before, repeats = problem.free, np.inf, 0
+    free, error, done, repeats = problem.free, np.inf, False, 0
     seen: dict[bytes, int] = {}
     for iterations in range(most + 1):
         piece = piece_of(problem, x)
         water = water_at(problem, piece, x)
-        error = error_of(problem, water)
+        before, error = error, error_of(problem, water)
         within = np.abs(water.left[free]) <= ROUNDING * water.terms[free]
         last = seen.get(key := piece.key, -1)
         # solved in its own piece, and no better: what is left is rounding
@@ -152,7 +153,7 @@ def _newton(
         repeats += 0 <= last < iterations - 1
         if done or iterations == most or repeats == REPEATS:
             break
-        before, seen[key] = error, iterations
+        seen[key] = iterations
         new = x + change(problem, piece, water.left)
         x = new if problem.balance.confined else _stopped(problem, x, new)
     return _Found(x=x, error=error, done=done, iterations=iterations)
@@ -214,7 +215,7 @@ def _result(problem: Problem, x: Floats, iterations: int) -> Solved:
     throughput = max(
         float(np.maximum(given, 0.0).sum() + np.maximum(put_in, 0.0).sum() + max(-stored, 0.0)),
         1e-3 * float((water.terms).max(initial=0.0)),
-        float(np.finfo(np.float64).tiny),
+        TINY,
     )
     return Solved(
         pressure=water.pressure,
