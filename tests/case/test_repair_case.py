@@ -210,6 +210,9 @@ def test_drawn_blocks_ask_for_the_default_joint(tmp_path):
     said = r"\[joint.default\]: there is none, but blocks 'low' and 'side' touch at \(1, 0.5\)"
     with pytest.raises(ModelError, match=said):
         of(low=rows, side=beside, up=upper).model()
+    # a joint that the edge of one of both names is that of their contacts
+    half = [(x, y, "bed" if (x, y) == (1, 1) else "") for x, y, _ in beside]
+    assert of(low=rows, side=half, up=upper).model().block_count == 3
     path.write_text(bare.replace("[joint.bed]", "[joint.bed]\nbetween = [['low', '2']]") + table)
     assert of(low=rows, side=beside).model().block_count == 2
     path.write_text(HEAD + table)

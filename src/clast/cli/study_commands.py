@@ -87,7 +87,10 @@ def fos(
     joints: Joints = "",
     tolerance: Tolerance = 0.01,
     start: Annotated[
-        float | None, typer.Option(help="First factor; 1, of pga 0.1, if absent.")
+        float | None,
+        typer.Option(
+            help="First factor; 1, of pga 0.1, if absent. The bracket grows from it, up or down."
+        ),
     ] = None,
     growth: Annotated[float | None, typer.Option(help="Growth of factors until one fails.")] = None,
     refine: Annotated[

@@ -130,7 +130,15 @@ def refuse_unnamed_faces(model: Model) -> None:
     paired = {tuple(pair) for pair in table.block_pair.tolist()}
     for k in np.flatnonzero(unnamed):
         pair = tuple(sorted((int(one[k]), int(other[k]))))
-        if pair not in paired and not model.fixed[list(pair)].all():
+        if pair in paired or model.fixed[list(pair)].all():
+            continue
+        # a contact has the joint that either of its two edges names
+        theirs = np.arange(*model.block_start[other[k] : other[k] + 2])
+        lines = shapely.linestrings(
+            np.stack([model.vertices[theirs], model.vertices[after[theirs]]], axis=1)
+        )
+        facing = theirs[shapely.distance(lines, middles[edge[k]]) <= reach]
+        if (model.edge_joint[facing] < 0).all():
             names = " and ".join(f"'{shortened(model.block_name[block])}'" for block in pair)
             at = shapely.get_coordinates(middles[edge[k]])[0] + model.origin
             raise ModelError(

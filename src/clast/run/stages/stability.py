@@ -79,12 +79,14 @@ def critical_mode(model: Model, method: Method, state: State, step: float) -> Cr
         ratio, mode = _largest_ratio(tangent)
     except StepRejected:
         return None
-    if ratio <= 0.0:
-        return None
     far = np.hypot(*mode[:, :2].T) + np.abs(mode[:, 2]) * np.sqrt(model.area)
     most = int(far.argmax())
+    if not (ratio > 0.0 and 0.0 < far[most] < np.inf):
+        return None
     first, past = model.block_start[most : most + 2]
-    motion = _moved(context, mode).vertices[first:past] - state.vertices[first:past]
+    # a mode has no size: w.K w = 1 turns blocks on soft springs by more than a radian
+    small = 1e-4 * float(np.sqrt(model.area[most]) / far[most]) * mode
+    motion = _moved(context, small).vertices[first:past] - state.vertices[first:past]
     direction = angle_of(motion[int(np.hypot(*motion.T).argmax())])
     return CriticalMode(ratio=ratio, block=model.block_name[most], direction=direction)
 
