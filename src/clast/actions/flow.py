@@ -187,10 +187,17 @@ def is_whole(water: JointWater, model: Model) -> bool:
     k, m, faces = len(network.length), len(network.at), len(network.face_edge)
     edges, blocks = len(model.vertices), model.block_count
     of_channels = (solved.flow, water.conductance, network.joint)
-    of_nodes = (solved.pressure, solved.saturation, solved.given, solved.outflow, solved.runoff)
+    of_nodes: tuple[Any, ...] = (
+        solved.pressure,
+        solved.saturation,
+        solved.given,
+        solved.outflow,
+        solved.runoff,
+    )
     of_nodes += (solved.missing, water.volume, network.near, on.pressure, on.inflow)
     pairs = [(network.node, m), (network.edge, edges), (network.block, blocks)]
-    shapes = [(one, (k,)) for one in of_channels] + [(one, (m,)) for one in of_nodes]
+    shapes: list[tuple[Any, tuple[int, ...]]] = [(one, (k,)) for one in of_channels]
+    shapes += [(one, (m,)) for one in of_nodes]
     shapes += [(one, (k, 2)) for one, _ in pairs] + [(water.aperture, (k, 2))]
     shapes += [(network.share, (k, 2, 2)), (network.at, (m, 2)), (water.absent, (blocks,))]
     shapes += [(network.face_share, (faces, 2)), (on.kind, (m,)), (on.part, (m,))]

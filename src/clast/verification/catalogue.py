@@ -38,6 +38,9 @@ MODULES = {
         "chain damped_block wave newmark moving_base viscous_end sinking_block oblique_wave "
         "incoming_wave layer damped_layer rocking_spectrum "
     ),
+    "water": (
+        "flow_channels flow_rest flow_rain flow_dam flow_tensor flow_tunnel flow_uplift flow_slip "
+    ),
     "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
     "method": "energy order convergence invariance resumed_run",
 }

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from clast.actions.flow import water_at
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model, Plane, PlaneStress
+from clast.results.frame_samples import flows_of
 from clast.rockmass import Cut, Domain, JointSet
 from clast.rockmass.cut_lines import set_lines, site
 from clast.verification.variants import Variant
@@ -68,3 +70,22 @@ def areas(rock_mass: Cut) -> Floats:
     after = np.arange(len(x)) + 1
     after[start[1:] - 1] = start[:-1]
     return np.asarray(0.5 * np.add.reduceat(x * y[after] - x[after] * y, start[:-1]))
+
+
+def cut_rock(title: str, rock_mass: Cut, *, aperture: float, gravity: float = 9.81) -> InputBuilder:
+    """Begin a model with the blocks of a cut, and joints of one aperture, m, without stress."""
+    builder = InputBuilder(title=title, gravity=(0.0, -gravity))
+    builder.add_rock("rock", young=50e9, poisson=0.2, density=2600.0)
+    builder.add_joint(friction_angle=30.0, aperture=aperture)
+    builder.blocks(vertices=rock_mass.vertices, start=rock_mass.block_start, fixed=True)
+    return builder
+
+
+def into_rock(model: Model) -> dict[str, float]:
+    """Return what flows into the joints at each boundary and well, m2/s, by name."""
+    water, flow = water_at(model, 0.0), model.flow
+    into, out = flows_of(water)
+    some = water.conditions.part >= 0
+    names = flow.names if flow else ()
+    sums = np.bincount(water.conditions.part[some], (into - out)[some], len(names))
+    return dict(zip(names, sums.tolist(), strict=True))

@@ -1,0 +1,1 @@
+"""Water that flows in joints."""
