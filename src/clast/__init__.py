@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
+    from clast.study.collapsing.search import FactorSettings as FactorSettings
     from clast.study.distributions import Between as Between
     from clast.study.distributions import Numbered as Numbered
     from clast.study.distributions import Range as Range
@@ -109,6 +110,7 @@ NAMES = {
     "clast.study.fitting.observations": "FitSettings",
     "clast.study.fitting.fit": "fit",
     "clast.study.collapsing.collapse": "Collapse collapse_load factor_of_safety",
+    "clast.study.collapsing.search": "FactorSettings",
     "clast.model.distributions": "Beta Discrete Lognormal Normal Triangular Uniform Values",
     "clast.study.targeting.target": "Target target",
     "clast.study.distributions": "Between Numbered Range Times",

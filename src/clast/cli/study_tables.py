@@ -15,6 +15,7 @@ from clast.errors import CaseError
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.search import Trial
+    from clast.study.collapsing.support_forces import SupportForce
     from clast.study.fitting.fitting import Fit
     from clast.study.folder import StudyFolder
     from clast.study.statistics import Sensitivities, StudyResults
@@ -75,10 +76,23 @@ def print_target(there: StudyFolder, result: Target, as_json: bool, quiet: bool)
         print_json(result.as_dict())
     elif not quiet:
         tell(result.sentence)
+        if result.supported:
+            title = f"supports in run {result.supported.number}"
+            _print_supports(there, title, result.supported.supports)
         tell(f"report: {report}")
     if not result.is_settled:
         say(f"warning: {result.sentence}")
         raise typer.Exit(MISSED)
+
+
+def _print_supports(there: StudyFolder, title: str, supports: Sequence[SupportForce]) -> None:
+    """Print the first of the forces of anchors, linings and links."""
+    from clast.study.collapsing.support_forces import HEADS
+
+    rows = [one.row for one in supports[:SUPPORTS_MAX]]
+    print_table(table_of(title, HEADS, rows, words=(0, 1, 2, 6)))
+    if len(supports) > SUPPORTS_MAX:
+        tell(f"all {len(supports)} are in {there.path / 'supports.csv'}")
 
 
 def _print_results(columns: StudyResults, rows: int) -> None:
@@ -179,7 +193,6 @@ def _as_dict(columns: StudyResults) -> dict[str, Any]:
 def print_collapse(result: Collapse, as_json: bool, quiet: bool) -> None:
     """Write the report of a study of collapse; print its result."""
     from clast.study.collapsing.collapse_report import write_collapse
-    from clast.study.collapsing.support_forces import HEADS
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(result.folder or Path())
@@ -190,10 +203,7 @@ def print_collapse(result: Collapse, as_json: bool, quiet: bool) -> None:
         tell(result.sentence)
         if result.supports:
             title = f"supports with {result.by.SYMBOL} = {result.low:.6g}, which stands"
-            rows = [one.row for one in result.supports[:SUPPORTS_MAX]]
-            print_table(table_of(title, HEADS, rows, words=(0, 1, 2, 6)))
-            if len(result.supports) > SUPPORTS_MAX:
-                tell(f"all {len(result.supports)} are in {there.path / 'supports.csv'}")
+            _print_supports(there, title, result.supports)
         tell(f"report: {report}")
     for text in result.warnings:
         say(f"warning: {text}")

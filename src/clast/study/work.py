@@ -11,7 +11,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,7 @@ from clast.study.collapsing.search import (
     bracket_of,
     search_factor,
 )
+from clast.study.collapsing.support_forces import SupportForce, support_forces
 from clast.study.collapsing.trial import (
     Settled,
     largest_of,
@@ -41,7 +42,7 @@ from clast.study.collapsing.trial import (
     run_trial,
     settle_standing,
 )
-from clast.study.description import WORST, Description
+from clast.study.description import TARGET, WORST, Description
 from clast.study.folder import (
     CASE,
     DONE,
@@ -180,6 +181,8 @@ class Bench:
             if fails is not also:
                 raise CaseError(result["reason"])
         result["measures"] = values
+        if self.folder.study.kind == TARGET:
+            result["supports"] = [dict(vars(support)) for support in one.supports]
         if fails is not None:
             result["fails"] = fails
         if fails and "measured" in vars(one):
@@ -215,6 +218,16 @@ class One:
     output: Path | None
     how: FactorSettings
     """How its factor of safety is looked for."""
+    trials: list[Trial] = field(default_factory=list)
+    """Trials that were made."""
+
+    @property
+    def supports(self) -> tuple[SupportForce, ...]:
+        """Forces of supports in the trial with the largest factor that stands, else in the run."""
+        standing = [trial for trial in self.trials if trial.verdict == STANDS]
+        if standing:
+            return max(standing, key=lambda trial: trial.factor).supports
+        return support_forces(self.measured.run) if "measured" in vars(self) else ()
 
     @property
     def by(self) -> Reduction:
@@ -247,7 +260,8 @@ class One:
 
     def trial(self, factor: float, output: Path | None = None) -> Trial:
         """Return the trial with a factor."""
-        return run_trial(self.start, self.by, factor, output)
+        self.trials.append(run_trial(self.start, self.by, factor, output))
+        return self.trials[-1]
 
     def stands(self, factor: float) -> bool:
         """Return whether the blocks stand with a factor; raises CaseError where it is undecided."""

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import clast
+from clast.study.folder import StudyFolder
+from clast.study.targeting.target_report import write_target
 from scenes.anchored import JACKED, WEIGHT, anchored, exact
 from scenes.command_line import clast_command, good
 
@@ -64,6 +66,40 @@ def test_a_force_that_no_jack_can_have_does_not_end_the_search(tmp_path):
     found = clast.target(case, {FORCE: (0, 100e3)}, F, tolerance=0.02)
     assert found.is_settled and abs(found.value - needed(1.3)) < 3e3
     assert found.runs[0].reached is None and "jack" in found.runs[0].reason
+
+
+def test_forces_of_supports_are_those_of_the_answer(tmp_path):
+    """A jack holds its force: what the anchor carries at the answer is the answer."""
+    case = anchored(tmp_path / "c.toml", {"stiffness": 1e7, "pretension": 1e5}, **JACKED)
+    for reach in (F, "factor_of_safety() < 1.3", "bolt_force(A) >= 60e3"):
+        there = tmp_path / str(len(reach))
+        found = clast.target(case, {FORCE: (10e3, 200e3)}, reach, tolerance=0.1, folder=there)
+        (anchor,) = found.supported.supports
+        assert (anchor.support, anchor.what) == ("bolt", "axial")
+        assert anchor.force == pytest.approx(found.supported.value, rel=1e-3)
+        # a factor below 1.3 is reached where the trial with 1.3 fails: the other end stands
+        assert found.supported is found.ends["<" in reach]
+        rows = (there / "supports.csv").read_text().splitlines()
+        assert rows[0].startswith("support,name,what,force") and len(rows) == 2
+        content = found.as_dict()
+        assert content["supports"][0]["force"] == anchor.force
+        assert content["supports_of"] == found.supported.number
+        again = clast.target(case, {FORCE: (10e3, 200e3)}, reach, tolerance=0.1, folder=there)
+        assert again.supported == found.supported
+        assert "Anchors, linings and links in run" in write_target(
+            StudyFolder.opened(there), found
+        ).read_text("utf-8")
+
+
+def test_settings_of_factors_are_public(slab):
+    how = clast.FactorSettings(by="gravity", tolerance=0.02)
+    study = clast.Study(
+        slab.file,
+        vary={COHESION: [1e4, 2e4]},
+        measure={"F": "factor_of_safety()"},
+        factor=how,
+    )
+    assert study.described().how_of_factor == how
 
 
 def test_a_measure_meets_its_limit(slab):

@@ -31,7 +31,7 @@ from clast.study.collapsing.search import (
     search_factor,
     trial_of,
 )
-from clast.study.collapsing.support_forces import SupportForce
+from clast.study.collapsing.support_forces import SupportForce, write_supports
 from clast.study.collapsing.trial import (
     Settled,
     largest_of,
@@ -201,9 +201,7 @@ def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
         )
         write_rows(folder.path / "trials.csv", [heads, *rows])
         if result.supports:
-            names = list(vars(result.supports[0]))
-            values = ([*vars(one).values()] for one in result.supports)
-            write_rows(folder.path / "supports.csv", [names, *values])
+            write_supports(folder.path, result.supports)
         kept = [*ends(result), *undecided(result)]
         for number in range(1, len(result.trials) + 1):
             if number not in kept and folder.study.keep != "all":

@@ -9,7 +9,7 @@ from typing import Any
 
 from clast.errors import CaseError
 from clast.study.collapsing.reduction import Reduction
-from clast.study.collapsing.support_forces import SupportForce, support_force_of
+from clast.study.collapsing.support_forces import SupportForce, supports_of
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
 LISTS = ("blocks", "warnings", "bolts")
@@ -92,7 +92,7 @@ def trial_of(content: Any) -> Trial | None:
     """Return the trial that ``Trial.as_dict`` gave; None where a value is of another kind."""
     try:
         lists: dict[str, Any] = {name: tuple(content.get(name, ())) for name in LISTS}
-        lists["supports"] = tuple(map(support_force_of, content.get("supports", ())))
+        lists["supports"] = supports_of(content)
         trial = Trial(**{**content, **lists})
     except (AttributeError, TypeError):
         return None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from clast.actions.links import COMPONENTS, Links
 from clast.results import Run
 from clast.results.frame_samples import bolt_states
 from clast.results.schema import BOLT_STATES, LINING_STATES, LINK_STATES
+from clast.rockmass.drawings.drawing_files import write_rows
 
 HEADS = ("support", "name", "part", "force or moment, kN, kN m", "strength", "used, %", "state")
 """Columns of a table of forces, per metre of thickness."""
@@ -60,6 +62,17 @@ def support_force_of(content: Any) -> SupportForce:
     ):
         raise TypeError("a force of a support has values of another kind")
     return one
+
+
+def supports_of(content: Any) -> tuple[SupportForce, ...]:
+    """Return the forces in the result of a run; raises TypeError for values of another kind."""
+    return tuple(map(support_force_of, content.get("supports", ())))
+
+
+def write_supports(folder: Path, supports: Sequence[SupportForce]) -> None:
+    """Write forces into supports.csv in the folder of a study, N and N m."""
+    rows = ([*vars(one).values()] for one in supports)
+    write_rows(folder / "supports.csv", [list(vars(supports[0])), *rows])
 
 
 def _bolts(run: Run) -> Iterator[SupportForce]:

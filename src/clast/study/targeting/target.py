@@ -26,6 +26,7 @@ from clast.case.case_file import Case
 from clast.model.distributions import Value
 from clast.study import trial_table
 from clast.study.collapsing.search import FactorSettings, next_between
+from clast.study.collapsing.support_forces import SupportForce, supports_of, write_supports
 from clast.study.description import TARGET, Description, parameters_of
 from clast.study.distributions import Between, value_text
 from clast.study.folder import DONE, StudyFolder, write_whole
@@ -49,6 +50,8 @@ class TargetRun:
     """Other measures by name."""
     reason: str = ""
     """Why it has no result; "" where it has one."""
+    supports: tuple[SupportForce, ...] = ()
+    """Forces of anchors, linings and links at its end; with a factor, in the trial that stands."""
 
 
 Watch = Callable[[TargetRun], None]
@@ -82,6 +85,11 @@ class Target:
         before = (one for one in self.runs if one.reached is first.reached)
         low = max((one for one in before if one.share < high.share), key=_share)
         return (low, high) if first.reached else (high, low)
+
+    @property
+    def supported(self) -> TargetRun | None:
+        """The end of the bracket whose forces of supports are known, if any: the answer's first."""
+        return next((one for one in self.ends or () if one.supports), None)
 
     @property
     def undecided(self) -> tuple[TargetRun, ...]:
@@ -134,7 +142,7 @@ class Target:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
-        yes, no = self.ends or (None, None)
+        (yes, no), of = self.ends or (None, None), self.supported
         return {
             "parameter": self.parameter,
             "unit": self.unit,
@@ -144,7 +152,9 @@ class Target:
             "undecided": [one.value for one in self.undecided],
             "settled": self.is_settled,
             "sentence": self.sentence,
-            "runs": [{**vars(one), "measures": dict(one.measures)} for one in self.runs],
+            "supports": [] if of is None else [dict(vars(one)) for one in of.supports],
+            "supports_of": of and of.number,
+            "runs": [_listed(one) for one in self.runs],
             "folder": None if self.folder is None else str(self.folder),
         }
 
@@ -223,6 +233,8 @@ def go_on(folder: StudyFolder, watch: Watch | None = None) -> Target:
         )
         text = json.dumps(found.as_dict(), indent=1, ensure_ascii=False)
         write_whole(folder.path / "target.json", f"{text}\n".encode())
+        if found.supported:
+            write_supports(folder.path, found.supported.supports)
         trial_table.write_csv(folder, folder.path / trial_table.CSV)
         if found.ends:
             content = bench.settings.case((found.ends[0].value,))
@@ -279,7 +291,23 @@ def _run(bench: Bench, number: int, share: float) -> TargetRun:
         reached=reached if is_known else None,
         measures=measures,
         reason=result.get("reason", ""),
+        supports=_supports(result),
     )
+
+
+def _supports(result: Mapping[str, Any]) -> tuple[SupportForce, ...]:
+    """Return the forces in the result of a run; none where it holds something else."""
+    try:
+        return supports_of(result)
+    except (TypeError, AttributeError):
+        return ()
+
+
+def _listed(run: TargetRun) -> dict[str, Any]:
+    """Return a run ready for JSON; forces are those of the answer alone."""
+    listed = {**vars(run), "measures": dict(run.measures)}
+    del listed["supports"]
+    return listed
 
 
 def _share(run: TargetRun) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.pictures.study.sweep_figures import SweepAxis, SweepGrid, draw_sweep
 from clast.results import read_results
+from clast.study.collapsing.support_forces import HEADS
 from clast.study.folder import RUN_FILE, StudyFolder
 from clast.study.measures import STANDS_WITH
 from clast.study.parameters import ParameterPlaces, changed, content_of
@@ -39,6 +40,10 @@ def write_target(folder: StudyFolder, result: Target) -> Path:
             for one in result.runs
         ],
     )
+    if result.supported:
+        page.head(f"Anchors, linings and links in run {result.supported.number}")
+        page.table(HEADS, [one.row for one in result.supported.supports])
+        page.remark("All digits are in supports.csv, in N.")
     for one in result.ends or ():
         title = f"Run {one.number}, {WORDS[one.reached]}"
         run = _played(folder, one)
