@@ -21,10 +21,14 @@ import numpy as np
 
 from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE
-from clast.model.flow.pieces import Piece, Problem, Water, change, held, piece_at, water_at
+from clast.model.flow.pieces import Piece, Problem, Water, piece_at, water_at
+from clast.model.flow.slopes import HOLD, Factor, factored, of_channels, of_node
 
 SHIFT = 1e-3
 """Shift of the start against kinks that are met together, as a share of the error."""
+
+CHANGES = 40
+"""Kinks after which slopes are factored anew."""
 
 
 def followed(problem: Problem, x: Floats, error: float, most: int) -> tuple[Floats, int]:
@@ -35,16 +39,37 @@ def followed(problem: Problem, x: Floats, error: float, most: int) -> tuple[Floa
     random = np.random.default_rng(0)
     x = x + SHIFT * min(error, 1.0) * problem.scale * (random.random(len(x)) - 0.5)
     x[problem.balance.kind == GIVEN] = 0.0
-    start, piece = x, piece_at(problem, x)
+    start, piece, factor = x, piece_at(problem, x), None
     for crossed in range(most):
         water = water_at(problem, piece, x)
-        along = change(problem, piece, water.left + held(problem) * (x - start))
+        if factor is None or len(factor.changes) == CHANGES:
+            factor = factored(problem, piece)
+        along = -factor(water.left + HOLD * problem.around * (x - start))
         share, kink = _first(problem, piece, water, x, along)
         x = x + share * along
         if kink is None:
             return x, crossed + 1
-        piece = _other_side(problem, piece, kink, water, x)
+        before, piece = piece, _other_side(problem, piece, kink, water, x)
+        factor = _changed(problem, factor, kink, before, piece)
     return x, most
+
+
+def _changed(
+    problem: Problem, factor: Factor, kink: tuple[str, int], before: Piece, after: Piece
+) -> Factor | None:
+    """Return the factor of the slopes after a kink; None where digits would be lost."""
+    balance = problem.balance
+    name, one = kink
+    if name != "runs":
+        column = of_node(problem, after, one) - of_node(problem, before, one)
+        return factor.changed(column, np.array([one]), np.ones(1))
+    at = np.array([balance.upper[one], balance.lower[one]])
+    column = np.zeros(len(before.wet))
+    column[at] = 1.0, -1.0
+    which = np.array([one])
+    was, now = of_channels(problem, before, which), of_channels(problem, after, which)
+    row = np.concatenate([now[0] - was[0], was[1] - now[1]])
+    return factor.changed(column, at, row)
 
 
 def _first(

@@ -9,7 +9,8 @@ no node changes between dry, wet and giving off, and no channel between running 
     full      q = C (p_u + G - p_l), of which u knows nothing while it is dry.
 
 F is an M-function: what a node holds raises what leaves it, and lowers what leaves its neighbours
-by no more in sum.  So with storage it has one zero, and slopes of positive determinant everywhere.
+by no more in sum.  So with storage it has one zero, and slopes of positive determinant everywhere
+(``slopes.py``).
 """
 
 from __future__ import annotations
@@ -23,8 +24,6 @@ import numpy as np
 from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE, Balance
 
-HOLD = 1e-14
-"""Slope of a node whose balance does not depend on its own unknown, as a share of its channels'."""
 ROUNDING = 1 * float(np.finfo(np.float64).eps)
 """By how much a sum of flows may differ from none, as a share of its terms."""
 TINY = float(np.finfo(np.float64).tiny)
@@ -162,55 +161,3 @@ def error_of(problem: Problem, water: Water) -> float:
     flows = np.abs(water.flow).max(initial=0.0), np.abs(problem.balance.inflow).max(initial=0.0)
     size = max(*flows, 1e-3 * water.terms.max(initial=0.0), TINY)
     return float(np.abs(water.left[problem.free]).max(initial=0.0) / size)
-
-
-def slopes(problem: Problem, piece: Piece) -> Any:
-    """Return how F at free nodes grows with their unknowns in a piece, sparse, (n, n).
-
-    Nodes are held by a small slope of their own: without storage that of a node may be none.
-    """
-    from scipy.sparse import coo_array  # slow to load, and few cases need it
-
-    balance, count, free = problem.balance, len(piece.wet), problem.free
-    upper, lower, every = balance.upper, balance.lower, np.arange(count)
-    by_pressure = np.where(piece.wet & ~piece.above, 1.0, 0.0)
-    by_saturation = np.where(piece.wet, 0.0, 1.0 / problem.scale)
-    running = np.where(piece.runs, balance.drop * by_saturation[upper], 0.0)
-    by_upper = balance.conductance * (by_pressure[upper] + running)
-    by_lower = balance.conductance * np.where(piece.pushes, by_pressure[lower], 0.0)
-    volume = problem.rate * balance.volume
-    own = (
-        np.bincount(upper, by_upper, count)
-        + np.bincount(lower, by_lower, count)
-        + np.where(piece.above, problem.around, 0.0)
-        + (volume + np.maximum(-balance.inflow, 0.0)) * by_saturation
-        + volume / balance.bulk_modulus * by_pressure
-        + held(problem)
-    )
-    value = np.concatenate([-by_lower, -by_upper, own])
-    place = np.concatenate([upper, lower, every]), np.concatenate([lower, upper, every])
-    matrix = coo_array((value, place), shape=(count, count)).tocsc()
-    return matrix if len(free) == count else matrix[:, free][free]
-
-
-def held(problem: Problem) -> Floats:
-    """Return the slope by which nodes are held, m2/(s Pa), shape (m,)."""
-    return HOLD * problem.around
-
-
-def change(problem: Problem, piece: Piece, left: Floats) -> Floats:
-    """Return the change of unknowns (m,), Pa, by which F in a piece falls by ``left`` (m,).
-
-    Columns of the slopes sum to 0 or more, so that they are factored without pivots.
-    """
-    from scipy.sparse.linalg import splu
-
-    free = problem.free
-    changed = np.zeros(len(left))
-    if len(free):
-        symmetric = {"SymmetricMode": True}
-        order = "MMD_AT_PLUS_A"
-        matrix = slopes(problem, piece)
-        factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options=symmetric)
-        changed[free] = -factor.solve(left[free])
-    return changed

@@ -26,17 +26,20 @@ from clast.model.flow.pieces import (
     TINY,
     Piece,
     Problem,
-    change,
     error_of,
     piece_at,
     upwind_at,
     water_at,
 )
+from clast.model.flow.slopes import factored
 
-MOST = 60
+MOST = 30
 """Most iterations of Newton's method before the path is followed."""
-FIRST_PART = 16
-"""Pieces of the path after which Newton's method is tried again; twice as many each time."""
+AGAIN = 15
+"""Most of them after each part of the path."""
+FIRST_PART = 100
+"""Pieces of the path, each for a tenth of an iteration, before Newton's method is tried again; twice
+as many each time, until a part is long enough for the whole path."""
 PIECES = 100_000
 """Most pieces in all: a limit of patience, not of the method."""
 REPEATS = 6
@@ -127,7 +130,7 @@ def _searched(problem: Problem, x: Floats) -> _Found:
                 f"share of {found.error:.0e} of it is out of balance at a node."
             )
         x, pieces = followed(problem, found.x, found.error, part)
-        found = _newton(problem, x, MOST)
+        found = _newton(problem, x, AGAIN)
         iterations, part = iterations + pieces + found.iterations, 2 * part
     return replace(found, iterations=iterations)
 
@@ -135,18 +138,19 @@ def _searched(problem: Problem, x: Floats) -> _Found:
 def _newton(
     problem: Problem, x: Floats, most: int, piece_of: Callable[..., Piece] = piece_at
 ) -> _Found:
-    """Return the best of ``most`` iterations of Newton's method from x (m,), Pa.
+    """Return where ``most`` iterations of Newton's method from x (m,), Pa.
 
     They stop at the kinks of nodes, and where nodes are empty.
     """
     free, error, done, repeats = problem.free, np.inf, False, 0
+    factor = None
     seen: dict[bytes, int] = {}
     for iterations in range(most + 1):
         piece = piece_of(problem, x)
         water = water_at(problem, piece, x)
         before, error = error, error_of(problem, water)
         within = np.abs(water.left[free]) <= ROUNDING * water.terms[free]
-        last = seen.get(key := piece.key, -1)
+        last = seen.get(key := piece.key, -2)
         # solved in its own piece, and no better: what is left is rounding
         same = last == iterations - 1 and error > 0.5 * before
         done = bool(within.all()) or (same and error < ROUNDED)
@@ -154,7 +158,9 @@ def _newton(
         if done or iterations == most or repeats == REPEATS:
             break
         seen[key] = iterations
-        new = x + change(problem, piece, water.left)
+        if factor is None or last != iterations - 1:
+            factor = factored(problem, piece)
+        new = x - factor(water.left)
         x = new if problem.balance.confined else _stopped(problem, x, new)
     return _Found(x=x, error=error, done=done, iterations=iterations)
 
