@@ -17,6 +17,38 @@ from clast.study.collapsing import reduction, trial
 from clast.verification.problems.masonry import arch_push
 from clast.verification.problems.slopes import toppling, wet_slope
 
+PIT = """
+schema = 1
+time = {step = 5e-3, end = 2.0, dynamic_ratio = 0.0}
+rock.granite = {young = 2e10, poisson = 0.25, density = 2650.0}
+joint = {default = {friction_angle = 32.0}, fault = {friction_angle = 32.0, cohesion = 2e4}}
+domain.profile = [[0, 0], [20, 0], [30, 20], [50, 20]]
+domain.depth = 8.0
+domain.fixed_sides = ["left", "right", "bottom"]
+trace = [{points = [[19, BELOW], [50, ABOVE]], joint = "fault"}]
+"""
+
+
+@pytest.mark.parametrize("clear", [True, False])
+def test_blocks_that_stand_only_after_moving_are_told_of(clear):
+    """The plane comes out in the corner of the floor, which holds the toe, or 1 m above it."""
+    up = float(clear)
+    text = PIT.replace("BELOW", str(up - 0.7)).replace("ABOVE", str(up + 21.0066))
+    case = clast.Case.from_text(text, "pit")
+    found = clast.factor_of_safety(case, tolerance=0.005)
+    model, tan = case.model(), math.tan(math.radians(32.0))
+    weight, dip = 9.8 * 2650.0 * float(model.area[~model.fixed].sum()), math.atan2(21.7066, 31.0)
+    (wedge,) = (model.polygon(k) for k in range(2) if not model.fixed[k])
+    length = math.dist(wedge[wedge[:, 1].argmin()], wedge[wedge[:, 0].argmax()])
+    exact = (2e4 * length + weight * math.cos(dip) * tan) / (weight * math.sin(dip))
+    if clear:
+        assert found.low <= 1.005 * exact and found.high >= 0.995 * exact
+        assert not found.warnings
+    else:
+        assert found.low > 1.5 * exact
+        (said,) = found.warnings
+        assert "only after moving" in said and "Limit equilibrium" in said
+
 
 def written(path: Path, builder: clast.ModelBuilder, **keys: object) -> Path:
     path.write_text(builder.to_toml(**keys))  # type: ignore[arg-type]

@@ -21,6 +21,7 @@ from clast.model.model import Model
 from clast.rockmass.drawings.drawing_files import write_rows
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import (
+    AFTER_MOVING,
     FAILED,
     STANDS,
     UNDECIDED,
@@ -44,6 +45,8 @@ from clast.study.description import COLLAPSE, Description
 from clast.study.folder import CASE, DONE, RUN_FILE, StudyFolder, write_whole
 from clast.study.parameters import content_of
 
+MOVES_FROM = 1.05
+"""Ratio of the answer to the largest factor that moves nothing from which movement is told of."""
 Watch = Callable[[int, Trial], None]
 Given = str | Path | Case | ModelBuilder | Model
 """Types that a script may give for a case."""
@@ -75,6 +78,13 @@ class Collapse(FactorBracket):
                     "The answer counts on these forces: give the kind a yield_force, or "
                     'hold the pretension: pretension_is = "jacked"'
                 )
+        still = (
+            one.factor
+            for one in self.trials
+            if one.verdict == STANDS and AFTER_MOVING not in one.warnings
+        )
+        if max(still, default=0.0) >= self.low / MOVES_FROM:
+            texts = [text for text in texts if text != AFTER_MOVING]
         return tuple(dict.fromkeys(texts))
 
     @property

@@ -12,6 +12,12 @@ from clast.study.collapsing.reduction import Reduction
 from clast.study.collapsing.support_forces import SupportForce, supports_of
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
+AFTER_MOVING = (
+    "in some trials that stand, blocks come to rest only after moving by more than 1 % of their "
+    "size, on bolts that stretch or against what lies before them. Limit equilibrium, which knows "
+    "no movement, calls that failure: see the displacements of the trials"
+)
+"""Warning of a trial."""
 LISTS = ("blocks", "warnings", "bolts")
 """Parts of a trial that are lists."""
 TRIALS_MAX = 100

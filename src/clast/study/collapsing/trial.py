@@ -33,7 +33,7 @@ from clast.run.simulate import simulate
 from clast.run.stages.convergence import goes_from
 from clast.step.method import Method, is_stable_for_any_step
 from clast.study.collapsing.reduction import Load, Reduction, staged
-from clast.study.collapsing.search import FAILED, STANDS, UNDECIDED, Trial
+from clast.study.collapsing.search import AFTER_MOVING, FAILED, STANDS, UNDECIDED, Trial
 from clast.study.collapsing.support_forces import support_forces
 from clast.study.parameters import Content, changed, content_of
 
@@ -156,6 +156,8 @@ def largest_of(share: float) -> float:
     return WEIGHT_RATIO_MAX / share if share > 0.0 else 0.0
 
 
+REST_AFTER = 0.5
+"""Movement after which standing blocks are warned of, in units of that of failure."""
 REMEDY = "see the moving blocks: clast run; if they only need time, raise time.end"
 SLOW = (
     ". This process needs many steps, the more the softer contacts are: give it passes and a "
@@ -245,7 +247,9 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         return replace(trial, reason=run.report.outcome)
     last = records[-1]
     if last.outcome == REACHED:
-        return replace(trial, verdict=STANDS, supports=support_forces(run))
+        far_enough = far[farthest] > REST_AFTER * goes_from(start.model)
+        told = (*start.warnings, AFTER_MOVING) if far_enough else start.warnings
+        return replace(trial, verdict=STANDS, supports=support_forces(run), warnings=told)
     trial = replace(trial, reason=last.hindrance)
     fails = last.outcome == FAILS and far[farthest] > goes_from(start.model)
     if fails or (last.outcome == MOVING and is_driven(start, run)):
