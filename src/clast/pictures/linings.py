@@ -7,7 +7,6 @@ forces upwards, compression at the top: so engineers of concrete draw it.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 
 from clast.actions.linings import InteractionCurve, interaction_curve
 from clast.errors import CaseError
-from clast.model.model import Bools, Floats
+from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, LEGEND, NAME_BOX, TEXT
 from clast.results import Recording
@@ -26,6 +25,8 @@ from clast.results.result_tables import LiningHistory
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+APART_MAX = 0.5
+"""Distance of the middles of two ends that are joined, in units of the smaller thickness."""
 TALLEST = 0.12
 """Largest ordinate, as a share of the smaller side of the picture."""
 
@@ -67,29 +68,24 @@ def diagram(
         lining = results.lining(name)
         row = int(results.rows_at(lining.time, frame))
         here = carries(lining)[row]
-        if here.any():
-            drawn.append((name, np.where(here, getattr(lining, one.column)[row], 0.0), here))
+        drawn.append((name, np.where(here, getattr(lining, one.column)[row], 0.0), here))
+    drawn = drawn if any(here.any() for _, _, here in drawn) else []
     largest = max((float(np.abs(values).max()) for _, values, _ in drawn), default=0.0)
 
     def draw(axes: Axes) -> None:
         if largest == 0.0:
             return
         room = min(float(np.ptp(axes.get_xlim())), float(np.ptp(axes.get_ylim())))
-        for name, values, here in drawn:
-            scaled = TALLEST * room / largest * values
-            foot, tip = _ordinates(results, frame, name, scaled)
-            order = [k % len(foot) for k in range(len(foot) + comes_back(results, name))]
-            _draw_diagram(
-                axes,
-                foot,
-                tip,
-                [pair for pair in itertools.pairwise(order) if here[[*pair]].all()],
-                one,
-            )
-            for k in {int(values.argmin()), int(values.argmax())}:
+        scale, bears = TALLEST * room / largest, np.concatenate([here for *_, here in drawn])
+        ends = [_ordinates(results, frame, name, scale * values) for name, values, _ in drawn]
+        foot, tip = (np.concatenate(part) for part in zip(*ends, strict=True))
+        pairs = pairs_of(results)
+        _draw_diagram(axes, foot, tip, pairs[bears[pairs].all(axis=1)], one)
+        for (_, tips), (_, values, here) in zip(ends, drawn, strict=True):
+            for k in {int(values.argmin()), int(values.argmax())} if here.any() else ():
                 text = f"{one.letter} {KILO * values[k]:.3g} {one.unit}"
                 canvas.write(
-                    axes, text, tip[k], 8, color=one.colour, bbox={**NAME_BOX, "alpha": 0.85}
+                    axes, text, tips[k], 8, color=one.colour, bbox={**NAME_BOX, "alpha": 0.85}
                 )
 
     if not drawn:
@@ -108,27 +104,51 @@ def _ordinates(results: Recording, frame: int, name: str, scaled: Floats) -> tup
     return foot, foot + scaled[:, None] * inwards
 
 
-def _draw_diagram(
-    axes: Axes, foot: Floats, tip: Floats, pairs: list[tuple[int, int]], one: LiningQuantity
-) -> None:
-    """Draw the ordinates of a lining between ``pairs`` of joints, and their outline."""
+def _draw_diagram(axes: Axes, foot: Floats, tip: Floats, pairs: Ints, one: LiningQuantity) -> None:
+    """Draw the ordinates of linings between ``pairs`` (p, 2) of joints, and their outline."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    areas = [np.array([foot[k], foot[j], tip[j], tip[k]]) for k, j in pairs]
+    areas = [np.array([foot[k], foot[j], tip[j], tip[k]]) for k, j in pairs.tolist()]
     axes.add_collection(PolyCollection(areas, facecolors=one.colour, alpha=0.22, zorder=6.0))
     for ends, width, zorder in ((tip, 1.2, 6.2), (foot, 0.5, 6.1)):
-        lines = [ends[[k, j]] for k, j in pairs]
-        axes.add_collection(LineCollection(lines, colors=one.colour, lw=width, zorder=zorder))
+        axes.add_collection(
+            LineCollection(list(ends[pairs]), colors=one.colour, lw=width, zorder=zorder)
+        )
 
 
-def comes_back(results: Recording, name: str) -> bool:
-    """Return whether the last joint of a lining is beside its first segment."""
-    lining, start = results.lining(name), results.vertices(0)
-    first = results.block_start[results.block_name.index(f"{name}/1")]
-    count = sum(block.rpartition("/")[0] == name for block in results.block_name)
-    spacing = float(np.hypot(*np.ptp(start[lining.face[:, 0]], axis=0)))
-    gap = np.hypot(*(start[first] - start[lining.face[-1, 0]]))
-    return len(lining.along) == count and bool(gap <= 1e-6 * spacing)
+def pairs_of(results: Recording) -> Ints:
+    """Return the joints between which diagrams run, by their numbers in all linings, (p, 2).
+
+    They follow each other along a lining.  A ring closes, and a lining goes on into another that
+    it is joined with: the joint there is that of one of the two, at the end of its last segment.
+    """
+    vertices, offset = results.vertices(0), 0
+    pairs: list[tuple[int, int]] = []
+    made: list[tuple[int, Floats]] = []
+    open_ends: list[tuple[int, Floats]] = []
+    for name in results.lining_name:
+        face = results.lining(name).face
+        count = len(face)
+        pairs += [(offset + k, offset + k + 1) for k in range(count - 1)]
+        for end, own in zip(_end_faces(results, name), (0, count - 1), strict=True):
+            ends = made if (face[own] == end).all() else open_ends
+            ends.append((offset + own, vertices[end]))
+        offset += count
+    for own, end in open_ends:
+        for joint, other in made:
+            thick = min(float(np.hypot(*(one[1] - one[0]))) for one in (end, other))
+            if np.hypot(*(end - other).mean(axis=0)) <= APART_MAX * thick:
+                pairs.append((joint, own))
+    return np.array(pairs, np.int64).reshape(-1, 2)
+
+
+def _end_faces(results: Recording, name: str) -> tuple[Ints, Ints]:
+    """Return the vertices, outside and inside, of the faces in which a lining begins and ends."""
+    own = [k for k, one in enumerate(results.block_name) if one.rpartition("/")[0] == name]
+    first, past = results.block_start[own[0]], results.block_start[own[-1] + 1]
+    # outer points along the line, then the inner ones of the end and of the start
+    start = np.array([first, results.block_start[own[0] + 1] - 1])
+    return start, np.array([past - 3, past - 2])
 
 
 CURVE, CRACKS, POINTS, CLOUD = "#262626", "#c1440e", "#1b4f9c", "#9ab3d6"

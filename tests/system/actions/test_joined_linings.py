@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import clast
 from clast.errors import CaseError, ModelError
+from clast.pictures.linings import DIAGRAMS, diagram
 from clast.results import Run
 
 COUNT, RADIUS, LOAD = 24, 2.0, 3e4
@@ -154,3 +156,24 @@ def test_joints_that_cannot_be_are_refused(keys: dict[str, Any], said: str):
     with pytest.raises((CaseError, ModelError)) as told:
         builder_of(parts).build()
     assert said in str(told.value)
+
+
+@pytest.mark.parametrize("owner", ["top", "bottom"])
+def test_diagrams_go_on_across_the_joints(owner: str):
+    """A ring in two parts has the diagram of the whole ring, of as many pieces as segments."""
+
+    def polygons(run: Run) -> np.ndarray[Any, Any]:
+        axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set(xlim=(-3.0, 3.0), ylim=(-3.0, 3.0))
+        diagram(DIAGRAMS["moments"], run, len(run.times) - 1)[1](axes)
+        areas, tips = axes.collections[:2]
+        assert len(areas.get_paths()) == len(tips.get_segments())
+        return np.array([path.vertices[:4].mean(axis=0) for path in areas.get_paths()])
+
+    whole = polygons(clast.simulate(builder_of({"ring": {"of": (0, COUNT)}}).build(), **STATIC))
+    parts: dict[str, dict[str, Any]] = {"top": {"of": (0, HALF)}, "bottom": {"of": (HALF, COUNT)}}
+    parts[owner]["joins"] = "bottom" if owner == "top" else "top"
+    found = polygons(clast.simulate(builder_of(parts).build(), **STATIC))
+    assert len(whole) == len(found) == COUNT
+    order = [np.lexsort(np.round(one, 6).T) for one in (whole, found)]
+    assert found[order[1]] == pytest.approx(whole[order[0]], abs=1e-4)

@@ -12,7 +12,7 @@ from clast.model.model import Floats, Ints
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.frames import places_of_points
 from clast.pictures.joint_values import JOINT_FIELDS
-from clast.pictures.linings import DIAGRAMS, carries, comes_back
+from clast.pictures.linings import DIAGRAMS, carries, pairs_of
 from clast.pictures.page.packing import (
     ALWAYS,
     LEVELS,
@@ -293,10 +293,8 @@ def supports_of(results: Recording) -> dict[str, Any]:
         "link_looks": looks,
         "link_holds": links.holds.tolist() if links.name else [],
         "reaction_colour": REACTION_COLOUR,
-        "linings": [
-            {"face": results.lining(name).face.tolist(), "closed": comes_back(results, name)}
-            for name in results.lining_name
-        ],
+        "linings": [{"face": results.lining(name).face.tolist()} for name in results.lining_name],
+        "lining_pairs": pairs_of(results).tolist(),
         "diagrams": {name: astuple(one) for name, one in DIAGRAMS.items()},
     }
 

@@ -158,7 +158,8 @@ function drawDiagram(pen, { run, view, frame, theme }, [letter, column, unit, co
   const scale = (TALLEST * Math.min(view.width, view.height)) / largest;
   const here = run.vertices(frame);
   const at = (v) => [view.screenX(here[2 * v]), view.screenY(here[2 * v + 1])];
-  run.scene.supports.linings.forEach(({ face, closed }, number) => {
+  const [all, places] = [every.flatMap((values) => Array.from(values)), []];
+  run.scene.supports.linings.forEach(({ face }, number) => {
     const values = every[number];
     const feet = face.map(([outer, inner], k) => {
       const [[x0, y0], [x1, y1]] = [at(outer), at(inner)];
@@ -166,18 +167,8 @@ function drawDiagram(pen, { run, view, frame, theme }, [letter, column, unit, co
       const [x, y] = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
       return [x, y, x + far * (x1 - x0), y + far * (y1 - y0)];
     });
-    const [tips, axis, rungs] = [[], [], []];
-    for (let k = 0; k < face.length; k++) {
-      if (!Number.isFinite(values[k])) continue;
-      rungs.push(feet[k]);
-      const next = k + 1 < face.length ? k + 1 : closed ? 0 : -1;
-      if (next < 0 || !Number.isFinite(values[next])) continue;
-      tips.push([...feet[k].slice(2), ...feet[next].slice(2)]);
-      axis.push([...feet[k].slice(0, 2), ...feet[next].slice(0, 2)]);
-    }
-    pen.lines(rungs, colour, 0.5);
-    pen.lines(axis, colour, 0.7);
-    pen.lines(tips, colour, 1.8);
+    places.push(...feet);
+    pen.lines(feet.filter((_, k) => Number.isFinite(values[k])), colour, 0.5);
     const known = Array.from(values).filter(Number.isFinite);
     if (!known.length) return;
     for (const value of new Set([Math.min(...known), Math.max(...known)])) {
@@ -185,4 +176,9 @@ function drawDiagram(pen, { run, view, frame, theme }, [letter, column, unit, co
       pen.text(x + 4, y, `${letter} ${inKilo(value, unit)}`, theme.ink, theme.paper);
     }
   });
+  const borne = run.scene.supports.lining_pairs.filter((pair) => pair.every((k) => Number.isFinite(all[k])));
+  for (const [from, width] of [[0, 0.7], [2, 1.8]]) {
+    const lines = borne.map(([k, next]) => [...places[k].slice(from, from + 2), ...places[next].slice(from, from + 2)]);
+    pen.lines(lines, colour, width);
+  }
 }
