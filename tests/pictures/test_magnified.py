@@ -32,6 +32,19 @@ def leaning() -> clast.Run:
     return clast.simulate(builder, end=0.05, step=1e-3)
 
 
+@pytest.fixture(scope="module")
+def bolted() -> clast.Run:
+    """A block that hangs from a bolt in a fixed one."""
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e8, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=40.0)
+    builder.block(name="roof", vertices=[(0, 1), (2, 1), (2, 3), (0, 3)], fixed=True)
+    builder.block(name="wedge", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    builder.add_bolt_kind("bar", stiffness=1e7)
+    builder.bolt((1.0, 0.0), (1.0, 2.5), name="B", kind="bar")
+    return clast.simulate(builder, end=0.05, step=1e-3)
+
+
 @pytest.mark.parametrize("factor", [0.5, 40.0])
 def test_every_place_moves_so_many_times_as_far(leaning: clast.Run, factor: float):
     drawn, start = magnified(leaning, factor), leaning.vertices(0)
@@ -113,3 +126,10 @@ def test_two_frames_and_axes_of_ones_own_say_the_factor(leaning: clast.Run, monk
     axes = Figure().add_subplot()
     leaning.plot(ax=axes, look=Look(magnify=50.0))
     assert axes.get_title(loc="right") == "displacements × 50"
+
+
+def test_points_of_bolts_move_with_their_blocks(bolted: clast.Run):
+    last = len(bolted.times) - 1
+    start, now = (bolted.bolts(frame).points for frame in (0, last))
+    drawn = magnified(bolted, 7.0).bolts(last).points
+    np.testing.assert_allclose(drawn, start + 7.0 * (now - start))

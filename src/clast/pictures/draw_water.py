@@ -155,8 +155,8 @@ def draw_water(
     pressures = pressures_of(results, waters, frame, results.vertices(frame))
     if pressures.largest > 0.0:
         block = np.searchsorted(results.block_start, pressures.edge, side="right") - 1
-        ends = [carried(drawn, frame, block, pressures.ends[:, end]) for end in (0, 1)]
-        pressures = replace(pressures, ends=np.stack(ends, axis=1))
+        both = [carried(drawn, frame, block, pressures.ends[:, end]) for end in (0, 1)]
+        pressures = replace(pressures, ends=np.stack(both, axis=1))
         outlines = list(_diagrams(pressures, LONGEST * length_of_longest(results, *part)))
         looks: dict[str, Any] = {"fc": (PALE, CLEAR), "ec": BLUE, "lw": 0.3, "zorder": 3.5}
         axes.add_collection(PolyCollection(outlines, **looks))

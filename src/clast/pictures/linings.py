@@ -134,10 +134,10 @@ def pairs_of(results: Recording) -> Ints:
             ends = made if (face[own] == end).all() else open_ends
             ends.append((offset + own, vertices[end]))
         offset += count
-    for own, end in open_ends:
+    for own, open_end in open_ends:
         for joint, other in made:
-            thick = min(float(np.hypot(*(one[1] - one[0]))) for one in (end, other))
-            if np.hypot(*(end - other).mean(axis=0)) <= APART_MAX * thick:
+            thick = min(float(np.hypot(*(one[1] - one[0]))) for one in (open_end, other))
+            if np.hypot(*(open_end - other).mean(axis=0)) <= APART_MAX * thick:
                 pairs.append((joint, own))
     return np.array(pairs, np.int64).reshape(-1, 2)
 

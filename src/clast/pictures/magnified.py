@@ -15,7 +15,7 @@ from clast.model.model import Floats, Ints
 from clast.pictures.fields import round_below
 from clast.results import Recording
 from clast.results.frames import VERTICES, FrameStore, absent_in_frame
-from clast.results.schema import TableSchema
+from clast.results.schema import BOLT_POINTS, TableSchema
 
 SEEN = 0.05
 """Share of the model that the largest displacement is drawn as, where clast chooses the factor."""
@@ -109,7 +109,10 @@ class _MagnifiedFrames:
         rows["position"] = carried(drawn, frame, block, rows["position"])
         return rows
 
-    def bolt_points(self, frame: int) -> Floats:
-        """Return the points of the bolts in a frame, m, shape (q, 2)."""
-        start = self._frames.bolt_points(0)
-        return start + self._factor * (self._frames.bolt_points(frame) - start)
+    def beside(self, name: str, frame: int) -> Floats:
+        """Return an array of a frame beside those of blocks: points of bolts are magnified."""
+        values = self._frames.beside(name, frame)
+        if name != BOLT_POINTS:
+            return values
+        start = self._frames.beside(name, 0)
+        return start + self._factor * (values - start)
