@@ -145,6 +145,8 @@ def _idle_warnings(model: Model) -> Iterator[str]:
         )
     numbers = {int(k) for one, _ in loads.values() for k in one.factor}
     used = {water.factor.name for water in model.water if water.factor}
+    heads = model.flow.boundaries if model.flow else ()
+    used |= {one.factor.name for one in heads if one.factor}
     used |= {name for action in model.actions for name in getattr(action, "tables", ())}
     used |= {factor.name for k, factor in enumerate(model.factors) if k in numbers}
     for name in [one.name for one in model.factors if one.name not in used][:NAMED]:

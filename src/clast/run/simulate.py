@@ -31,6 +31,7 @@ from clast.run.checkpointing import Checkpointing
 from clast.run.drawing import drawn
 from clast.run.events import Listener, bonds_break
 from clast.run.excavation import excavated
+from clast.run.flow_warnings import flow_warnings
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
@@ -437,6 +438,8 @@ class _March:
         if position is None and self.now.path is not None and self.now.path.branch:
             warnings = (*warnings, f"the static run: {self.now.path.branch}")
         warnings = *warnings, *watch.warnings(seen, state, taken)
+        if model.flow is not None:
+            warnings += tuple(flow_warnings(model, state))
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)
         return Report(

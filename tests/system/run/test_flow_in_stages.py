@@ -178,3 +178,86 @@ def test_a_run_that_was_stopped_goes_on_to_the_last_bit(run, tmp_path):
         np.testing.assert_array_equal(again.inflow(name).rows, run.inflow(name).rows)
     for frame in range(len(run.times)):
         np.testing.assert_array_equal(again.flow(frame).rows, run.flow(frame).rows)
+
+
+def slope(head: str = "head = 7.0", more: str = "", **time: object) -> clast.Case:
+    """Return a block on a level joint before a lake, drained behind."""
+    text = f"""
+gravity = [0.0, -9.81]
+[time]
+end = 0.05
+step = 1e-2
+dynamic_ratio = 0.0
+[rock.stone]
+young = 50e9
+poisson = 0.2
+density = 2600.0
+[joint.default]
+friction_angle = 40.0
+aperture = 2e-4
+[[block]]
+name = "base"
+vertices = [[-5, -2], [15, -2], [15, 0], [-5, 0]]
+fixed = true
+[[block]]
+name = "top"
+vertices = [[0, 0], [10, 0], [10, 10], [0, 10]]
+[flow]
+longest = 1.0
+[[flow_boundary]]
+name = "lake"
+where = {{edges = [[[0, 0], [0, 10]]]}}
+{head}
+presses = false
+{more}
+"""
+    return clast.Case.from_text(text, "case")
+
+
+def test_a_head_follows_its_amplitude():
+    more = "[amplitude.falling]\ntime = [0.0, 0.04]\nvalue = [8.0, 2.0]\n"
+    run = slope('amplitude = "falling"', more).run()
+    history = run.inflow("lake")
+    level = np.interp(history.time, [0.0, 0.04], [8.0, 2.0])
+    known = 9810.0 * level * 2e-4**3 / (12e-3 * 10.0)
+    np.testing.assert_allclose(history["into_rock"], known, rtol=1e-9)
+    assert not any("falling" in one for one in run.report.warnings)
+
+
+def test_water_that_waits_for_its_stage_and_a_well_of_its_own():
+    more = """
+[[well]]
+name = "drain"
+at = [4.0, 0.0]
+pressure = 0.0
+only_outflow = true
+stage = "second"
+[[stage]]
+name = "first"
+until = "time"
+time = 0.02
+[[stage]]
+name = "second"
+until = "time"
+time = 0.02
+loads = ["lake"]
+"""
+    run = slope(more=more).run()
+    first = run.rows_at(run.inflow("lake").time, run.frame(stage="first").number)
+    assert run.inflow("lake").inflow[first] == 0.0
+    assert run.inflow("drain").inflow[-1] > 0.0
+    assert run.flow(0).pressure.max() == 0.0
+    # from the lake to the drain, and none beyond
+    flow = run.flow()
+    beyond = flow.start[:, 0] > 4.5
+    assert np.abs(flow["flow"][beyond]).max() < 1e-18
+    assert run.inflow("drain").inflow[-1] == pytest.approx(-run.inflow("lake").inflow[-1])
+
+
+def test_what_the_flow_cannot_follow_is_warned_of():
+    wide = slope(more="").text.replace("aperture = 2e-4", "aperture = 2e-3")
+    with pytest.warns(clast.RunWarning, match="Re = rho q/mu is"):
+        clast.Case.from_text(wide, "case").run()
+    light = slope().text.replace("density = 2600.0", "density = 200.0")
+    with pytest.warns(clast.RunWarning, match="have opened by more than half of their aperture"):
+        clast.Case.from_text(light, "case").run()

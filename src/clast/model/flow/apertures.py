@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.arrays import Floats
+from clast.model.arrays import Floats, Ints
 from clast.model.flow.channels import Network, faces_at
 from clast.model.joints import Joint
 from clast.model.model import Model
@@ -24,11 +24,8 @@ def at_start(model: Model, network: Network) -> Floats:
     Closed by the stress in the rock, where joints have a stiffness and contacts carry it.
     """
     faces = faces_at(network, model.vertices, model.vertex_after)
-    line = faces[:, 0, 1] - faces[:, 0, 0]
-    along = line / np.hypot(*line.T)[:, None]
-    away = faces[:, 1] - faces[:, 0]
-    # the second face lies to the right of the first
-    gap = away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0]
+    along = _along(faces)
+    gap = gaps(network, model.vertices, model.vertex_after)
     pressed = np.zeros(gap.shape)
     if model.in_situ is not None:
         y = 0.5 * (faces[:, 0, :, 1] + faces[:, 1, :, 1]) + model.origin[1]
@@ -36,6 +33,23 @@ def at_start(model: Model, network: Network) -> Floats:
         x, z = along[:, None, 1], -along[:, None, 0]
         pressed = -model.in_situ.in_contacts * (xx * x * x + yy * z * z + 2.0 * xy * x * z)
     return mechanical(model, network, gap, pressed)
+
+
+def gaps(network: Network, vertices: Floats, after: Ints) -> Floats:
+    """Return the distance of the faces of channels at both ends, m, below 0 for overlap, (k, 2).
+
+    Blocks are at ``vertices`` (nv, 2), m.
+    """
+    faces = faces_at(network, vertices, after)
+    along, away = _along(faces), faces[:, 1] - faces[:, 0]
+    # the second face lies to the right of the first
+    return np.asarray(away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0])
+
+
+def _along(faces: Floats) -> Floats:
+    """Return the unit vectors along the first faces (k, face, end, 2) of channels, (k, 2)."""
+    line = faces[:, 0, 1] - faces[:, 0, 0]
+    return np.asarray(line / np.hypot(*line.T)[:, None])
 
 
 def mechanical(model: Model, network: Network, gap: Floats, pressed: Floats) -> Floats:
