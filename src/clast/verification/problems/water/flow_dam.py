@@ -46,12 +46,11 @@ def flow_dam(trial: Trial) -> None:
     Not run with: modified and open-close and convex: nothing moves.
     """
     for grid in GRIDS:
-        model = dam(grid)
-        discharge = into_rock(model)["upstream"]
+        discharge = into_rock(dam(grid))["upstream"]
         quantity = f"discharge, {grid[0]} x {grid[1]} joints"
         reason = "corners of cut blocks are rounded"
         trial.relative(quantity, "m2/s", discharge, exact_discharge(grid), 1e-6, reason)
-    water = water_at(model, 0.0)
+    water = water_at(dam(GRIDS[-1]), 0.0)
     x, y = water.network.at.T
     low = np.abs(y - y.min()) < 0.5 * HEIGHT / GRIDS[-1][1]
     order = np.argsort(x[low])

@@ -4,8 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from clast.verification.problems import InputBuilder, Model, StaticRun, Trial, problem
-from clast.verification.variants import CONVEX
+from clast.verification.problems import InputBuilder, Model, Run, StaticRun, Trial, problem
+from clast.verification.variants import CONVEX, Variant
 
 GRAVITY, WATER, CONCRETE = 9.81, 1000.0, 2400.0
 BASE, CREST, HEIGHT, LEVEL = 10.0, 2.0, 15.0, 12.0
@@ -46,6 +46,11 @@ def dam(drained: bool = False, friction: float = FRICTION) -> Model:
     return builder.build()
 
 
+def at_rest(variant: Variant, drained: bool) -> Run:
+    """Return the run of the dam until it rests."""
+    return variant.static(dam(drained), step=1e-2, end=0.5, p=1e11, max_displacement=0.02)
+
+
 @problem(set_up=partial(dam, drained=True), variants=(CONVEX,))
 def flow_uplift(trial: Trial) -> None:
     """Uplift below a dam.
@@ -60,7 +65,7 @@ def flow_uplift(trial: Trial) -> None:
     """
     for drained, name in ((False, "without drains"), (True, "with drains")):
         left = WEIGHT - exact_uplift(drained)
-        run = trial.variant.static(dam(drained), step=1e-2, end=0.5, p=1e11, max_displacement=0.02)
+        run = at_rest(trial.variant, drained)
         carried = float(run.state.memory.normal_force.sum())
         reason = "the dam strains, and its faces turn with it"
         trial.relative(f"force in the joint, {name}", "N/m", carried, left, 1e-4, reason)
@@ -72,7 +77,7 @@ def flow_uplift(trial: Trial) -> None:
         limit = STATIC.limit(trial.variant, with_share, 1.0 - SPAN, 1.0 + SPAN)
         quantity = f"friction at the limit over H/(W - U), {name}"
         trial.relative(quantity, "-", limit, 1.0, 0.01, "bisected to 0.25 %")
-    flow = run.flow()
+    flow = at_rest(trial.variant, drained=True).flow()
     fine = np.array([0.0, DRAIN, BASE])
     chart = trial.chart("pressure below the dam, drained", "distance from the heel, m", "Pa")
     chart.exact("to the drains", fine, WATER * GRAVITY * np.array([LEVEL, 0.0, 0.0]))
