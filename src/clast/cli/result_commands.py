@@ -234,8 +234,11 @@ def plot(
 
 
 def _factor(written: str) -> Any:
-    """Return the factor of --magnify, a number or "auto"."""
-    return written if written == "auto" else (numbers("--magnify", written, 1) or (1.0,))[0]
+    """Return the number of --magnify, or its text as it is, which a look takes or refuses."""
+    try:
+        return float(written)
+    except ValueError:
+        return written
 
 
 def _two_frames(pair: str) -> tuple[int, int]:
