@@ -10,7 +10,7 @@ import pytest
 from scipy.special import erfc
 
 from clast.model.flow.balance import GIVEN, INNER, SEEPAGE, Balance, Solved
-from clast.model.flow.solving import advanced, steady
+from clast.model.flow.solving import NoFlow, advanced, steady
 from scenes.channels import WEIGHT, in_pieces, network
 
 CHANNEL = 1e-10
@@ -267,6 +267,19 @@ def test_water_that_nothing_feeds_is_not_there_in_steady_flow() -> None:
     # and full where it comes: rain runs off in the end
     assert rained.pressure == pytest.approx(WEIGHT * np.array([4.0, 1.0, 0.0, 3.0]), rel=1e-9)
     assert rained.runoff[2] == pytest.approx(0.1 * CAPACITY, rel=1e-9)
+
+
+@pytest.mark.parametrize("confined", [False, True])
+def test_a_source_in_a_closed_part_is_refused(confined: bool) -> None:
+    balance = chain([0.0, 1.0, 0.5], inflow=[0.0, 2e-6, 0.0], confined=confined)
+    with pytest.raises(NoFlow, match=r"nowhere to go: 2e-06 m2/s flow into a part .* of 3 ends"):
+        steady(balance)
+    # two that cancel each other are not, nor is a step of transient flow
+    pumped = replace(balance, inflow=np.array([0.0, 2e-6, -2e-6]))
+    assert steady(pumped).flow == pytest.approx([0.0, 2e-6], abs=1e-12 * 2e-6)
+    before = steady(replace(balance, inflow=np.zeros(3)))
+    solved = advanced(replace(balance, volume=np.full(3, 1e-3)), before, 1.0)
+    assert solved.stored == pytest.approx(2e-6, rel=1e-12)
 
 
 def test_channels_in_pieces_carry_the_same() -> None:

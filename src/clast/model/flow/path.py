@@ -22,7 +22,7 @@ import numpy as np
 from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE
 from clast.model.flow.pieces import Piece, Problem, Water, piece_at, water_at
-from clast.model.flow.slopes import HOLD, Factor, factored, of_channels, of_node
+from clast.model.flow.slopes import Factor, factored, of_channels, of_node
 
 SHIFT = 1e-3
 """Shift of the start against kinks that are met together, as a share of the error."""
@@ -44,7 +44,7 @@ def followed(problem: Problem, x: Floats, error: float, most: int) -> tuple[Floa
         water = water_at(problem, piece, x)
         if factor is None or len(factor.changes) == CHANGES:
             factor = factored(problem, piece)
-        along = -factor(water.left + HOLD * problem.around * (x - start))
+        along = -factor(water.left + problem.hold * problem.around * (x - start))
         share, kink = _first(problem, piece, water, x, along)
         x = x + share * along
         if kink is None:

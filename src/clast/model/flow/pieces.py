@@ -24,6 +24,9 @@ import numpy as np
 from clast.model.arrays import Bools, Floats
 from clast.model.flow.balance import GIVEN, SEEPAGE, Balance
 
+HOLD = 1e-14
+"""Slope by which each node is held, as a share of the conductance around it: without storage its
+balance may depend on no unknown, as that of a dry node above standing columns."""
 ROUNDING = 1 * float(np.finfo(np.float64).eps)
 """By how much a sum of flows may differ from none, as a share of its terms."""
 TINY = float(np.finfo(np.float64).tiny)
@@ -40,6 +43,8 @@ class Problem:
     """Saturation at the beginning, shape (m,)."""
     rate: float
     """One by the step, 1/s; 0: steady."""
+    hold: float = HOLD
+    """Slope by which nodes are held, as a share of the conductance around them."""
 
     @cached_property
     def scale(self) -> float:

@@ -15,10 +15,7 @@ import numpy as np
 from clast.model.arrays import Floats, Ints
 from clast.model.flow.pieces import Piece, Problem
 
-HOLD = 1e-14
-"""Slope by which each node is held, as a share of the conductance around it: without storage its
-balance may depend on no unknown, as that of a dry node above standing columns."""
-PIVOT = 1e-5
+PIVOT = 1e-10
 """Least and, upside down, largest share by which a change may alter the determinant of a factor."""
 
 
@@ -126,7 +123,7 @@ def of_nodes(problem: Problem, piece: Piece, which: Ints) -> Floats:
     by_saturation = volume + np.maximum(-balance.inflow[which], 0.0)
     dry = by_saturation / problem.scale
     full = np.where(above, problem.around[which], volume / balance.bulk_modulus)
-    return np.where(wet, full, dry) + HOLD * problem.around[which]
+    return np.where(wet, full, dry) + problem.hold * problem.around[which]
 
 
 def of_node(problem: Problem, piece: Piece, node: int) -> Floats:

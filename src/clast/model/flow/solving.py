@@ -1,8 +1,8 @@
 """Steady flow in a network of channels, and a step of transient flow by backward Euler.
 
 Newton's method goes from piece to piece of the balance.  It mostly ends in 10 to 30 iterations,
-but may go round a few nodes for ever; then the path of ``path.py`` is followed from where it was
-best, which ends.  The law is that of ``balance.py`` alone: the upwind law, which Newton's method
+but may go round a few nodes for ever; then the path of ``path.py`` is followed from there, which
+ends.  The law is that of ``balance.py`` alone: the upwind law, which Newton's method
 solves from anywhere, only gives the start of a steady state.
 
 Steady states differ by water at rest that nothing feeds, in closed ends, and by the saturation of
@@ -18,10 +18,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.errors import ClastError
-from clast.model.arrays import Bools, Floats
-from clast.model.flow.balance import GIVEN, SEEPAGE, Balance, Solved
+from clast.model.arrays import Bools, Floats, connected
+from clast.model.flow.balance import GIVEN, INNER, SEEPAGE, Balance, Solved
 from clast.model.flow.path import followed
 from clast.model.flow.pieces import (
+    HOLD,
     ROUNDING,
     TINY,
     Piece,
@@ -37,14 +38,17 @@ MOST = 30
 """Most iterations of Newton's method before the path is followed."""
 AGAIN = 15
 """Most of them after each part of the path."""
-FIRST_PART = 100
-"""Pieces of the path, each for a tenth of an iteration, before Newton's method is tried again; twice
-as many each time, until a part is long enough for the whole path."""
+FIRST_PART = 50
+"""Pieces of the path before Newton's method is tried again, each at a tenth of the cost of one of
+its iterations; twice as many each time, so that in the end a part is as long as the whole path."""
+FIRST_HOLD = 1e-9
+"""Hold of nodes on the first part of the path: with less, its factor is kept for fewer kinks; a
+tenth each time, until it is that of Newton's method."""
 PIECES = 100_000
 """Most pieces in all: a limit of patience, not of the method."""
 REPEATS = 6
 """Pieces that Newton's method comes back to before it is taken to go round."""
-ROUNDED = 1e-10
+ROUNDED = 1e-8
 """Error that may be due to rounding."""
 STANDS = 1e-9
 """By how much the column in a channel must be too high to rise out of it, as a share of it."""
@@ -71,8 +75,9 @@ class _Found:
 def steady(balance: Balance, start: Solved | None = None) -> Solved:
     """Return the smallest steady flow of a balance; ``start``, one that is near, saves time.
 
-    Raises NoFlow where rounding keeps it from being found.
+    Raises NoFlow where water has nowhere to go.
     """
+    _refuse_closed_parts(balance)
     count = len(balance.kind)
     problem = Problem(
         balance=balance, pressure=np.zeros(count), saturation=np.zeros(count), rate=0.0
@@ -86,14 +91,27 @@ def steady(balance: Balance, start: Solved | None = None) -> Solved:
 
 
 def advanced(balance: Balance, before: Solved, step: float) -> Solved:
-    """Return the flow at the end of a step, s, by backward Euler from the state ``before``.
-
-    Raises NoFlow where rounding keeps it from being found.
-    """
+    """Return the flow at the end of a step, s, by backward Euler from the state ``before``."""
     pressure, saturation = before.pressure, before.saturation
     problem = Problem(balance=balance, pressure=pressure, saturation=saturation, rate=1.0 / step)
     found = _searched(problem, _unknowns(problem, pressure, saturation))
     return _result(problem, found.x, found.iterations)
+
+
+def _refuse_closed_parts(balance: Balance) -> None:
+    """Raise NoFlow where what flows into a connected part of the network cannot leave it."""
+    part = connected(balance.node[:, 0], balance.node[:, 1], len(balance.kind))
+    ways_out = np.bincount(part, balance.kind != INNER)
+    left, turned_over = np.bincount(part, balance.inflow), np.bincount(part, np.abs(balance.inflow))
+    # without a free surface pumps cannot lack water either
+    too_much = np.abs(left) if balance.confined else left
+    closed = np.flatnonzero((ways_out == 0) & (too_much > ROUNDED * turned_over))
+    if len(closed):
+        first = int(closed[0])
+        raise NoFlow(
+            f"Water has nowhere to go: {left[first]:.3g} m2/s flow into a part of the joints, of "
+            f"{int((part == first).sum())} ends and crossings, that no head or face lets out."
+        )
 
 
 def _unknowns(problem: Problem, pressure: Floats, saturation: Floats) -> Floats:
@@ -122,23 +140,26 @@ def _from_upwind(problem: Problem) -> _Found:
 def _searched(problem: Problem, x: Floats) -> _Found:
     """Return the zero of the balance, from unknowns (m,), Pa, that are near."""
     found = _newton(problem, x, MOST)
-    iterations, part = found.iterations, FIRST_PART
+    iterations, part, hold = found.iterations, FIRST_PART, FIRST_HOLD
     while not found.done:
         if iterations > PIECES:
             raise NoFlow(
                 f"The flow of water in joints was not found: after {iterations} linear systems a "
                 f"share of {found.error:.0e} of it is out of balance at a node."
             )
-        x, pieces = followed(problem, found.x, found.error, part)
-        found = _newton(problem, x, AGAIN)
-        iterations, part = iterations + pieces + found.iterations, 2 * part
+        x, pieces = followed(replace(problem, hold=hold), found.x, found.error, part)
+        again = _newton(problem, x, AGAIN)
+        on_path = error_of(problem, water_at(problem, piece_at(problem, x), x))
+        found = again if again.done or again.error < on_path else replace(found, x=x, error=on_path)
+        iterations, part = iterations + pieces + again.iterations, 2 * part
+        hold = max(0.1 * hold, HOLD)
     return replace(found, iterations=iterations)
 
 
 def _newton(
     problem: Problem, x: Floats, most: int, piece_of: Callable[..., Piece] = piece_at
 ) -> _Found:
-    """Return where ``most`` iterations of Newton's method from x (m,), Pa.
+    """Return where ``most`` iterations of Newton's method lead from x (m,), Pa.
 
     They stop at the kinks of nodes, and where nodes are empty.
     """
