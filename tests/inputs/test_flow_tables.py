@@ -103,7 +103,9 @@ WELL = '[[well]]\nname = "w"\n'
         ("viscosity = 1.3\n", "looks like cP"),
         ("density = 1.0\n", "looks like t/m3"),
         ('state = "hydrostatic"\n', "level"),
-        ("level = 3.0\n", 'belongs to state = "hydrostatic"'),
+        ("level = 3.0\n", "belongs to water at rest"),
+        ('initial = "dry"\n', 'belongs to state = "transient"'),
+        ('state = "transient"\ninitial = "hydrostatic"\n', "level"),
         ('state = "hydrostatic"\nlevel = 3.0\n' + LEFT, "water at rest has no boundaries"),
         (
             LEFT + LEFT.replace('"left"\nw', '"two"\nw').replace("6.0", "3.0"),

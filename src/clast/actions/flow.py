@@ -1,8 +1,9 @@
 """Water that flows in joints: pressures on both faces of channels, and on outer faces below heads.
 
 Pressures act on blocks as they lie halfway through a step.
-The flow is steady, and found anew where a stage changes blocks or boundaries, or a head changes
-with time; apertures are those of the start.  In a channel that is dry at its upper end water stands
+Steady flow is found anew where a stage changes blocks or boundaries, or a head changes with time;
+flow that takes time goes on from step to step, and what was in excavated joints is gone with them.
+Apertures are those of the start.  In a channel that is dry at its upper end water stands
 up to the height p/(rho g - q/(C dy)) above its lower one.
 """
 
@@ -18,12 +19,12 @@ from clast.actions.action import Action, ActionResult, Contribution, Solution, S
 from clast.actions.water import Pressed, sums_on_blocks
 from clast.model.arrays import Bools, Floats, Ints
 from clast.model.flow.apertures import at_start, conductance, hydraulic
-from clast.model.flow.balance import Balance, Solved
+from clast.model.flow.balance import GIVEN, Balance, Solved
 from clast.model.flow.channels import Network, faces_at
 from clast.model.flow.conditions import Conditions, conditions_of, faces_on
 from clast.model.flow.given import HEAD, Flow
 from clast.model.flow.network import network_of
-from clast.model.flow.solving import steady
+from clast.model.flow.solving import advanced, steady
 from clast.model.model import Model
 from clast.model.water import WetFaces, ends_of_faces, wetted
 
@@ -64,15 +65,69 @@ class WetContribution(Contribution):
 def water_at(model: Model, time: float, before: JointWater | None = None) -> JointWater:
     """Return the water in the joints of a model at a time, s; ``before`` has what stays."""
     flow, begun = _given(model), len(model.begun)
-    if before is None or not np.array_equal(before.absent, model.absent):
-        return _begun(model, time)
-    if begun == before.begun and not flow.changes:
+    if before is None:
+        return _started(model, _begun(model, time))
+    same = np.array_equal(before.absent, model.absent)
+    water = before if same else _begun(model, time)
+    if flow.state == "transient":
+        return _advanced(model, _carried(before, water), time)
+    if same and begun == before.begun and not flow.changes:
         return before
-    conditions = _conditions(model, before.network, time)
-    if not conditions.same(before.conditions):
-        balance = balance_of(model, before, conditions)
-        before = replace(before, conditions=conditions, solved=_solved(model, before, balance))
-    return replace(before, begun=begun, time=time, pressed=_pressed(model, before.network))
+    conditions = _conditions(model, water.network, time)
+    if not same or not conditions.same(before.conditions):
+        near = before.solved if same else None
+        water = replace(water, conditions=conditions)
+        water = replace(water, solved=_solved(model, water, flow.state, near))
+    return replace(water, begun=begun, time=time, pressed=_pressed(model, water.network))
+
+
+def _started(model: Model, water: JointWater) -> JointWater:
+    """Return water as it is at the start of a run."""
+    flow = _given(model)
+    state = flow.initial if flow.state == "transient" else flow.state
+    return replace(water, solved=_solved(model, water, state, None))
+
+
+def _advanced(model: Model, before: JointWater, time: float) -> JointWater:
+    """Return the water at a later time, s."""
+    flow, begun, conditions = _given(model), len(model.begun), before.conditions
+    if begun != before.begun or flow.changes:
+        conditions = _conditions(model, before.network, time)
+    water = replace(before, conditions=conditions, begun=begun)
+    if begun != before.begun:
+        water = replace(water, pressed=_pressed(model, before.network))
+    step = time - before.time
+    # static steps may wait for time to go on
+    if not step > CLOCK * abs(time):
+        return water
+    solved = advanced(balance_of(model, water, conditions), before.solved, step)
+    return replace(water, solved=solved, time=time)
+
+
+CLOCK = 1e-12
+"""Share of the time below which two instants are one."""
+
+
+def _carried(before: JointWater, water: JointWater) -> JointWater:
+    """Return water in a network that is found anew, with what was at its nodes before."""
+    if water is before:
+        return before
+    from scipy.spatial import KDTree
+
+    solved = before.solved
+    nearest = KDTree(before.network.at).query(water.network.at)[1]
+    none = np.zeros(water.network.count)
+    solved = replace(
+        EMPTY,
+        pressure=solved.pressure[nearest],
+        saturation=solved.saturation[nearest],
+        flow=np.zeros(len(water.conductance)),
+        given=none,
+        outflow=none,
+        runoff=none,
+        missing=none,
+    )
+    return replace(water, solved=solved, time=before.time)
 
 
 def balance_of(model: Model, water: JointWater, conditions: Conditions) -> Balance:
@@ -165,7 +220,8 @@ class JointFlow(Action):
     def contribution(self, start: StepStart, state: JointWater) -> WetContribution:
         """Return the sum of the forces of water on each block, as it flows in this step."""
         model, midway, time = start.model, start.midway, start.time_of_forces
-        water = water_at(model, time, state)
+        takes_time = _given(model).state == "transient"
+        water = water_at(model, start.end if takes_time else time, state)
         pressed = (
             pressed_channels(water, model, midway.vertices),
             pressed_faces(water, model, midway.vertices, time),
@@ -229,32 +285,34 @@ def _begun(model: Model, time: float) -> JointWater:
     half = 0.25 * network.length * np.maximum(mechanical, 0.0).sum(axis=1)
     volume = np.bincount(network.node.ravel(), np.repeat(half, 2), network.count)
     conditions = _conditions(model, network, time)
-    water = JointWater(
+    return JointWater(
         network=network,
         aperture=aperture,
         conductance=conductance(aperture, network.length, flow.viscosity),
         volume=np.asarray(volume, np.float64),
         conditions=conditions,
-        solved=DRY,
+        solved=EMPTY,
         pressed=_pressed(model, network),
         absent=model.absent,
         begun=len(model.begun),
         time=time,
     )
-    return replace(water, solved=_solved(model, water, balance_of(model, water, conditions)))
 
 
-def _solved(model: Model, water: JointWater, balance: Balance) -> Solved:
-    """Return the steady flow, or water at rest under its level."""
-    flow = _given(model)
-    if flow.state == "steady":
-        return steady(balance)
-    deep = flow.level - model.origin[1] - water.network.at[:, 1]
-    none = np.zeros(water.network.count)
+def _solved(model: Model, water: JointWater, state: str, near: Solved | None) -> Solved:
+    """Return the flow in a state; of steady flow ``near`` saves time."""
+    if state == "steady":
+        return steady(balance_of(model, water, water.conditions), near)
+    flow, network, on = _given(model), water.network, water.conditions
+    deep = flow.level - model.origin[1] - network.at[:, 1]
+    rests = flow.weight * np.maximum(deep, 0.0), (deep >= 0.0).astype(np.float64)
+    none, given = np.zeros(network.count), (on.kind == GIVEN) & (state == "dry")
+    pressure, saturation = rests if state == "hydrostatic" else (none, none)
+    full = flow.confined or given
     return replace(
-        DRY,
-        pressure=flow.weight * np.maximum(deep, 0.0),
-        saturation=(deep >= 0.0).astype(np.float64),
+        EMPTY,
+        pressure=np.where(given, on.pressure, pressure),
+        saturation=np.where(full, 1.0, saturation),
         flow=np.zeros(len(water.conductance)),
         given=none,
         outflow=none,
@@ -264,7 +322,7 @@ def _solved(model: Model, water: JointWater, balance: Balance) -> Solved:
 
 
 NONE = np.zeros(0)
-DRY = Solved(
+EMPTY = Solved(
     pressure=NONE,
     saturation=NONE,
     flow=NONE,

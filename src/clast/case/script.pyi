@@ -85,8 +85,10 @@ class ModelBuilder:
     """Water that flows in joints: the keys of [flow].
 
     Keys:
-        state: Steady flow between boundaries; or water at rest under a level.
-        level: Height y of water at rest, m, of state "hydrostatic".
+        state: Steady flow between boundaries; flow that takes time; or water at rest under a level.
+        level: Height y of water at rest, m, of state or initial "hydrostatic".
+        initial: Water at the start of state "transient": steady flow, if absent, none, or at rest under a level.
+        bulk_modulus: Bulk modulus of water, Pa, for flow that takes time.
         viscosity: Viscosity, Pa s.
         density: Density, kg/m3.
         longest: Longest piece of a channel, m; channels are not divided if absent.
@@ -1075,6 +1077,7 @@ class Stage(_Stage):
         bonds: "break" as forces reach their strength, or "hold" until the static stage is in balance; only then are they judged.
         jacks: "lock": the jacks of bolts come off at its start; "hold": they stay on.
         loads: Loads, pressures and tables that act from its start on, and none of them before.
+        flow: {"state": "transient"}: the flow in joints takes time from its start on; or "steady".
         flow_boundary: Other values of boundaries of the flow from its start on: {"lake": {"head": 40.0}}.
         ground_motion: True: the ground moves in this stage, its record beginning with the stage.
     """
@@ -1104,6 +1107,7 @@ class Stage(_Stage):
         bonds: Literal["break", "hold"] = ...,
         jacks: Literal["lock", "hold"] = ...,
         loads: Names = ...,
+        flow: dict[str, Any] | None = ...,
         flow_boundary: dict[str, dict[str, Any]] = ...,
         ground_motion: bool = ...,
     ) -> None: ...

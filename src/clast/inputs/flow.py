@@ -25,10 +25,15 @@ CENTIPOISE = 1.0
 class FlowTable(Table):
     """Water that flows in joints with an aperture; blocks are impermeable."""
 
-    state: Literal["steady", "hydrostatic"] = "steady"
-    """Steady flow between boundaries; or water at rest under a level."""
+    state: Literal["steady", "transient", "hydrostatic"] = "steady"
+    """Steady flow between boundaries; flow that takes time; or water at rest under a level."""
     level: Coordinate | None = None
-    """Height y of water at rest, m, of state "hydrostatic"."""
+    """Height y of water at rest, m, of state or initial "hydrostatic"."""
+    initial: Literal["steady", "dry", "hydrostatic"] | None = None
+    """Water at the start of state "transient": steady flow, if absent, none, or at rest under a
+    level."""
+    bulk_modulus: Annotated[Positive, within(ranges.MODULUS)] = 2e9
+    """Bulk modulus of water, Pa, for flow that takes time."""
     viscosity: Positive = 1e-3
     """Viscosity, Pa s."""
     density: Annotated[Number, within(ranges.DENSITY)] = 1000.0
@@ -45,12 +50,15 @@ class FlowTable(Table):
             what = f"{self.viscosity:g} looks like cP, but viscosities are in Pa s"
             remedy = f"write {1e-3 * self.viscosity:g}; water has 1e-3"
             raise refusal(what, remedy, "viscosity")
-        rests = self.state == "hydrostatic"
+        if self.initial is not None and self.state != "transient":
+            remedy = 'leave it out, or give state = "transient"'
+            raise refusal('belongs to state = "transient"', remedy, "initial")
+        rests = "hydrostatic" in (self.state, self.initial)
         if rests and self.level is None:
             raise refusal("is missing: water at rest has one", "give its height y, m", "level")
         if not rests and self.level is not None:
             remedy = 'give the head of a [[flow_boundary]], or state = "hydrostatic"'
-            raise refusal('belongs to state = "hydrostatic"', remedy, "level")
+            raise refusal("belongs to water at rest", remedy, "level")
         return self
 
     @classmethod

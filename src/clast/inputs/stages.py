@@ -78,6 +78,13 @@ class FlowChange(Table):
         return self
 
 
+class FlowOfStage(Table):
+    """The flow in joints from a stage on."""
+
+    state: Literal["steady", "transient"]
+    """Steady flow, or flow that takes time and goes on from what there is."""
+
+
 class StageTable(Table):
     """A stage of the run: changes at its start, its method, and its end."""
 
@@ -123,6 +130,8 @@ class StageTable(Table):
     """The jacks of bolts that are there come off at its start, or stay on and hold their force."""
     loads: list[StrictStr] = Field([])
     """Names of loads, pressures and amplitudes that act from its start on, and not before."""
+    flow: FlowOfStage | None = None
+    """The flow from its start on: {state = "transient"}; as before if absent."""
     flow_boundary: dict[str, FlowChange] = Field({})
     """Boundaries of the flow from its start on: {lake = {head = 40}}."""
     ground_motion: StrictBool = False
@@ -139,6 +148,7 @@ class StageTable(Table):
     def stage(self) -> Stage:
         """Return the stage."""
         given = {key: value for key, value in self if key not in ("joint", "damping")}
+        given["flow"] = dict(self.flow or ())
         given["flow_boundary"] = {
             name: {key: float(value) for key, value in one if value is not None}
             for name, one in self.flow_boundary.items()

@@ -80,6 +80,8 @@ class Stage:
     """"lock": the jacks of bolts come off at its start; "hold": they stay on."""
     loads: tuple[str, ...] = ()
     """Loads, pressures and tables that act from its start on, and none of them before."""
+    flow: Mapping[str, str] = field(default_factory=dict)
+    """{"state": "transient"}: the flow in joints takes time from its start on; or "steady"."""
     flow_boundary: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """Other values of boundaries of the flow from its start on: {"lake": {"head": 40.0}}."""
     ground_motion: bool = False
@@ -140,7 +142,8 @@ def flowing(flow: Flow, stages: Sequence[Stage], starts: Sequence[float]) -> Flo
         one if one.factor is None else replace(one, factor=_first_until(one.factor, at, later))
         for one in flow.boundaries
     )
-    flow = replace(flow, wells=wells, boundaries=boundaries)
+    state = [stage.flow["state"] for stage in begun if stage.flow] or [flow.state]
+    flow = replace(flow, wells=wells, boundaries=boundaries, state=state[-1])
     return with_changes(flow, changes, names, later)
 
 

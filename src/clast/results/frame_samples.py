@@ -170,9 +170,10 @@ def flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
         columns = [np.append(one, one.sum()) for one in sums]
         pressure[-1] = solved.pressure.max(initial=0.0)
         stored = np.append(none, solved.stored)
+        content = np.append(none, float(water.volume @ solved.saturation))
         unaccounted = np.append(none, solved.unaccounted)
         iterations = np.append(none, solved.iterations).astype(np.int64)
-        return state.time, *columns, pressure, stored, unaccounted, iterations
+        return state.time, *columns, pressure, content, stored, unaccounted, iterations
 
     return row
 
@@ -195,7 +196,7 @@ def flow_notes(model: Model, state: State) -> tuple[str, ...]:
     if model.flow is None:
         return ()
     water, names = joint_water(model, state), FLOWS.names(model)
-    _, into, out, runoff, pressure, _, unaccounted, _ = flow_rows(model, None)(state)
+    _, into, out, runoff, pressure, *_, unaccounted, _ = flow_rows(model, None)(state)
     notes = []
     for k, name in enumerate(names[:-1]):
         for rate, way in ((out[k], "leaves the rock"), (into[k], "enters the rock")):

@@ -408,6 +408,7 @@ FLOW_TABLE = TableSchema(
         *FLOW_COLUMNS,
         Column("runoff", "m2/s", "rain that does not enter"),
         Column("pressure", "Pa", "largest pressure at its nodes"),
+        Column("content", "m2", "volume of water in all joints; 0 of a part"),
         Column("stored", "m2/s", "what is stored in all joints; 0 of a part"),
         Column("unaccounted", "m2/s", "what is in, less what is out and stored, of all joints"),
         _number("iterations", "linear systems of the last solution, of all joints"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -261,3 +262,97 @@ def test_what_the_flow_cannot_follow_is_warned_of():
     light = slope().text.replace("density = 2600.0", "density = 200.0")
     with pytest.warns(clast.RunWarning, match="have opened by more than half of their aperture"):
         clast.Case.from_text(light, "case").run()
+
+
+def test_a_pulse_travels_as_the_error_function():
+    """p = p0 erfc(x/2 sqrt(D t)) with D = a^2 K/(12 mu), in a joint that stays as it is."""
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=2600.0)
+    builder.add_joint(aperture=1e-4)
+    builder.block(vertices=[(0, -1), (10, -1), (10, 0), (0, 0)], fixed=True)
+    builder.block(vertices=[(0, 0), (10, 0), (10, 1), (0, 1)], fixed=True)
+    builder.flow = {"state": "transient", "initial": "dry", "longest": 0.1, "bulk_modulus": 2e9}
+    builder.flow_boundary("left", side="left", pressure=1e5)
+    errors = []
+    for steps in (50, 100):
+        run = clast.simulate(builder.build(), end=1e-3, step=1e-3 / steps)
+        flow = run.flow()
+        x = flow.start[:, 0]
+        width = 2.0 * np.sqrt(1e-4**2 * 2e9 / 12e-3 * 1e-3)
+        exact = 1e5 * np.array([math.erfc(one / width) for one in x])
+        errors.append(np.abs(flow.pressure[:, 0] - exact).max() / 1e5)
+        history = run.table("flow", "all joints")
+        assert np.abs(history["unaccounted"]).max() < 1e-12 * history["into_rock"].max()
+    assert errors[1] < 3e-3
+    assert errors[1] < 0.6 * errors[0]  # first order in time
+
+
+def drawdown(more: str) -> clast.Case:
+    text = CASE.format(opening="", head=7.3)
+    return clast.Case.from_text(text + more, "case")
+
+
+@pytest.mark.filterwarnings("ignore::clast.RunWarning")
+def test_water_that_takes_time_drains_into_what_steady_flow_leaves():
+    """A lake falls at once: content falls by what has left, and ends as steady flow has it."""
+    stages = """
+[[stage]]
+name = "full"
+until = "time"
+time = 0.02
+[[stage]]
+name = "falls"
+until = "time"
+time = 200.0
+step = 10.0
+flow = {state = "transient"}
+flow_boundary = {lake = {head = 3.0}, sea = {head = 3.0}}
+[[stage]]
+name = "later"
+until = "time"
+time = 1e7
+step = 1e7
+"""
+    run = drawdown(stages).run()
+    total = run.table("flow", "all joints")
+    content, stored = total["content"], total["into_rock"] - total["out_of_rock"]
+    np.testing.assert_allclose(total["stored"], stored, atol=1e-12 * np.abs(stored).max())
+    step = np.diff(total.time)
+    at = np.flatnonzero(step > 1.0)
+    assert len(at) >= 20
+    # water is compressed by 4e-5 of its volume
+    np.testing.assert_allclose(
+        np.diff(content)[at], (step * stored[1:])[at], atol=1e-4 * content.max(), rtol=1e-3
+    )
+    assert (np.diff(content)[at] <= 0.0).all()
+    scale = np.abs(total["out_of_rock"]).max()
+    assert np.abs(total["unaccounted"]).max() < 1e-12 * scale
+    steady = drawdown(stages.replace('flow = {state = "transient"}\n', "")).run()
+    np.testing.assert_allclose(run.flow().pressure, steady.flow().pressure, atol=10.0)
+    # closed ends may keep water that steady flow does not know of
+    least = steady.table("flow", "all joints")["content"][-1]
+    assert least <= content[-1] < 1.05 * least
+
+
+@pytest.mark.filterwarnings("ignore::clast.RunWarning")
+def test_what_is_in_excavated_joints_goes_with_them():
+    stages = """
+[[stage]]
+name = "full"
+until = "time"
+time = 0.02
+[[stage]]
+name = "dug"
+until = "time"
+time = 0.02
+flow = {state = "transient"}
+excavate = ["tunnel"]
+"""
+    run = drawdown(stages).run()
+    before, after = run.flow(run.frame(stage="full").number), run.flow()
+    gone = len(before) - len(after)
+    assert gone > 0
+    content = run.table("flow", "all joints")["content"]
+    first = run.rows_at(run.inflow("lake").time, run.frame(stage="full").number)
+    assert 0.5 * content[0] < content[-1] < content[first]
+    assert run.inflow("tunnel").inflow[-1] > 0.0

@@ -77,7 +77,7 @@ def with_flow(model: Model, given: FlowInputs, bed: Bed) -> Model:
     conditions = conditions_of(flowing, rock.network, rock.faces, 0.0)
     _check_overlaps(flow, rock)
     _check_water(model, rock.network)
-    if flow.state == "steady":
+    if flow.state != "hydrostatic":
         _check_sources(rock, conditions)
     notes = (*model.notes, *_remarks(flow, rock, conditions))
     return replace(flowing, notes=notes)
@@ -106,6 +106,8 @@ def _flow(table: inputs.FlowTable, rock: _Rock) -> Flow:
         weight=table.density * float(-up),
         viscosity=table.viscosity,
         density=table.density,
+        bulk_modulus=table.bulk_modulus,
+        initial=table.initial or "steady",
         confined=table.confined or up == 0.0,
         longest=table.longest or np.inf,
         level=table.level or 0.0,
@@ -121,7 +123,7 @@ def _boundaries(
     openings = dict.fromkeys([*bed.openings, *blocks], 0)
     for number, one in enumerate(given, 1):
         label = f"flow boundary {number}"
-        if flow.state != "steady":
+        if flow.state == "hydrostatic":
             remedy = 'remove it, or give state = "steady"'
             raise ModelError("water at rest has no boundaries", where=label, remedy=remedy)
         line, needs = _lines(label, one.where, rock, openings)
@@ -294,12 +296,16 @@ def _remarks(flow: Flow, rock: _Rock, conditions: Conditions) -> Iterator[str]:
             parts.append(f"{long[left][near.any(axis=0)].sum():.4g} m {text}")
     total = network.length.sum()
     said = f"flow: {len(network.length)} channels, {total:.4g} m of joints"
-    yield f"{said}; outer faces: {', '.join(parts) or 'none'}" if flow.state == "steady" else said
+    yield (
+        f"{said}; outer faces: {', '.join(parts) or 'none'}"
+        if flow.state != "hydrostatic"
+        else said
+    )
     part = network.parts
     reached = np.zeros(part.max(initial=-1) + 1, np.bool_)
     reached[part[conditions.kind != INNER]] = True
     dry = ~reached[part]
-    if flow.state == "steady" and dry.any():
+    if flow.state != "hydrostatic" and dry.any():
         length = float(network.length[dry[network.node[:, 0]]].sum())
         at = point_text(network.at[dry][0] + rock.model.origin)
         yield f"flow: {length:.4g} m of joints, at {at} for one, reach no boundary and stay dry"

@@ -78,7 +78,9 @@ class Flow:
     """Water that flows in the joints of a model."""
 
     state: str
-    """"steady" or "hydrostatic"."""
+    """"steady", "transient" or "hydrostatic"."""
+    initial: str = "steady"
+    """Water at the start of "transient": "steady", "dry" or "hydrostatic"."""
     weight: float
     """Weight of water rho g, N/m3, 0 without gravity."""
     density: float
@@ -92,7 +94,7 @@ class Flow:
     longest: float = np.inf
     """Longest piece of a channel, m."""
     level: float = 0.0
-    """Height y of the water at rest of state "hydrostatic", m."""
+    """Height y of water at rest, m."""
     boundaries: tuple[FlowBoundary, ...] = ()
     wells: tuple[Well, ...] = ()
     measured: tuple[tuple[str, str], ...] = ()

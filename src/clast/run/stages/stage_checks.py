@@ -47,6 +47,11 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
             if joint.name in stage.joints and fault is not None:
                 key = f"joint '{shortened(joint.name)}', {fault.key}"
                 raise _fault(stage, key, fault.what, fault.remedy)
+    for stage in stages:
+        if stage.flow and (model.flow is None or model.flow.state == "hydrostatic"):
+            what = "no water flows" if model.flow is None else "the water is at rest"
+            remedy = 'give [flow] with state = "steady" or "transient", or leave this key out'
+            raise _fault(stage, "flow", what, remedy)
     for names in _NAMED:
         names.check(stages, model)
     _check_excavation(stages, model)

@@ -161,6 +161,8 @@ def events_at_start(model: Model, stage: Stage, time: float) -> Iterator[Event]:
         yield event("joint changes", name, f"joint '{name}' gets {numbers}")
     for name in stage.loads:
         yield event("load begins", name, f"'{name}' begins to act")
+    for state in stage.flow.values():
+        yield event("flow changes", "", f"the flow is {state}")
     for name, changes in stage.flow_boundary.items():
         numbers = ", ".join(f"{key} {value:g}" for key, value in changes.items())
         yield event("flow boundary changes", name, f"flow boundary '{name}' gets {numbers}")
