@@ -200,8 +200,8 @@ def flow_notes(model: Model, state: State) -> tuple[str, ...]:
     notes = []
     for k, name in enumerate(names[:-1]):
         for rate, way in ((out[k], "leaves the rock"), (into[k], "enters the rock")):
-            # what is next to nothing beside the sum is rounding
-            if rate > 1e-9 * max(out[-1], into[-1]):
+            # what is next to nothing beside what pressures could drive is rounding
+            if rate > 1e-9 * water.solved.throughput:
                 ten = f"{LITRES * rate:.4g} l/min per 10 m"
                 notes.append(f"flow: {rate:.4g} m3/s per m ({ten}) {way} at '{name}'")
         if runoff[k] > 0.0:
