@@ -362,8 +362,9 @@ def export(
         str,
         typer.Option(
             metavar="NAME,...",
-            help="Only these of blocks, vertices, contacts, histories, convergences, "
-            "measured_contacts, linings, links, reactions, bolts, energy, steps, stages, events.",
+            help="Only these of blocks, vertices, contacts, channels, histories, measured_flows, "
+            "flow, convergences, measured_contacts, linings, links, reactions, bolts, energy, "
+            "steps, stages, events.",
         ),
     ] = "",
 ) -> None:
@@ -408,6 +409,8 @@ def _write_csv(
         "linings": results.lining_joint_name,
         "measured_contacts": results.measured_contact_name,
         "convergences": results.convergence_name,
+        **dict.fromkeys(("channels", "flow"), results.flow_name),
+        "measured_flows": results.measured_flow_name,
         "stages": results.frame_stages,
         "events": results.events,
     }
