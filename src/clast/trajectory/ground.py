@@ -13,8 +13,8 @@ from clast.model.model import Floats, Ints
 
 RESTITUTION, STICKING, FRICTION, SLIDING, ARM, ROUGHNESS, SPEED = range(7)
 """Rows of the decks of a surface: R_n; the share 1 - R_t of the sticking impulse; tan(phi) of
-blows; tan(phi) of sliding; moment arm of rolling resistance, m; standard deviation of the angle of the
-face, rad; normal speed at which R_n halves, m/s."""
+blows; tan(phi) of sliding; moment arm of rolling resistance, m; standard deviation of the angle of
+the face, rad; normal speed at which R_n halves, m/s."""
 DECK = 1000
 """Values of a distribution: its quantiles at (k + 1/2)/DECK, drawn with equal chances."""
 ROUGHEST = 1e9
