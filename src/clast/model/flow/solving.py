@@ -2,8 +2,8 @@
 
 Newton's method goes from piece to piece of the balance.  It mostly ends in 10 to 30 iterations,
 but may go round a few nodes for ever; then the path of ``path.py`` is followed from there, which
-ends.  The law is that of ``balance.py`` alone: the upwind law, which Newton's method
-solves from anywhere, only gives the start of a steady state.
+ends.  The law is that of ``balance.py`` alone: the upwind law, which Newton's method solves from
+anywhere, only gives a start where none is near.
 
 Steady states differ by water at rest that nothing feeds, in closed ends, and by the saturation of
 dry nodes above columns that no water passes.  The smallest is returned, which dry joints come to:
@@ -36,6 +36,8 @@ from clast.model.flow.slopes import factored
 
 MOST = 30
 """Most iterations of Newton's method before the path is followed."""
+QUICK = 10
+"""Most of them from a state that may be near."""
 AGAIN = 15
 """Most of them after each part of the path."""
 FIRST_PART = 50
@@ -82,10 +84,8 @@ def steady(balance: Balance, start: Solved | None = None) -> Solved:
     problem = Problem(
         balance=balance, pressure=np.zeros(count), saturation=np.zeros(count), rate=0.0
     )
-    if start is None or balance.confined:
-        found = _from_upwind(problem)
-    else:
-        found = _searched(problem, _unknowns(problem, start.pressure, start.saturation))
+    near = None if start is None else _unknowns(problem, start.pressure, start.saturation)
+    found = _found(problem, near)
     x = found.x if balance.confined else _smallest(problem, found.x)
     return _result(problem, x, found.iterations)
 
@@ -94,7 +94,7 @@ def advanced(balance: Balance, before: Solved, step: float) -> Solved:
     """Return the flow at the end of a step, s, by backward Euler from the state ``before``."""
     pressure, saturation = before.pressure, before.saturation
     problem = Problem(balance=balance, pressure=pressure, saturation=saturation, rate=1.0 / step)
-    found = _searched(problem, _unknowns(problem, pressure, saturation))
+    found = _found(problem, _unknowns(problem, pressure, saturation))
     return _result(problem, found.x, found.iterations)
 
 
@@ -120,21 +120,27 @@ def _unknowns(problem: Problem, pressure: Floats, saturation: Floats) -> Floats:
     return np.where(dry, (saturation - 1.0) * problem.scale, pressure)
 
 
-def _from_upwind(problem: Problem) -> _Found:
-    """Return the steady flow that is found from that of full joints by way of the upwind law."""
+def _found(problem: Problem, given: Floats | None) -> _Found:
+    """Return the zero of the balance, near unknowns (m,), Pa, or by way of the upwind law."""
     balance = problem.balance
-    x = np.zeros(len(balance.kind))
     if balance.confined:
-        return _searched(problem, x)
-    # of full joints that faces and drains suck
-    full = replace(
-        balance, kind=np.where(balance.kind == SEEPAGE, GIVEN, balance.kind), confined=True
-    )
-    full_found = _newton(replace(problem, balance=full), x, 2)
-    x = np.where(full_found.x > 0.0, full_found.x, -problem.scale)
+        return _searched(problem, np.zeros(len(balance.kind)) if given is None else given)
+    if given is None:  # where joints that are full to the faces, which suck, are under pressure
+        kind = np.where(balance.kind == SEEPAGE, GIVEN, balance.kind)
+        full = replace(problem, balance=replace(balance, kind=kind, confined=True))
+        first = _newton(full, np.zeros(len(kind)), 2)
+        x = np.where(first.x > 0.0, first.x, -problem.scale)
+    else:
+        x, first = given, _newton(problem, given, QUICK)
+        if first.done:
+            return first
     near = _newton(problem, x, MOST, upwind_at)
-    found = _searched(problem, near.x)
-    return replace(found, iterations=full_found.iterations + near.iterations + found.iterations)
+    second = _newton(problem, near.x, MOST)
+    iterations = first.iterations + near.iterations + second.iterations
+    if second.done:
+        return replace(second, iterations=iterations)
+    found = _searched(problem, second.x if given is None else first.x)
+    return replace(found, iterations=iterations + found.iterations)
 
 
 def _searched(problem: Problem, x: Floats) -> _Found:
