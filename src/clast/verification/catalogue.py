@@ -40,6 +40,7 @@ MODULES = {
     ),
     "water": (
         "flow_channels flow_rest flow_rain flow_dam flow_tensor flow_tunnel flow_uplift flow_slip "
+        "flow_pulse "
     ),
     "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
     "method": "energy order convergence invariance resumed_run",

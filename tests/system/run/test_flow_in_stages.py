@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -262,29 +261,6 @@ def test_what_the_flow_cannot_follow_is_warned_of():
     light = slope().text.replace("density = 2600.0", "density = 200.0")
     with pytest.warns(clast.RunWarning, match="have opened by more than half of their aperture"):
         clast.Case.from_text(light, "case").run()
-
-
-def test_a_pulse_travels_as_the_error_function():
-    """p = p0 erfc(x/2 sqrt(D t)) with D = a^2 K/(12 mu), in a joint that stays as it is."""
-    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
-    builder.add_rock("stone", young=50e9, poisson=0.2, density=2600.0)
-    builder.add_joint(aperture=1e-4)
-    builder.block(vertices=[(0, -1), (10, -1), (10, 0), (0, 0)], fixed=True)
-    builder.block(vertices=[(0, 0), (10, 0), (10, 1), (0, 1)], fixed=True)
-    builder.flow = {"state": "transient", "initial": "dry", "longest": 0.1, "bulk_modulus": 2e9}
-    builder.flow_boundary("left", side="left", pressure=1e5)
-    errors = []
-    for steps in (50, 100):
-        run = clast.simulate(builder.build(), end=1e-3, step=1e-3 / steps)
-        flow = run.flow()
-        x = flow.start[:, 0]
-        width = 2.0 * np.sqrt(1e-4**2 * 2e9 / 12e-3 * 1e-3)
-        exact = 1e5 * np.array([math.erfc(one / width) for one in x])
-        errors.append(np.abs(flow.pressure[:, 0] - exact).max() / 1e5)
-        history = run.table("flow", "all joints")
-        assert np.abs(history["unaccounted"]).max() < 1e-12 * history["into_rock"].max()
-    assert errors[1] < 3e-3
-    assert errors[1] < 0.6 * errors[0]  # first order in time
 
 
 def drawdown(more: str) -> clast.Case:
