@@ -101,7 +101,8 @@ ColourField = Annotated[
     typer.Option(
         help="Colour of the blocks: displacement, velocity (_x, _y), rotation, sigma_xx, _yy, _xy, "
         "_1, _3, max_shear, rock, block, none; joint: that of edges; slip, opening, mobilised, "
-        "sliding, utilisation (shear over strength), worn: state of the joints."
+        "sliding, utilisation (shear over strength), worn: state of the joints; pressure, head, "
+        "flow, aperture, saturation: water that flows in them."
     ),
 ]
 ContactArrows = Annotated[bool, typer.Option(help="Draw contact forces as arrows.")]

@@ -126,15 +126,21 @@ def _points(water: Water, results: Recording, part: Part) -> Floats:
     return np.stack([x, surface_at(water.surface, x)], axis=1) + results.origin
 
 
+def level_handle(label: str) -> Any:
+    """Return the entry of the legend of a level."""
+    from matplotlib.lines import Line2D
+
+    level: dict[str, Any] = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0}
+    return Line2D([], [], color=BLUE, lw=0.9, label=label, **level)
+
+
 def handles_of_water(waters: Sequence[Water], pressures: PressureDiagrams) -> list[Any]:
     """Return the legend of water, nothing where there is none."""
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     if not waters:
         return []
-    level: dict[str, Any] = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0}
-    handles: list[Any] = [Line2D([], [], color=BLUE, lw=0.9, label="water level", **level)]
+    handles = [level_handle("water level")]
     if pressures.largest > 0.0:
         factor, unit = prefixed(pressures.largest, "Pa")
         label = f"water pressure, up to {pressures.largest * factor:.3g} {unit}"
@@ -147,7 +153,6 @@ def draw_water(
 ) -> None:
     """Draw the levels, but for voids, and the pressures: outside faces, and across joints."""
     from matplotlib.collections import PolyCollection
-    from matplotlib.transforms import ScaledTranslation
 
     if not waters:
         return
@@ -160,12 +165,6 @@ def draw_water(
         outlines = list(_diagrams(pressures, LONGEST * length_of_longest(results, *part)))
         looks: dict[str, Any] = {"fc": (PALE, CLEAR), "ec": BLUE, "lw": 0.3, "zorder": 3.5}
         axes.add_collection(PolyCollection(outlines, **looks))
-    figure = axes.get_figure(root=True)
-    up = (
-        ScaledTranslation(0.0, 0.5 * TRIANGLE_SIZE / 72.0, figure.dpi_scale_trans)
-        if figure
-        else None
-    )
     for number, water in enumerate(waters):
         points = _points(water, results, part)
         ends = np.clip(dry_of(results, water, frame), part[0][0], part[1][0])
@@ -173,17 +172,31 @@ def draw_water(
         for low, high in wet[wet[:, 1] > wet[:, 0]]:
             inner = points[(points[:, 0] > low) & (points[:, 0] < high), 0]
             across = np.concatenate([[low], inner, [high]])
-            axes.plot(across, np.interp(across, *points.T), color=BLUE, lw=0.9, zorder=5.5)
+            draw_level(axes, np.stack([across, np.interp(across, *points.T)], axis=1))
         x = float(part[0][0] + (1.0 + 0.7 * number) * TRIANGLE_PLACE * (part[1][0] - part[0][0]))
         if not ((wet[:, 0] < x) & (x < wet[:, 1])).any():
             x = float(wet[np.diff(wet).argmax()].mean())  # the sign stands on water
-        y = float(np.interp(x, *points.T))
-        if not part[0][1] <= y <= part[1][1]:
-            continue
+        draw_sign(axes, np.array([x, np.interp(x, *points.T)]), part)
+
+
+def draw_level(axes: Axes, points: Floats) -> None:
+    """Draw a level through points (k, 2), m."""
+    axes.plot(*points.T, color=BLUE, lw=0.9, zorder=5.5)
+
+
+def draw_sign(axes: Axes, at: Floats, part: Part) -> None:
+    """Draw the triangle that stands on a level at a point (2,), m, if its height is in a part."""
+    from matplotlib.transforms import ScaledTranslation
+
+    if not part[0][1] <= at[1] <= part[1][1]:
+        return
+    figure, tip = axes.get_figure(root=True), axes.transData
+    if figure:
         # it stands on the level, which may be the upper edge of the picture
-        tip = axes.transData + up if up else axes.transData
-        looks = {"ms": TRIANGLE_SIZE, "mfc": "white", "mec": BLUE, "mew": 0.9, "zorder": 5.6}
-        axes.plot([x], [y], "v", transform=tip, clip_on=False, **looks)
+        up = ScaledTranslation(0.0, 0.5 * TRIANGLE_SIZE / 72.0, figure.dpi_scale_trans)
+        tip = tip + up
+    looks = {"ms": TRIANGLE_SIZE, "mfc": "white", "mec": BLUE, "mew": 0.9, "zorder": 5.6}
+    axes.plot([at[0]], [at[1]], "v", transform=tip, clip_on=False, **looks)
 
 
 def _diagrams(pressures: PressureDiagrams, longest: float) -> Floats:

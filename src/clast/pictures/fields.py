@@ -33,6 +33,8 @@ class Field:
     """Unit of the values; the picture may put a prefix before it."""
     values: Callable[[Recording, int], Any]
     """Gives the values (n,) of the blocks in a frame, or the faces of joints with theirs."""
+    from_zero: bool = True
+    """Whether its scale holds zero: heads are compared with each other."""
 
 
 def _column(name: str) -> Callable[[Recording, int], Floats]:

@@ -12,6 +12,7 @@ from clast.model.stage_records import counted_from
 from clast.model.water import Water
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE
+from clast.pictures.draw_flow import draw_flow, draw_water_tables, handles_of_flow
 from clast.pictures.draw_surcharge import (
     draw_surcharge,
     handles_of_surcharge,
@@ -25,9 +26,11 @@ from clast.pictures.draw_water import (
     waters_of,
     with_levels,
 )
+from clast.pictures.faces import together
 from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, prefixed, scale_of
 from clast.pictures.figure_options import Look
-from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.flow_values import FLOW_FIELDS
+from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces
 from clast.pictures.layers import LAYERS
 from clast.pictures.magnified import as_it_was, factor_to_be_seen, magnified
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, edges_by_joint, handles_of
@@ -89,6 +92,8 @@ class FrameDrawing:
         results, field = self.results, self.field
         if field in JOINT_FIELDS:
             faces = together([JOINT_FIELDS[field].values(results, frame) for frame in frames])
+            if not JOINT_FIELDS[field].from_zero and len(faces.value):
+                limits = limits or (float(faces.value.min()), float(faces.value.max()))
             return scale_of_faces(faces, faces.within(*seen), limits)
         if field not in SCALARS:
             return None
@@ -117,6 +122,7 @@ class FrameDrawing:
             *self._magnification(),
             *handles_of(self._edges(frame), self.part),
             *handles_of_water(waters, pressures),
+            *(handles_of_flow(results, frame, self.field) if self._water else ()),
             *handles_of_surcharge(surcharge_of(results, frame)),
             *handles_of_bolts(results.bolts(frame)),
             *handles_of_links(results, frame),
@@ -152,6 +158,10 @@ class FrameDrawing:
             label = self.paint(coloured, SCALARS[field].values(results, frame)[drawn], scale)
         draw_surcharge(axes, surcharge_of(results, frame))
         draw_water(axes, results, self._waters(frame), frame, seen)
+        if self._water:
+            draw_water_tables(axes, results, frame, seen)
+        if field in FLOW_FIELDS:
+            draw_flow(axes, results, frame, seen)
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
         draw_bolts(axes, results.bolts(frame))
         for layer in self.layers:

@@ -7,7 +7,7 @@ slides.  Opening is that of edges that ran along each other at the start, whethe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -16,9 +16,11 @@ import numpy as np
 
 from clast.contact.contacts import SLIDE
 from clast.model.model import Bools, Floats, Ints
+from clast.pictures.faces import Faces
 from clast.pictures.fields import ColourScale, Field, scale_of
+from clast.pictures.flow_values import FLOW_FIELDS
 from clast.pictures.magnified import as_it_was
-from clast.pictures.strokes import following, partners, visible
+from clast.pictures.strokes import following, partners
 from clast.results import FrameContacts, Recording
 from clast.results.frames import absent_in_frame
 
@@ -30,27 +32,6 @@ DIRECTIONS = 12
 """Directions in half a turn that are told apart: faces of two blocks at a corner are two."""
 THIN, THICK = 0.7, 4.0
 """Widths of lines whose value is 0, and the largest, points."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Faces:
-    """Faces of blocks with one number each; k faces."""
-
-    ends: Floats
-    """Their ends, m, shape (k, 2, 2); equal where there is one contact."""
-    value: Floats
-    """Mean of the contacts of each, shape (k,)."""
-    edge: Ints
-    """The vertex that an edge along it begins with, the same in all frames, shape (k,)."""
-
-    @property
-    def length(self) -> Floats:
-        """Their lengths, m, shape (k,)."""
-        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
-
-    def within(self, low: Floats, high: Floats) -> Bools:
-        """Return which may be seen in a part (low, high), m, shape (k,)."""
-        return visible(self.ends, (low, high))
 
 
 def faces_opened(results: Recording, frame: int) -> Faces:
@@ -176,15 +157,6 @@ def resultants_of(contacts: FrameContacts) -> Resultants:
     return Resultants(at=at, size=np.hypot(*map(summed, force.T)), block=blocks)
 
 
-def together(some: Sequence[Faces]) -> Faces:
-    """Return the faces of some frames as one."""
-    return Faces(
-        ends=np.concatenate([one.ends for one in some]),
-        value=np.concatenate([one.value for one in some]),
-        edge=np.concatenate([one.edge for one in some]),
-    )
-
-
 JOINT_FIELDS = {
     "slip": Field(
         "Slip of joints", "m", _from_sums(lambda one: (one.slip, np.ones(len(one))), np.divide)
@@ -212,6 +184,7 @@ JOINT_FIELDS = {
         "%",
         _from_sums(lambda one: (one.worn, np.ones(len(one))), _percent),
     ),
+    **FLOW_FIELDS,
 }
 """Fields that colour joints, and not blocks."""
 
@@ -229,7 +202,9 @@ def draw_faces(axes: Axes, faces: Faces, scale: ColourScale) -> LineCollection:
     from matplotlib.collections import LineCollection
 
     largest = max(abs(scale.low), abs(scale.high))
-    share = np.minimum(1.0, np.abs(faces.value) / largest) if largest > 0.0 else 0.0 * faces.value
+    share = faces.width
+    if share is None:
+        share = np.minimum(1.0, np.abs(faces.value) / (largest or np.inf))
     lines = LineCollection(
         list(faces.ends), linewidths=THIN + (THICK - THIN) * share, capstyle="round", zorder=4.5
     )

@@ -58,6 +58,7 @@ from clast.results.schema import (
     REACTION_TABLE,
     STEPS,
     TableSchema,
+    places_of_flows,
 )
 
 NOTEBOOK = "clast.pictures.notebook"
@@ -544,10 +545,17 @@ def parts_of(model: Model) -> dict[str, Any]:
 
 
 def _channels_of(model: Model) -> Channels:
-    network = None if model.flow is None else model.flow.network
-    if network is None:
+    flow = model.flow
+    network = flow.network if flow else None
+    if flow is None or network is None:
         return Channels()
-    return Channels(edge=network.edge, share=network.share, node=network.node)
+    return Channels(
+        edge=network.edge,
+        share=network.share,
+        node=network.node,
+        place=places_of_flows(model),
+        weight=flow.weight,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

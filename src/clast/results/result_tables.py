@@ -427,6 +427,10 @@ class Channels:
     """Where either edge (k, face) has its ends, as the first one runs, shape (k, 2, 2)."""
     node: Ints = no_ints(2)
     """Nodes at the ends, shape (k, 2)."""
+    place: Floats = no_floats(2)
+    """Middle of each boundary, opening or well by the number of its name, m; NaN without one."""
+    weight: float = 0.0
+    """Weight of water, N/m3; 0 without gravity."""
 
 
 class FrameFlow(Columns):
@@ -449,6 +453,8 @@ class FrameFlow(Columns):
     ) -> None:
         there = values[:, 4] > 0.0
         edge, share, values = channels.edge[there], channels.share[there], values[there]
+        self.edge = edge
+        """Edges on either side by their first vertices, shape (k, 2)."""
         rows = np.zeros(len(edge), CHANNEL_TABLE.row)
         first, last = vertices[edge], vertices[following(block_start)[edge]]
         faces = first[:, :, None] + share[..., None] * (last - first)[:, :, None]

@@ -581,6 +581,19 @@ def _names(things: Things) -> OfModel:
     return OfModel(f"{things.name}_name", things.names, f"name of each {things.meaning}", things)
 
 
+def places_of_flows(model: Model) -> Any:
+    """Return the middle of each boundary, opening or well, m, (k, 2), NaN for the rest and all."""
+    place = np.full((len(FLOWS.names(model)), 2), np.nan)
+    if model.flow is not None:
+        for number, one in enumerate(model.flow.boundaries):
+            long = np.hypot(*(one.line[:, 1] - one.line[:, 0]).T)
+            if long.sum() > 0.0:
+                place[number] = np.average(one.line.mean(axis=1), axis=0, weights=long)
+        for number, well in enumerate(model.flow.wells, len(model.flow.boundaries)):
+            place[number] = well.at.mean(axis=0)
+    return place + model.origin
+
+
 MODEL = (
     OfModel("block_name", "block_name", "name of each block"),
     OfModel("rock_name", lambda m: [rock.name for rock in m.rocks], "name of each rock"),
@@ -717,6 +730,21 @@ MODEL = (
         (2, 2),
     ),
     OfModel("channel_node", "flow.network.node", "nodes at its ends, from 0", FLOWS, "iu", (2,)),
+    OfModel(
+        "flow_place",
+        places_of_flows,
+        "middle of each boundary, opening or well of the flow, m; NaN without one",
+        FLOWS,
+        "f",
+        (2,),
+    ),
+    OfModel(
+        "flow_weight",
+        lambda m: np.array([m.flow.weight]) if m.flow else np.zeros(0),
+        "weight of water, N/m3, once",
+        FLOWS,
+        "f",
+    ),
     OfModel(
         "bolt_of_point",
         "bolts.bolt",

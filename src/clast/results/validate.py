@@ -154,7 +154,10 @@ def _channels(file: Any, corners: int, frames: int) -> Channels:
     whole = len(edge) == len(share) == len(node) and (node >= 0).all()
     _require(whole and (np.abs(share - 0.5) <= 0.5 + 1e-6).all(), "/model/channel_share is wrong")
     _check_length(_numbers(file, CHANNELS, "f", (BESIDE[CHANNELS][0],)), frames * len(edge))
-    return Channels(edge=edge, share=share, node=node)
+    place, weight = of_model(file, "flow_place"), of_model(file, "flow_weight")
+    _require(len(place) == len(_names_of(file, FLOWS)), "/model/flow_place is wrong")
+    _require(len(weight) == 1 and weight[0] >= 0.0, "/model/flow_weight is wrong")
+    return Channels(edge=edge, share=share, node=node, place=place, weight=float(weight[0]))
 
 
 def _lining_joints(file: Any, corners: int) -> LiningJoints:

@@ -44,7 +44,7 @@ def write_html(text: str, path: Path) -> Path:
 
 
 SCRIPTS = (
-    "packing moving magnified contact_faces data colours colouring pens view draw_canvas "
+    "packing moving magnified contact_faces data colours colouring flow pens view draw_canvas "
     "draw_webgl joints chosen supports axes layers legend ruler charts report live live_panel app"
 ).split()
 """Modules of the page, each after those that it imports."""

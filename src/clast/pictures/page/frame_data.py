@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass
 from typing import Any
 
@@ -9,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
+from clast.pictures.draw_flow import flows_of, text_of_flow
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
+from clast.pictures.faces import Faces
+from clast.pictures.flow_values import FLOW_FIELDS, dry_channels
 from clast.pictures.frames import places_of_points
 from clast.pictures.joint_values import JOINT_FIELDS
 from clast.pictures.linings import DIAGRAMS, carries, pairs_of
@@ -36,8 +40,8 @@ from clast.results import Recording
 from clast.results.frames import absent_in_frame
 from clast.results.schema import LINK_STATES
 
-CONTACT_BYTES, FACE_BYTES = 28, 16
-"""Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
+CONTACT_BYTES, FACE_BYTES, CHANNEL_BYTES = 28, 16, 20
+"""Bytes of a contact, a face of a joint and a channel in a frame, before they are compressed."""
 MANY, FEWER_LEVELS = 500_000, 4_095
 """Blocks times frames above which fields are rounded more, and the levels of their range then."""
 STRAINS, ROUNDING = ("xx", "yy", "xy"), 1e-12
@@ -66,6 +70,8 @@ CONTACT_NUMBERS = {
     "opening": [6, 7],
 }
 """Quantities of a contact: place, direction, forces, strength, slip, opening; those like it."""
+FACE_COLUMNS = 6
+"""Columns of a face: its ends, its value, its edge; of a channel there is its width as well."""
 CONTACT_NAMES = ("vertex", "by", "mode", "joint")
 """What tells it: vertex, block that the vertex enters, mode and joint."""
 
@@ -107,6 +113,7 @@ def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
         "fields": _packed_fields(results, numbers, motion, shown),
         **_contacts_and_joints(about, budget),
         "levels": _levels(about),
+        "flows": _flows(about),
         "bolts": _bolts(about),
         "points": _points(about),
         "links": _links(about),
@@ -172,8 +179,19 @@ def _contacts_and_joints(about: _About, budget: float) -> dict[str, Any]:
         for number in map(int, about.numbers):
             waters = waters_of(about.results, number)
             wet = pressures_of(about.results, waters, number, about.results.vertices(number))
-            pressure, no_edge = wet.pressure.mean(axis=1), np.full(len(wet.ends), -1.0)
-            _add_faces(about, faces["water"], wet.ends, pressure, no_edge, order[wet.edge])
+            pressure, no_edge = wet.pressure.mean(axis=1), np.full(len(wet.ends), -1)
+            _add_faces(
+                about,
+                faces["water"],
+                Faces(ends=wet.ends, value=pressure, edge=no_edge),
+                order[wet.edge],
+            )
+    if len(about.results.channels.edge):
+        for name, values in {**_flow_values(about.results), "dry": dry_channels}.items():
+            faces[name] = Rows(CHANNEL_BYTES, budget)
+            for number in map(int, about.numbers):
+                found = values(about.results, number)
+                _add_faces(about, faces[name], found, order[found.edge])
     room = room_of_each([one.bytes * one.total for one in (contacts, *faces.values())], budget)
 
     def cut(one: Rows) -> tuple[NDArray[Any], dict[str, Any]]:
@@ -200,6 +218,8 @@ def _contacts_and_joints(about: _About, budget: float) -> dict[str, Any]:
             "value": value,
             "edge": raw(flat_faces[:, 5], "<i4"),
         }
+        if flat_faces.shape[1] > FACE_COLUMNS:
+            joints[name]["width"] = raw(flat_faces[:, FACE_COLUMNS], "<f4")
     return {"contacts": {**counts, **columns}, "faces": joints}
 
 
@@ -230,17 +250,23 @@ def _faces(about: _About, name: str, order: Floats, rows: Rows) -> Rows:
     """Return ends and value of every face of the joints; ``order`` (nv,) is that of their edges."""
     for number in about.numbers:
         faces = JOINT_FIELDS[name].values(about.results, int(number))
-        _add_faces(about, rows, faces.ends, faces.value, faces.edge, order[faces.edge])
+        _add_faces(about, rows, faces, order[faces.edge])
     return rows
 
 
-def _add_faces(
-    about: _About, rows: Rows, ends: Floats, value: Floats, edge: Floats | Ints, place: Floats
-) -> None:
+def _flow_values(results: Recording) -> dict[str, Callable[[Recording, int], Faces]]:
+    """Return what gives the channels of a frame the numbers of each field; no gravity: no head."""
+    weightless = results.channels.weight == 0.0
+    fields = {name: one.values for name, one in FLOW_FIELDS.items()}
+    return {name: one for name, one in fields.items() if not (weightless and name == "head")}
+
+
+def _add_faces(about: _About, rows: Rows, faces: Faces, place: Floats) -> None:
     """Add faces; the one with the largest value is always kept."""
     if len(place):
-        place[np.abs(value).argmax()] = ALWAYS
-    rows.add(np.column_stack([(ends - about.origin).reshape(-1, 4), value, edge]), place)
+        place[np.abs(faces.value).argmax()] = ALWAYS
+    columns = [(faces.ends - about.origin).reshape(-1, 4), faces.value, faces.edge]
+    rows.add(np.column_stack(columns + ([] if faces.width is None else [faces.width])), place)
 
 
 def _levels(about: _About) -> list[list[Any]]:
@@ -253,6 +279,23 @@ def _levels(about: _About) -> list[list[Any]]:
         voids = {k: dry_of(results, here[k], number) - about.origin[0] for k in sorted(here)}
         levels.append([[k, dry.tolist()] for k, dry in voids.items()])
     return levels
+
+
+def _flows(about: _About) -> list[dict[str, Any]]:
+    """Return the water tables of each frame, m, and the flows with their places and texts."""
+    results, origin = about.results, about.origin
+    if not len(results.channels.edge):
+        return [{"tables": [], "flows": []} for _ in about.numbers]
+    flows = []
+    for number in map(int, about.numbers):
+        tables = results.flow(number).water_table
+        told = [
+            [*(at - origin).tolist(), text_of_flow(name, flow)]
+            for name, at, flow in flows_of(results, number)
+        ]
+        lines = [(one - origin).round(4).tolist() for one in tables if len(one) > 1]
+        flows.append({"tables": lines, "flows": told})
+    return flows
 
 
 # Bolts and measured points -----------------------------------------------------------------------

@@ -56,7 +56,7 @@ def scene_of(
         "edge_joint": raw(results.edge_joint, "<i4"),
         "labels": _labels(),
         "joint_labels": {
-            **{name: (one.label, one.unit) for name, one in JOINT_FIELDS.items()},
+            **{name: (one.label, one.unit, one.from_zero) for name, one in JOINT_FIELDS.items()},
             **({"water": ("Water pressure", "Pa")} if results.water else {}),
         },
         "joint_looks": _joint_looks(results),

@@ -8,6 +8,7 @@ import { RunData } from "./data.js";
 import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
 import { WebglDrawing, isSoftware } from "./draw_webgl.js";
 import { jointAt } from "./joints.js";
+import { drawDry, drawFlow, isOfFlow } from "./flow.js";
 import { LAYERS, drawChosen, drawFaces, drawFactor, drawScaleBar, factorInWords, layersOf } from "./layers.js";
 import { drawLegend, fillLegend, heightOfLegend } from "./legend.js";
 import { CanvasPen, SvgPen } from "./pens.js";
@@ -170,9 +171,9 @@ export class Page {
       shown < all ? `${count(shown)} of ${count(all)} ${what} (evenly in space)` : `${count(all)} ${what}`;
     const said = [`${count(run.blockCount)} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
     if (run.contacts.of) said.push(part("contacts", run.contacts));
-    const faces = { slip: "slips of joints", opening: "openings of joints", worn: "worn joints", water: "wet faces" };
+    const faces = { slip: "slips of joints", opening: "openings of joints", worn: "worn joints", water: "wet faces", flow: "channels" };
     for (const [name, table] of Object.entries(run.faces)) {
-      if (table.shown < table.of) said.push(part(faces[name], table));
+      if (name in faces && table.shown < table.of) said.push(part(faces[name], table));
     }
     this.$("counts").textContent = said.join(", ");
   }
@@ -523,7 +524,9 @@ export class Page {
   drawLayers(pen, scale) {
     const { run, state } = this;
     const scene = this.seen(scale);
+    if (scale && isOfFlow(state.field)) drawDry(pen, scene);
     if (scale && run.hasFaces(state.field)) drawFaces(pen, scene, state.field);
+    if (scale && isOfFlow(state.field)) drawFlow(pen, scene);
     for (const name of layersOf(run)) {
       if (state.layers.has(name) && name !== state.field) LAYERS[name].draw(pen, scene);
     }

@@ -54,8 +54,16 @@ export function scaleOfFaces(run, { field, frame, share, limits }) {
   });
   const least = 0.1 * lengths.reduce((most, one) => Math.max(most, one), 0) + 1e-12;
   const weights = Float32Array.from(lengths, (length) => Math.max(length, least));
-  const [low, high] = limits ?? endsOf(Float32Array.from(values), weights, share);
+  const [, , fromZero] = run.scene.joint_labels[field];
+  const free = fromZero === false && values.length ? extremes(values) : null;
+  const [low, high] = limits ?? free ?? endsOf(Float32Array.from(values), weights, share);
   return new Scale(run.scene.colours, low, high).holds(values, limits ? SLACK.limits : SLACK.ends);
+}
+
+/** Return the least and the largest of some values, null where they are one. */
+function extremes(values) {
+  const [low, high] = values.reduce(([least, most], one) => [Math.min(least, one), Math.max(most, one)], [Infinity, -Infinity]);
+  return low < high ? [low, high] : null;
 }
 
 function ofKinds(run, kindOf) {

@@ -50,7 +50,7 @@ export class RunData {
     this.placed = -1;
     this.ofContacts = {};
     this.frameCount = moving.times.length;
-    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels", "links", "reactions", "linings"]) {
+    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points", "levels", "flows", "links", "reactions", "linings"]) {
       this[name] = moving[name];
     }
     Object.assign(this, magnified(this, factor));
@@ -301,14 +301,15 @@ export class RunData {
   }
 
   /**
-   * Call back with every face of the joints in a frame: its ends x0, y0, x1, y1, value and length.
+   * Call back with every face of the joints in a frame: its ends x0, y0, x1, y1, value, length, and its
+   * width as a share of the widest, undefined where it is that of the value.
    * @param {string} name slip, opening, mobilised, ...
    */
   eachFace(name, frame, call) {
     const [faces, first, past] = this.facesIn(name, frame);
     for (let k = first; k < past; k++) {
       const ends = [faces.x0[k], faces.y0[k], faces.x1[k], faces.y1[k]];
-      call(ends, faces.value[k], Math.hypot(ends[2] - ends[0], ends[3] - ends[1]));
+      call(ends, faces.value[k], Math.hypot(ends[2] - ends[0], ends[3] - ends[1]), faces.width?.[k]);
     }
   }
 

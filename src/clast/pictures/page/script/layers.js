@@ -35,7 +35,7 @@ export const LAYERS = {
   water: {
     ...layerOfFaces("water", "Water"),
     draw: drawWater,
-    legend: (seen) => [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water")],
+    legend: legendOfWater,
   },
   surcharge: { label: "Fill and axles", draw: drawSurcharge, legend: legendOfSurcharge },
   displacements: layerOfVectors("displacement", "Displacement vectors"),
@@ -78,7 +78,7 @@ export function layersOf(run) {
     joints: scene.joints.length > 1,
     slip: run.faces.slip?.shown > 0,
     opening: run.faces.opening?.shown > 0,
-    water: scene.waters?.length > 0,
+    water: scene.waters?.length > 0 || run.flows.some(({ tables }) => tables.length),
     surcharge: scene.surcharge?.fill.length > 0 || scene.surcharge?.axles.length > 0,
     displacements: true,
     velocities: true,
@@ -161,9 +161,28 @@ function heightOf(surface, x) {
   return y0 + ((x - x0) / (x1 - x0)) * (y1 - y0);
 }
 
+function legendOfWater(seen) {
+  const { run, frame } = seen;
+  const table = run.flows[frame].tables.length ? [line(LEVEL, 1, "water table")] : [];
+  if (!run.faces.water) return table;
+  return [line(LEVEL, 1, "water level"), ...legendOfFaces(seen, "water"), ...table];
+}
+
+/** Draw the sign of a level at a place on the screen. */
+function drawSign(pen, x, y, theme) {
+  pen.areas([[x, y, x - 5, y - 9, x + 5, y - 9]], theme.paper);
+  pen.lines([[x, y, x - 5, y - 9, x + 5, y - 9, x, y]], LEVEL, 1.2);
+}
+
 /** Draw what water wets, as wide as its pressure is large, and the levels. */
 function drawWater(pen, seen) {
   const { run, view, frame, theme } = seen;
+  for (const table of run.flows[frame].tables) {
+    const points = table.map(([x, y]) => [view.screenX(x), view.screenY(y)]);
+    pen.lines([points.flat()], LEVEL, 1.2);
+    drawSign(pen, ...points[Math.floor((points.length - 1) / 4)], theme);
+  }
+  if (!run.faces.water) return;
   drawFaces(pen, seen, "water");
   const [left, right] = [view.worldX(-10), view.worldX(view.width + 10)];
   run.levels[frame].forEach(([number, dry], place) => {
@@ -181,8 +200,7 @@ function drawWater(pen, seen) {
     const first = view.worldX((0.06 + 0.04 * place) * view.width);
     const [low, high] = wet.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));
     const [x, y] = screen(wet.some((one) => one[0] < first && first < one[1]) ? first : 0.5 * (low + high));
-    pen.areas([[x, y, x - 5, y - 9, x + 5, y - 9]], theme.paper);
-    pen.lines([[x, y, x - 5, y - 9, x + 5, y - 9, x, y]], LEVEL, 1.2);
+    drawSign(pen, x, y, theme);
   });
 }
 
@@ -227,12 +245,12 @@ export function drawFaces(pen, seen, field) {
   // points are 4/3 pixels
   const [thin, thick] = run.scene.line_widths.map((width) => (4 / 3) * width);
   const groups = new Map();
-  run.eachFace(field, frame, (ends, value) => {
+  run.eachFace(field, frame, (ends, value, _, width) => {
     const [x0, x1] = [view.screenX(ends[0]), view.screenX(ends[2])];
     const [y0, y1] = [view.screenY(ends[1]), view.screenY(ends[3])];
     if (Math.max(x0, x1) < 0 || Math.min(x0, x1) > view.width) return;
     if (Math.max(y0, y1) < 0 || Math.min(y0, y1) > view.height) return;
-    const step = Math.min(WIDTHS - 1, Math.floor(WIDTHS * scale.share(value)));
+    const step = Math.min(WIDTHS - 1, Math.floor(WIDTHS * (width ?? scale.share(value))));
     if (!own && scale.share(value) < 0.02) return;
     const colour = own ? scale.colour(value) : FACES[field];
     const key = `${colour} ${step}`;

@@ -2,6 +2,7 @@
 
 import { FIXED, kindColour, withUnit } from "./colours.js";
 import { labelOf } from "./colouring.js";
+import { isOfFlow, legendOfFlow } from "./flow.js";
 import { LAYERS, layersOf } from "./layers.js";
 
 const STEPS = 24;
@@ -25,6 +26,7 @@ export function entriesOf(seen) {
     run.scene.rocks.forEach((rock, k) => entries.push({ fill: kindColour(k), text: rock }));
   }
   if (run.scene.fixed.length) entries.push({ fill: FIXED, text: "fixed" });
+  if (scale && isOfFlow(state.field)) entries.push(...legendOfFlow(seen));
   for (const name of layersOf(run)) {
     if (state.layers.has(name) && name !== state.field) entries.push(...LAYERS[name].legend(seen));
   }

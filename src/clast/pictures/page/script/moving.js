@@ -19,8 +19,8 @@ const OF_MOTION = { displacement_x: "x", displacement_y: "y", rotation: "angle" 
  */
 export async function decodeMoving(part, blockStart) {
   const wide = blockStart.length - 1;
-  const { times, stages, gone, points, levels } = part;
-  const found = { times, stages, gone, points, levels };
+  const { times, stages, gone, points, levels, flows } = part;
+  const found = { times, stages, gone, points, levels, flows };
   for (const kind of ["motion", "fields"]) {
     found[kind] = {};
     for (const [name, table] of Object.entries(part[kind])) found[kind][name] = await unpacked(table, wide);
@@ -37,6 +37,7 @@ export async function decodeMoving(part, blockStart) {
     for (const end of ENDS) faces[end] = await unpacked(table[end], Math.max(1, table.shown));
     faces.value = await rawArray(table.value, Float32Array);
     faces.edge = await rawArray(table.edge, Int32Array);
+    if (table.width) faces.width = await rawArray(table.width, Float32Array);
     found.faces[name] = faces;
   }
   if (part.bolts) {
@@ -103,6 +104,7 @@ export function joined(before, more, wide) {
     times: [...before.times, ...more.times],
     stages: [...before.stages, ...more.stages],
     levels: [...before.levels, ...more.levels],
+    flows: [...before.flows, ...more.flows],
     gone: before.gone.map((changes, block) => changesJoined(changes, more.gone[block], frames)),
     motion: eachJoined(before.motion, more.motion),
     fields: eachJoined(before.fields, more.fields),

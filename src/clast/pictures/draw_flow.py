@@ -1,0 +1,116 @@
+"""Water that flows in joints on a picture: dry channels, arrows, water table, flows of openings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Floats, Ints
+from clast.pictures import canvas
+from clast.pictures.canvas import FAINT, INK, Part
+from clast.pictures.draw_water import draw_level, draw_sign, level_handle
+from clast.pictures.fields import prefixed
+from clast.pictures.flow_values import FLOW_FIELDS, LITRES, LITRES_UNIT, STILL, dry_channels
+from clast.pictures.joint_values import THICK, THIN
+from clast.results import Recording
+from clast.results.schema import ALL_JOINTS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ARROW, CELL = 0.16, 0.55
+"""Length of arrows, and of the squares of which each has one, inches."""
+CASING = 0.8
+"""How much wider than channels their edge is, points."""
+LEAST = 0.01
+"""Share of the largest flow below which a flow has no arrow."""
+
+
+def flows_of(results: Recording, frame: int) -> list[tuple[str, Floats, float]]:
+    """Return name, place, m, and flow out of the rock, m2/s, of what takes or gives water."""
+    rows = [(name, results.inflow(name)) for name in results.flow_name if name != ALL_JOINTS]
+    if not rows:
+        return []
+    at = results.rows_at(rows[0][1].time, frame)
+    flows = np.array([float(one.inflow[at]) for _, one in rows])
+    seen = np.abs(flows) > STILL * np.abs(flows).max()
+    named = zip(rows, results.channels.place, flows, seen, strict=False)
+    return [(row[0], at, flow) for row, at, flow, is_seen in named if is_seen and at[0] == at[0]]
+
+
+def text_of_flow(name: str, flow: float) -> str:
+    """Return name and size of a flow out of the rock, m2/s, and which way it goes."""
+    factor, unit = prefixed(LITRES * flow, LITRES_UNIT)
+    way = "leaves" if flow > 0.0 else "enters"
+    return f"{name}: {abs(factor * LITRES * flow):.3g} {unit} {way}"
+
+
+def largest_of_cells(at: Floats, size: Floats, side: float) -> Ints:
+    """Return, of points (k, 2), that with the largest size of each square of a side."""
+    cell = np.floor(at / side).astype(np.int64)
+    order = np.lexsort((-size, cell[:, 1], cell[:, 0]))
+    first = np.any(np.diff(cell[order], axis=0, prepend=cell[order][:1] - 1) != 0, axis=1)
+    return np.asarray(order[first])
+
+
+def draw_flow(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
+    """Draw dry channels, arrows on the channels with the largest flow, and the flows as numbers."""
+    from matplotlib.collections import LineCollection
+
+    dry = dry_channels(results, frame)
+    looks: dict[str, Any] = {"colors": FAINT, "linewidths": THIN, "zorder": 4.4}
+    axes.add_collection(LineCollection(list(dry.ends), **looks))
+    faces = FLOW_FIELDS["flow"].values(results, frame)
+    # an edge, so that the pale colours of low values are seen
+    wide = THIN + CASING + (THICK - THIN) * (0.0 if faces.width is None else faces.width)
+    axes.add_collection(LineCollection(list(faces.ends), **{**looks, "linewidths": wide}))
+    shown = faces.within(*seen) & (faces.value > LEAST * faces.value.max(initial=0.0))
+    ends, size = faces.ends[shown], faces.value[shown]
+    figure = axes.get_figure(root=True)
+    inches = axes.get_position().width * (figure.get_size_inches()[0] if figure else 1.0)
+    per_inch = float(seen[1][0] - seen[0][0]) / float(inches)
+    middle, along = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
+    chosen = largest_of_cells(middle, size, CELL * per_inch)
+    along = ARROW * per_inch * along / np.maximum(np.hypot(*along.T), 1e-300)[:, None]
+    quiver: dict[str, Any] = {"pivot": "mid", "angles": "xy", "scale_units": "xy", "scale": 1.0}
+    heads: dict[str, Any] = {"headwidth": 5.0, "headlength": 5.0, "headaxislength": 5.0}
+    quiver |= {"units": "inches", "width": 0.014, "edgecolor": "white", "linewidth": 0.3}
+    axes.quiver(*middle[chosen].T, *along[chosen].T, color=INK, zorder=5.2, **quiver, **heads)
+    low, high = seen
+    for name, at, flow in flows_of(results, frame):
+        side = "left" if at[0] < low[0] + 0.2 * (high[0] - low[0]) else "center"
+        side = "right" if at[0] > high[0] - 0.2 * (high[0] - low[0]) else side
+        if ((at >= low) & (at <= high)).all():
+            text = canvas.literal(text_of_flow(name, flow))
+            canvas.write(axes, text, at, 7.5, ha=side)
+
+
+def draw_water_tables(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
+    """Draw the lines on which water in joints has no pressure, each with the sign of a level."""
+    if not len(results.channels.edge):
+        return
+    for points in results.flow(frame).water_table:
+        if len(points) > 1:
+            draw_level(axes, points)
+            draw_sign(axes, points[(len(points) - 1) // 4], seen)
+
+
+def handles_of_flow(results: Recording, frame: int, field: str) -> list[Any]:
+    """Return the legend of water in joints: its table, and of its fields width, arrows, dry."""
+    from matplotlib.lines import Line2D
+
+    if not len(results.channels.edge):
+        return []
+    table = results.flow(frame).water_table
+    handles: list[Any] = [level_handle("water table")] if any(len(one) > 1 for one in table) else []
+    if field not in FLOW_FIELDS:
+        return handles
+    largest = float(FLOW_FIELDS["flow"].values(results, frame).value.max(initial=0.0))
+    if largest > 0.0:
+        factor, unit = prefixed(largest, LITRES_UNIT)
+        label = f"flow as width, up to {factor * largest:.3g} {unit}"
+        handles.append(Line2D([], [], color=INK, lw=3.0, label=label))
+    if len(dry_channels(results, frame).value):
+        handles.append(Line2D([], [], color=FAINT, lw=THIN, label="dry joint"))
+    return handles
