@@ -195,7 +195,13 @@ def draw_sign(axes: Axes, at: Floats, part: Part) -> None:
         # it stands on the level, which may be the upper edge of the picture
         up = ScaledTranslation(0.0, 0.5 * TRIANGLE_SIZE / 72.0, figure.dpi_scale_trans)
         tip = tip + up
-    looks = {"ms": TRIANGLE_SIZE, "mfc": "white", "mec": BLUE, "mew": 0.9, "zorder": 5.6}
+    looks: dict[str, Any] = {
+        "ms": TRIANGLE_SIZE,
+        "mfc": "white",
+        "mec": BLUE,
+        "mew": 0.9,
+        "zorder": 5.6,
+    }
     axes.plot([at[0]], [at[1]], "v", transform=tip, clip_on=False, **looks)
 
 
