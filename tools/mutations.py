@@ -47,6 +47,14 @@ class Mutation:
 
 
 MUTATIONS = (
+    # water in joints: apertures, conductance, columns
+    Mutation(
+        "model/flow/apertures.py", "last**2 / (first + last)", "last**2 / (first + 2.0 * last)"
+    ),
+    Mutation("model/flow/apertures.py", "yy * z * z + 2.0 * xy", "yy * z * z - 2.0 * xy"),
+    Mutation("model/flow/apertures.py", "rough.stiffness * rough.closure + s", "rough.closure + s"),
+    Mutation("model/joints.py", "1e6 * aperture**2 / hydraulics", "1e6 * aperture / hydraulics"),
+    Mutation("actions/flow.py", "flow.weight * rise - down", "flow.weight * rise + down"),
     # block: displacement function, rotation, integrals, stress
     Mutation("block/displacement.py", "u0 - y * r0 + x * ex", "u0 + y * r0 + x * ex"),
     Mutation("block/displacement.py", "x * fy - y * fx, x * fx", "x * fy + y * fx, x * fx"),

@@ -97,6 +97,25 @@ def test_a_column_under_flow_stands_as_high_as_its_pressure_says():
     assert pressed.pressure[column].max() == pytest.approx(9810.0 * top, rel=1e-9)
 
 
+def test_a_column_that_water_runs_into_is_higher_by_what_the_flow_takes():
+    """Rain of half the capacity above 2 m of head: p = (rho g - q/(C dy)) h in the column."""
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=2600.0)
+    builder.add_joint(friction_angle=30.0, aperture=2e-4)
+    builder.block(vertices=[(0, 0), (2, 0), (2, 5), (0, 5)])
+    builder.block(vertices=[(2, 0), (4, 0), (4, 5), (2, 5)])
+    builder.flow = {}
+    capacity = 9810.0 * 2e-4**3 / 12e-3
+    builder.flow_boundary("rain", side="top", rain=0.5 * capacity / 4.0)
+    builder.flow_boundary("head", side="bottom", head=2.0)
+    model = builder.build()
+    water = water_at(model, 0.0)
+    pressed = pressed_channels(water, model, model.vertices)
+    assert np.abs(water.solved.flow) == pytest.approx(0.5 * capacity, rel=1e-9)
+    assert np.ptp(pressed.ends[0, :, 1]) == pytest.approx(2.0 / (1.0 - 0.5), rel=1e-9)
+    assert pressed.pressure.max() == pytest.approx(9810.0 * 2.0, rel=1e-9)
+
+
 def test_a_case_without_a_flow_has_no_such_action():
     dry = wet_rock.cut(4.0, *SETS)
     assert dry.flow is None
