@@ -124,7 +124,8 @@ def _found(problem: Problem, given: Floats | None) -> _Found:
     """Return the zero of the balance, near unknowns (m,), Pa, or by way of the upwind law."""
     balance = problem.balance
     if balance.confined:
-        return _searched(problem, np.zeros(len(balance.kind)) if given is None else given)
+        x = np.zeros(len(balance.kind)) if given is None else given
+        return _on_path(problem, _newton(problem, x, MOST))
     if given is None:  # where joints that are full to the faces, which suck, are under pressure
         kind = np.where(balance.kind == SEEPAGE, GIVEN, balance.kind)
         full = replace(problem, balance=replace(balance, kind=kind, confined=True))
@@ -135,17 +136,16 @@ def _found(problem: Problem, given: Floats | None) -> _Found:
         if first.done:
             return first
     near = _newton(problem, x, MOST, upwind_at)
-    second = _newton(problem, near.x, MOST)
-    iterations = first.iterations + near.iterations + second.iterations
-    if second.done:
-        return replace(second, iterations=iterations)
-    found = _searched(problem, second.x if given is None else first.x)
-    return replace(found, iterations=iterations + found.iterations)
+    last = _newton(problem, near.x, MOST)
+    used = first.iterations + near.iterations
+    if given is not None and not last.done:
+        used += last.iterations
+        last = _newton(problem, first.x, MOST)
+    return _on_path(problem, replace(last, iterations=used + last.iterations))
 
 
-def _searched(problem: Problem, x: Floats) -> _Found:
-    """Return the zero of the balance, from unknowns (m,), Pa, that are near."""
-    found = _newton(problem, x, MOST)
+def _on_path(problem: Problem, found: _Found) -> _Found:
+    """Return the zero of the balance, on the path from where Newton's method has not ended."""
     iterations, part, hold = found.iterations, FIRST_PART, FIRST_HOLD
     while not found.done:
         if iterations > PIECES:
