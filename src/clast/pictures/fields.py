@@ -89,11 +89,11 @@ KILO = {"N m/m": "kN m/m"}
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
     """Return a factor and a unit with a prefix that make ``largest`` a number from 1 to 1000.
 
-    Moments are in kN m/m whatever their size.
+    Moments are in kN m/m whatever their size; µm2 are not a millionth of m2.
     """
     if unit in KILO:
         return 1e-3, KILO[unit]
-    if unit in ("°", "%") or not math.isfinite(largest) or largest == 0.0:
+    if unit in ("°", "%") or unit.startswith("m2") or not math.isfinite(largest) or largest == 0.0:
         return 1.0, unit
     thousands = math.floor(math.log10(abs(largest) * (1 + 1e-12)) / 3.0)
     # Nobody says kilometres of displacement, nor kilometres per second.

@@ -493,6 +493,17 @@ class FrameFlow(Columns):
             lines.append(points)
         return tuple(lines)
 
+    def force_on(self, block: int) -> Floats:
+        """Return the resultant of the water in joints on a block (x, y), N/m, (2,).
+
+        That of pressures normal to the channels, on either face alike; outer faces are not in it.
+        """
+        along = self.rows["end"] - self.rows["start"]
+        push = 0.5 * self["wet"] * self.rows["pressure"].sum(axis=1)
+        leftward = push[:, None] * np.stack([-along[:, 1], along[:, 0]], axis=1)
+        left, right = self["left"] == block, self["right"] == block
+        return np.asarray(leftward[left].sum(axis=0) - leftward[right].sum(axis=0))
+
     def __repr__(self) -> str:
         most = float(self.rows["pressure"].max(initial=0.0))
         return f"FrameFlow({len(self)} channels, up to {most:.4g} Pa)"

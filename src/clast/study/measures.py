@@ -20,7 +20,7 @@ from clast.model.model import Floats, Model
 from clast.model.stage_records import FAILS
 from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
-from clast.results.schema import BOLT_STATES, LINK_STATES
+from clast.results.schema import ALL_JOINTS, BOLT_STATES, FLOWS, LINK_STATES, MEASURED_FLOWS
 from clast.spelling import require_known
 from clast.study.collapsing.trial import TOGETHER, moved
 from clast.study.expressions import Expression
@@ -188,6 +188,16 @@ MEASURES: dict[str, Measure] = {
         ("measured contact", "quantity"),
         lambda of, name, quantity: np.asarray(of.run.measured_contact(name)[quantity]),
     ),
+    # out of the rock, of a boundary, well or opening
+    "inflow": Measure("m2/s", ("flow",), lambda of, name: of.run.inflow(name).inflow),
+    # the largest in joints
+    "water_pressure": Measure("Pa", (), lambda of: of.run.inflow(ALL_JOINTS)["pressure"]),
+    # of the water in joints on a block, at the end
+    "uplift": Measure(
+        "N/m",
+        ("block",),
+        lambda of, name: of.run.flow(-1).force_on(of.run.model.block_name.index(name))[1],
+    ),
     # sums along a joint at the end, of the sizes of shear forces
     "normal_force": Measure(
         "N/m", ("joint",), lambda of, joint: float(of.along(joint, "normal_force").sum())
@@ -219,6 +229,8 @@ def unit_of(function: str, given: Sequence[str]) -> str:
     return MEASURES[function].unit
 
 
+OF_FLOW = ("inflow", "water_pressure", "uplift")
+"""Functions of measures of water that flows in joints."""
 CONDITIONS = ("fails", "bolt_yields", STANDS_WITH)
 """Functions of measures that are true or false."""
 
@@ -238,6 +250,8 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
         "support": model.reactions.name,
         "lining": model.lining_joints.linings,
         "convergence": model.convergences.name,
+        "flow": (*FLOWS.names(model), *MEASURED_FLOWS.names(model)),
+        "block": model.block_name,
         "measured contact": model.measured_contacts.name,
         "quantity": tuple(QUANTITIES),
         "joint": tuple(one.name for one in model.joint_table.joints),
@@ -253,6 +267,9 @@ def check(
     Or a time after the end of the run, s.
     """
     for name, given in expression.calls():
+        if name in OF_FLOW and not known["flow"]:
+            what = f"{name} is of water that flows in joints, and there is none"
+            raise CaseError(what, where=expression.where, remedy="give the case a [flow]")
         wanted = MEASURES[name].arguments
         least = len([one for one in wanted if one not in MAY_LACK])
         if not least <= len(given) <= len(wanted):

@@ -140,7 +140,8 @@ function thousandsOf(numbers, unit) {
   if (unit === "N m/m") return 1;
   const size = Math.max(...numbers.map(Math.abs));
   let thousands = 0;
-  if (size > 0 && !["°", "%", ""].includes(unit)) {
+  // µm2 are not a millionth of m2
+  if (size > 0 && !["°", "%", ""].includes(unit) && !unit.startsWith("m2")) {
     thousands = Math.floor(Math.log10(size * (1 + 1e-12)) / 3);
     thousands = Math.max(-3, Math.min(unit.startsWith("m") || unit === "s" ? 0 : 4, thousands));
   }
