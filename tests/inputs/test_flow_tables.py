@@ -173,3 +173,31 @@ def test_tilted_blocks_without_gravity_are_confined():
     on = water.conditions.part < 2
     assert np.ptp(pressure) == pytest.approx(4.0, rel=1e-9)
     assert on.any()
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"flow_boundary": {"lefd": {"head": 1.0}}}, "no flow boundary 'lefd'"),
+        ({"flow_boundary": {"left": {"head": 1.0, "rain": 1.0}}}, "has head and rain"),
+        ({"flow": {"state": "slow"}}, "state"),
+        ({"install": ["drian"]}, "no bolt, kind of bolt or well 'drian'"),
+        ({"loads": ["lefd"]}, "'left'"),
+    ],
+)
+def test_broken_stages_of_a_flow_are_refused(keys, said):
+    boundary = LEFT + '[[well]]\nname = "drain"\nat = [5.3, 3.4]\npressure = 0.0\n'
+    case = wet_rock.case_of(10.0, *SETS, more="[flow]\n" + boundary)
+    with pytest.raises(ClastError, match=said) as fault:
+        case.with_(stage=[{"name": "one", "until": "time", "time": 1.0, **keys}]).run()
+    assert fault.value.remedy
+
+
+def test_a_stage_without_a_flow_or_without_gravity_changes_none():
+    stage = {"name": "one", "until": "time", "time": 1.0}
+    with pytest.raises(ClastError, match="no water flows"):
+        wet_rock.case_of(4.0, *SETS).with_(stage=[{**stage, "flow": {"state": "steady"}}]).run()
+    case = wet_rock.case_of(4.0, *SETS, more="[flow]\n" + LEFT.replace("head", "pressure"))
+    case = case.with_(gravity=[0.0, 0.0])
+    with pytest.raises(ClastError, match="there is no gravity, and so no head of 'left'"):
+        case.with_(stage=[{**stage, "flow_boundary": {"left": {"head": 1.0}}}]).run()

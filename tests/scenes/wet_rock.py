@@ -41,11 +41,16 @@ origin = [0.3, 0.4]
 """
 
 
-def cut(size: float, *sets: tuple[float, float], more: str = "") -> Model:
-    """Return a square of rock, m, cut by sets of (angle, spacing)."""
+def case_of(size: float, *sets: tuple[float, float], more: str = "") -> clast.Case:
+    """Return the case of a square of rock, m, cut by sets of (angle, spacing)."""
     boundary = [[0, 0], [size, 0], [size, size], [0, size]]
     text = CUT.format(boundary=boundary) + "".join(SET.format(*one) for one in sets) + more
-    return clast.Case.from_text(text, "case").model()
+    return clast.Case.from_text(text, "case")
+
+
+def cut(size: float, *sets: tuple[float, float], more: str = "") -> Model:
+    """Return the model of such a case."""
+    return case_of(size, *sets, more=more).model()
 
 
 def rock_of(polygons: list[Floats], **joint: float) -> Model:

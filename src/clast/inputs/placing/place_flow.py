@@ -289,11 +289,9 @@ def _remarks(flow: Flow, rock: _Rock, conditions: Conditions) -> Iterator[str]:
     for number, text in ((bare, "bare, giving water off"), (tight, "tight")):
         own = network.at[conditions.part == number]
         if len(own) and left.any():
-            rest = faces[left]
-            near = shapely.dwithin(
-                shapely.points(own)[:, None], shapely.linestrings(rest)[None], network.near.max()
-            )
-            parts.append(f"{long[left][near.any(axis=0)].sum():.4g} m {text}")
+            tree = shapely.STRtree(shapely.linestrings(faces[left]))
+            found = tree.query(shapely.points(own), "dwithin", distance=network.near.max())[1]
+            parts.append(f"{long[left][np.unique(found)].sum():.4g} m {text}")
     total = network.length.sum()
     said = f"flow: {len(network.length)} channels, {total:.4g} m of joints"
     yield (

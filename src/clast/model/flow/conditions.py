@@ -84,7 +84,9 @@ def conditions_of(model: Model, network: Network, faces: Floats, time: float) ->
             continue
         kind[nodes] = SEEPAGE if well.only_outflow else GIVEN
         head = flow.weight * (well.value - height[nodes])
-        pressure[nodes] = np.maximum(head, 0.0) if well.kind == HEAD else well.value
+        if not flow.confined:
+            head = np.maximum(head, 0.0)
+        pressure[nodes] = head if well.kind == HEAD else well.value
     return Conditions(kind=kind, pressure=pressure, inflow=inflow, part=part, outer=network.outer)
 
 

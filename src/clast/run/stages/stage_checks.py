@@ -52,6 +52,10 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
             what = "no water flows" if model.flow is None else "the water is at rest"
             remedy = 'give [flow] with state = "steady" or "transient", or leave this key out'
             raise _fault(stage, "flow", what, remedy)
+        heads = [name for name, one in stage.flow_boundary.items() if "head" in one]
+        if heads and model.flow is not None and model.flow.weight == 0.0:
+            what = f"there is no gravity, and so no head of '{shortened(heads[0])}'"
+            raise _fault(stage, "flow_boundary", what, "give the pressure, Pa")
     for names in _NAMED:
         names.check(stages, model)
     _check_excavation(stages, model)
