@@ -54,6 +54,9 @@ MUTATIONS = (
     Mutation("model/flow/apertures.py", "yy * z * z + 2.0 * xy", "yy * z * z - 2.0 * xy"),
     Mutation("model/flow/apertures.py", "rough.stiffness * rough.closure + s", "rough.closure + s"),
     Mutation("model/joints.py", "1e6 * aperture**2 / hydraulics", "1e6 * aperture / hydraulics"),
+    Mutation("model/flow/pieces.py", "lacking > pressure[", "lacking > 0.5 * pressure["),
+    Mutation("model/flow/pieces.py", "opened * problem.saturation", "opened * saturation"),
+    Mutation("model/flow/path.py", "column[at] = 1.0, -1.0", "column[at] = 1.0, -0.5"),
     Mutation("actions/flow.py", "flow.weight * rise - down", "flow.weight * rise + down"),
     # block: displacement function, rotation, integrals, stress
     Mutation("block/displacement.py", "u0 - y * r0 + x * ex", "u0 + y * r0 + x * ex"),
