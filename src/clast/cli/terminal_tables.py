@@ -130,7 +130,7 @@ def print_points(points: dict[str, dict[str, Any]]) -> None:
 
 
 def print_measured(content: dict[str, Any]) -> None:
-    """Print convergences and reactions at the end, from the summary of a result file."""
+    """Print convergences, flows and reactions at the end, from the summary of a result file."""
     pairs = [
         (name, f"{one['convergence']:.5g}", f"{100.0 * one['convergence'] / one['distance']:.3g}")
         for name, one in content["convergences"].items()
@@ -138,6 +138,13 @@ def print_measured(content: dict[str, Any]) -> None:
     if pairs:
         heads = ("convergence", "m", "% of the distance")
         print_table(table_of("convergences at the end", heads, pairs))
+    flows = [
+        (name, *(f"{value:.5g}" for value in one.values()))
+        for name, one in content["flows"].items()
+    ]
+    if flows:
+        of_flows = ("flow", "into the rock, m2/s", "out of it", "run-off", "pressure, Pa")
+        print_table(table_of("water in joints at the end", of_flows, flows))
     supports = [
         (name, *(f"{1e-3 * part:.5g}" for part in (*one["force"], one["moment"])))
         for name, one in content["reactions"].items()

@@ -183,6 +183,10 @@ def _results(path: Path, file: Any) -> Results:
     )
 
 
+FLOW_KEYS = ("into_rock", "out_of_rock", "runoff", "pressure")
+"""Columns of flows that a summary has."""
+
+
 def summary(results: Results) -> dict[str, Any]:
     """Return the summary of a result file for ``clast info``; every value is ready for JSON."""
     report = results.report
@@ -230,6 +234,10 @@ def summary(results: Results) -> dict[str, Any]:
                 "distance": float(np.hypot(*np.diff(results.point_start[pair], axis=0)[0])),
             }
             for name, pair in zip(results.convergence_name, results.convergence_points, strict=True)
+        },
+        "flows": {
+            name: {key: float(results.inflow(name)[key][-1]) for key in FLOW_KEYS}
+            for name in results.flow_name
         },
         "reactions": {
             name: {

@@ -9,6 +9,7 @@ import pytest
 
 import clast
 from clast.exports.csv_tables import write_csv
+from scenes.command_line import good
 from scenes.restarts import pressed_at
 
 CASE = """
@@ -332,3 +333,11 @@ excavate = ["tunnel"]
     first = run.rows_at(run.inflow("lake").time, run.frame(stage="full").number)
     assert 0.5 * content[0] < content[-1] < content[first]
     assert run.inflow("tunnel").inflow[-1] > 0.0
+
+
+def test_a_summary_has_the_flows_at_the_end(run):
+    flows = clast.results.summary(clast.read(run.output))["flows"]
+    tunnel = run.inflow("tunnel")
+    assert flows["tunnel"]["out_of_rock"] == tunnel["out_of_rock"][-1]
+    assert flows["all joints"]["pressure"] == run.flow().pressure.max()
+    assert "water in joints at the end" in good("info", run.output)
