@@ -13,6 +13,7 @@ from scenes import wet_rock
 SETS = ((0.0, 1.0), (90.0, 1.0))
 LEFT = '[[flow_boundary]]\nname = "left"\nwhere = {side = "left"}\nhead = 6.0\n'
 RIGHT = '[[flow_boundary]]\nname = "right"\nwhere = {side = "right"}\nhead = 2.0\n'
+FULL = 'state = "transient"\ncoupling = "full"\n'
 
 
 def wet(more: str) -> clast.Model:
@@ -105,6 +106,8 @@ WELL = '[[well]]\nname = "w"\n'
         ('state = "hydrostatic"\n', "level"),
         ("level = 3.0\n", "belongs to water at rest"),
         ('initial = "dry"\n', 'belongs to state = "transient"'),
+        ('coupling = "full"\n', 'does not go with state = "steady"'),
+        (FULL, "opens and closes the joint"),
         ('state = "transient"\ninitial = "hydrostatic"\n', "level"),
         ('state = "hydrostatic"\nlevel = 3.0\n' + LEFT, "water at rest has no boundaries"),
         (
@@ -135,6 +138,14 @@ def test_broken_flows_are_refused(more, said):
     with pytest.raises(ClastError, match=said) as fault:
         wet(more)
     assert fault.value.remedy
+
+
+def test_other_processes_refuse_water_in_the_equations_of_blocks():
+    stiff = wet_rock.CUT.replace("aperture = 2e-4", "aperture = 2e-4\nnormal_stiffness = 1e10")
+    text = stiff.format(boundary=[[0, 0], [4, 0], [4, 4], [0, 4]]) + wet_rock.SET.format(0.0, 1.0)
+    case = text + '[method]\nprocess = "open-close"\n[flow]\n' + FULL
+    with pytest.raises(ClastError, match='by the process "convex" alone'):
+        clast.Case.from_text(case, "case").run()
 
 
 def test_water_needs_somewhere_to_go():

@@ -63,10 +63,10 @@ def test_every_entry_of_the_ledger_is_of_one_kind():
     assert dataclasses.asdict(ledger) == values
     # powers of two: a sum says which entries are in it
     springs = ("fixed_points", "bolts", "links")
-    stored = ("kinetic", "elastic", "gravity", "contact", *springs, "actions")
+    stored = ("kinetic", "elastic", "gravity", "contact", *springs, "water_stored", "actions")
     assert ledger.stored == sum(values[name] for name in stored)
     assert ledger.brought == values["loads"] + values["water"] + values["motions"]
-    lost = ("friction", "impacts", "yielding", "damping", "boundary", "removed")
+    lost = ("friction", "impacts", "yielding", "damping", "boundary", "seepage", "removed")
     assert ledger.lost == sum(values[name] for name in lost)
 
 

@@ -21,6 +21,7 @@ from clast.block.inertia import BlockFrames
 from clast.block.rotation import Exact, RotationRule
 from clast.contact.clipped_spring import Springs
 from clast.linear.system import stretches
+from clast.model.flow.opening_joints import OpeningJoints
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 
@@ -139,6 +140,8 @@ class Contribution:
     """That of the step, where the stiffness is one of springs that are taken there."""
     springs: Springs | None = None
     """Clipped springs between points of two blocks."""
+    opening: OpeningJoints | None = None
+    """Water in joints that lets itself be pressed, and presses, as blocks move in the step."""
     carried: float = 1.0
     """Fraction of the velocities of the last step with which the blocks enter this one."""
     prescribed: Prescribed | None = None

@@ -18,6 +18,7 @@ from clast.actions.viscous_edges import BoundaryDashpots
 from clast.actions.water import WaterPressure
 from clast.contact.clipped_spring import Clipped, Springs
 from clast.errors import ActionFault
+from clast.model.flow.given import FULL, Flow
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
@@ -135,9 +136,7 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
     if model.water:
         actions.append(WaterPressure())
     if model.flow is not None:
-        from clast.actions.flow import JointFlow  # few cases need it
-
-        actions.append(JointFlow())
+        actions.append(_flow(model.flow))
     if model.in_situ is not None:
         actions.append(InSituBoundary(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):
@@ -147,6 +146,17 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
     if model.openings or model.drawpoints or model.absent.any() or model.lined.any():
         actions.append(Relaxation())
     return *actions, *model.actions
+
+
+def _flow(flow: Flow) -> Action:
+    """Return the action of water that flows in joints; few cases need it."""
+    if flow.coupling == FULL:
+        from clast.actions.coupled_flow import CoupledFlow
+
+        return CoupledFlow(flow.passes)
+    from clast.actions.flow import JointFlow
+
+    return JointFlow()
 
 
 class ActiveActions:

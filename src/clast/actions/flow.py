@@ -64,38 +64,38 @@ class WetContribution(Contribution):
 
 def water_at(model: Model, time: float, before: JointWater | None = None) -> JointWater:
     """Return the water in the joints of a model at a time, s; ``before`` has what stays."""
-    flow, begun = _given(model), len(model.begun)
+    flow, begun = flow_of(model), len(model.begun)
     if before is None:
-        return _started(model, _begun(model, time))
+        return _started(model, begun_at(model, time))
     same = np.array_equal(before.absent, model.absent)
-    water = before if same else _begun(model, time)
+    water = before if same else begun_at(model, time)
     if flow.state == "transient":
-        return _advanced(model, _carried(before, water), time)
+        return _advanced(model, carried(before, water), time)
     if same and begun == before.begun and not flow.changes:
         return before
-    conditions = _conditions(model, water.network, time)
+    conditions = conditions_at(model, water.network, time)
     if not same or not conditions.same(before.conditions):
         near = before.solved if same else None
         water = replace(water, conditions=conditions)
         water = replace(water, solved=_solved(model, water, flow.state, near))
-    return replace(water, begun=begun, time=time, pressed=_pressed(model, water.network))
+    return replace(water, begun=begun, time=time, pressed=faces_pressed(model, water.network))
 
 
 def _started(model: Model, water: JointWater) -> JointWater:
     """Return water as it is at the start of a run."""
-    flow = _given(model)
+    flow = flow_of(model)
     state = flow.initial if flow.state == "transient" else flow.state
     return replace(water, solved=_solved(model, water, state, None))
 
 
 def _advanced(model: Model, before: JointWater, time: float) -> JointWater:
     """Return the water at a later time, s."""
-    flow, begun, conditions = _given(model), len(model.begun), before.conditions
+    flow, begun, conditions = flow_of(model), len(model.begun), before.conditions
     if begun != before.begun or flow.changes:
-        conditions = _conditions(model, before.network, time)
+        conditions = conditions_at(model, before.network, time)
     water = replace(before, conditions=conditions, begun=begun)
     if begun != before.begun:
-        water = replace(water, pressed=_pressed(model, before.network))
+        water = replace(water, pressed=faces_pressed(model, before.network))
     step = time - before.time
     # static steps may wait for time to go on
     if not step > CLOCK * abs(time):
@@ -108,7 +108,7 @@ CLOCK = 1e-12
 """Share of the time below which two instants are one."""
 
 
-def _carried(before: JointWater, water: JointWater) -> JointWater:
+def carried(before: JointWater, water: JointWater) -> JointWater:
     """Return water in a network that is found anew, with what was at its nodes before."""
     if water is before:
         return before
@@ -132,7 +132,7 @@ def _carried(before: JointWater, water: JointWater) -> JointWater:
 
 def balance_of(model: Model, water: JointWater, conditions: Conditions) -> Balance:
     """Return the balance of water in joints under some conditions at their nodes."""
-    flow, network = _given(model), water.network
+    flow, network = flow_of(model), water.network
     height = network.at[network.node, 1]
     return Balance(
         node=network.node,
@@ -157,7 +157,7 @@ def pressed_channels(water: JointWater, model: Any, vertices: Floats) -> Pressed
     ends = faces_at(network, vertices, model.vertex_after).mean(axis=1)
     pressure = water.solved.pressure[network.node]
     some = np.flatnonzero(pressure.any(axis=1))
-    wet = wet_share(water, _given(model))[some, None]
+    wet = wet_share(water, flow_of(model))[some, None]
     ends, pressure = ends[some], pressure[some]
     for end in (0, 1):
         partly = np.flatnonzero((wet[:, 0] < 1.0) & (pressure[:, end] == 0.0))
@@ -187,7 +187,7 @@ def wet_share(water: JointWater, flow: Flow) -> Floats:
 
 def pressed_faces(water: JointWater, model: Any, vertices: Floats, time: float) -> Pressed:
     """Return where heads press on outer faces, with blocks at ``vertices`` (nv, 2), m."""
-    network, flow = water.network, _given(model)
+    network, flow = water.network, flow_of(model)
     none = np.zeros(0, np.int64)
     parts = [Pressed(none, none, none, np.zeros((0, 2, 2)), np.zeros((0, 2)))]
     for one, which in zip(flow.boundaries, water.pressed, strict=True):
@@ -220,7 +220,7 @@ class JointFlow(Action):
     def contribution(self, start: StepStart, state: JointWater) -> WetContribution:
         """Return the sum of the forces of water on each block, as it flows in this step."""
         model, midway, time = start.model, start.midway, start.time_of_forces
-        takes_time = _given(model).state == "transient"
+        takes_time = flow_of(model).state == "transient"
         water = water_at(model, start.end if takes_time else time, state)
         pressed = (
             pressed_channels(water, model, midway.vertices),
@@ -261,21 +261,21 @@ def is_whole(water: JointWater, model: Model) -> bool:
         return False
     limits = [*pairs, (network.face_edge, edges), *((one, faces) for one in water.pressed)]
     exist = all(((one >= 0) & (one < limit)).all() for one, limit in limits)
-    known = (on.part >= -1) & (on.part < len(_given(model).names))
-    right = len(water.pressed) == len(_given(model).boundaries) and (water.conductance > 0.0).all()
+    known = (on.part >= -1) & (on.part < len(flow_of(model).names))
+    right = len(water.pressed) == len(flow_of(model).boundaries) and (water.conductance > 0.0).all()
     finite = all(np.isfinite(one).all() for one, _ in shapes)
     return bool(exist and known.all() and right and finite)
 
 
-def _given(model: Any) -> Flow:
+def flow_of(model: Any) -> Flow:
     """Return the flow of a model that has one."""
     flow: Flow = model.flow
     return flow
 
 
-def _begun(model: Model, time: float) -> JointWater:
+def begun_at(model: Model, time: float) -> JointWater:
     """Return the water in a network that is found anew."""
-    flow = _given(model)
+    flow = flow_of(model)
     network = flow.network
     if network is None or (model.absent & ~model.lined).any():
         network = network_of(model, flow.longest, flow.points)
@@ -284,7 +284,7 @@ def _begun(model: Model, time: float) -> JointWater:
     # half of each channel belongs to the node at either end
     half = 0.25 * network.length * np.maximum(mechanical, 0.0).sum(axis=1)
     volume = np.bincount(network.node.ravel(), np.repeat(half, 2), network.count)
-    conditions = _conditions(model, network, time)
+    conditions = conditions_at(model, network, time)
     return JointWater(
         network=network,
         aperture=aperture,
@@ -292,7 +292,7 @@ def _begun(model: Model, time: float) -> JointWater:
         volume=np.asarray(volume, np.float64),
         conditions=conditions,
         solved=EMPTY,
-        pressed=_pressed(model, network),
+        pressed=faces_pressed(model, network),
         absent=model.absent,
         begun=len(model.begun),
         time=time,
@@ -303,7 +303,7 @@ def _solved(model: Model, water: JointWater, state: str, near: Solved | None) ->
     """Return the flow in a state; of steady flow ``near`` saves time."""
     if state == "steady":
         return steady(balance_of(model, water, water.conditions), near)
-    flow, network, on = _given(model), water.network, water.conditions
+    flow, network, on = flow_of(model), water.network, water.conditions
     deep = flow.level - model.origin[1] - network.at[:, 1]
     rests = flow.weight * np.maximum(deep, 0.0), (deep >= 0.0).astype(np.float64)
     none, given = np.zeros(network.count), (on.kind == GIVEN) & (state == "dry")
@@ -344,15 +344,16 @@ def _faces(model: Model, network: Network) -> Floats:
     return ends_of_faces(faces, model.vertices, model.vertex_after)
 
 
-def _conditions(model: Model, network: Network, time: float) -> Conditions:
+def conditions_at(model: Model, network: Network, time: float) -> Conditions:
+    """Return the conditions at the nodes of a network at a time, s."""
     faces = _faces(model, network)
     return conditions_of(model, network, faces, time)
 
 
-def _pressed(model: Model, network: Network) -> tuple[Ints, ...]:
+def faces_pressed(model: Model, network: Network) -> tuple[Ints, ...]:
     """Return which of the outer faces each boundary presses on, (q,) each."""
     faces, none = _faces(model, network), np.zeros(0, np.int64)
     return tuple(
         faces_on(faces, one.lines(model.absent)) if one.kind == HEAD and one.presses else none
-        for one in _given(model).boundaries
+        for one in flow_of(model).boundaries
     )

@@ -86,6 +86,8 @@ class ModelBuilder:
 
     Keys:
         state: Steady flow between boundaries; flow that takes time; or water at rest under a level.
+        coupling: Whether pressures act alone, apertures being those of the start; or blocks open and close joints, and are moved by what flows, of state "transient".
+        passes: Times that a step of "full" is solved again at most, for conductances to agree with it.
         level: Height y of water at rest, m, of state or initial "hydrostatic".
         initial: Water at the start of state "transient": steady flow, if absent, none, or at rest under a level.
         bulk_modulus: Bulk modulus of water, Pa, for flow that takes time.

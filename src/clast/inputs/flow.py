@@ -27,6 +27,11 @@ class FlowTable(Table):
 
     state: Literal["steady", "transient", "hydrostatic"] = "steady"
     """Steady flow between boundaries; flow that takes time; or water at rest under a level."""
+    coupling: Literal["none", "full"] = "none"
+    """Whether pressures act alone, apertures being those of the start; or blocks open and close
+    joints, and are moved by what flows, of state "transient"."""
+    passes: Annotated[int, Field(ge=1, le=100)] = 10
+    """Times that a step of "full" is solved again at most, for conductances to agree with it."""
     level: Coordinate | None = None
     """Height y of water at rest, m, of state or initial "hydrostatic"."""
     initial: Literal["steady", "dry", "hydrostatic"] | None = None
@@ -53,6 +58,10 @@ class FlowTable(Table):
         if self.initial is not None and self.state != "transient":
             remedy = 'leave it out, or give state = "transient"'
             raise refusal('belongs to state = "transient"', remedy, "initial")
+        if self.coupling == "full" and self.state != "transient":
+            what = f'"full" does not go with state = "{self.state}"'
+            remedy = 'give state = "transient": blocks move while water flows'
+            raise refusal(what, remedy, "coupling")
         rests = "hydrostatic" in (self.state, self.initial)
         if rests and self.level is None:
             raise refusal("is missing: water at rest has one", "give its height y, m", "level")

@@ -12,9 +12,7 @@ Directions are those of a flexible GMRES (Saad 1993) with the symmetric part, wh
 the step has ready, as preconditioner: it takes as many solutions as there are contacts that slide,
 at most, and far fewer where these are many.
 
-Where that fails friction bounds are renewed from the forces, a fixed point x = g(x).  The next
-guess is found from guesses and their values (Anderson 1965): with residuals f = g - x, the changes
-of f are combined so that the rest of the last f is least, and the same is taken off the last g.
+Where that fails friction bounds are renewed from the forces, a fixed point (linear/guesses.py).
 """
 
 from __future__ import annotations
@@ -27,12 +25,10 @@ import numpy as np
 
 from clast.compute.reductions import is_any
 from clast.errors import StepRejected
-from clast.linear import block_matrix
 from clast.linear.system import contact_motions, with_contact_forces
 from clast.minimise.newton import EachBlock, SolverContext
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Floats
-from clast.read_only import changed
 
 STEP_SHARES = 1.0, 0.5, 0.25, 0.125, 0.03, 0.01
 """Shares of a direction that are tried where the residual is not less at its end.  Where none does,
@@ -99,20 +95,15 @@ def _direction(potential: Potential, at: Point, work: SolverContext) -> Floats:
     if not is_any(coupling != 0.0):
         return potential.direction(at, work.factor, work.stages)
     work.stages("assembly")
-    system = potential.hessian(at)
     springs, graph, fixed = potential.springs, potential.graph, potential.fixed
-    symmetric = system.diagonal, system.upper, system.pairs, system.rows
+    symmetric, solved = potential.tangent(at, work.factor)
 
     def times(direction: Floats) -> Floats:
         """Return the tangent times a direction: T falls by mu k_n n.d more than its spring's."""
         opening, _ = contact_motions(springs, direction)
-        known: Floats = block_matrix.multiply(*symmetric, direction)
+        known = symmetric(direction)
         none = np.zeros(len(springs))
         return with_contact_forces(known, springs, graph, fixed, none, coupling * opening)
-
-    def solved(force: Floats) -> Floats:
-        """Return the solution of the symmetric part."""
-        return work.factor.solve(changed(system, force=force), at.forces)
 
     work.stages("solve")
     direction = gmres(times, solved, at.residual)
@@ -151,33 +142,3 @@ def gmres(
     right[0] = size
     shares = np.linalg.lstsq(products[: count + 1, :count], right, rcond=None)[0]
     return np.asarray(np.einsum("k,knd->nd", shares, np.array(tried)))
-
-
-CHANGES_MAX = 3
-"""Changes from guess to guess that are combined, at most."""
-
-
-@dataclass(frozen=True)
-class Guesses:
-    """Guesses x, shape (k, m), and their values g(x), (k, m), the last ones last."""
-
-    given: tuple[Floats, ...] = ()
-    """The guesses, shape (m,) each."""
-    answers: tuple[Floats, ...] = ()
-    """Their values, shape (m,) each."""
-
-    def with_one(self, given: Floats, answer: Floats) -> Guesses:
-        """Return the last guesses and one more."""
-        return Guesses((*self.given[-CHANGES_MAX:], given), (*self.answers[-CHANGES_MAX:], answer))
-
-    def next_guess(self) -> Floats:
-        """Return the next guess, shape (m,); after one guess its value."""
-        answers = np.array(self.answers)
-        residuals = answers - np.array(self.given)
-        changes = np.diff(residuals, axis=0)
-        # einsum adds in one order whatever the number of threads
-        products = np.einsum("km,lm->kl", changes, changes)
-        right = np.einsum("km,m->k", changes, residuals[-1])
-        # Share of the largest product of changes below which they are not told apart
-        shares = np.linalg.lstsq(products, right, rcond=1e-12)[0]
-        return np.asarray(answers[-1] - np.einsum("k,km->m", shares, np.diff(answers, axis=0)))

@@ -47,9 +47,14 @@ from clast.minimise.line_search import (
     slopes,
 )
 from clast.model.model import Bools, Floats
+from clast.read_only import changed
 
 MOMENTUM_SHARE = 1e-4
 """Weight of the energy of motion among the forces that tolerances refer to."""
+
+
+Product = Callable[[Floats], Floats]
+"""A linear function of (n, 6)."""
 
 
 class Law(Protocol):
@@ -128,6 +133,8 @@ class Potential:
     """Which blocks are connected by springs."""
     law: Law | None = None
     """The law of springs that are not the clipped springs of the table."""
+    joined: bool = False
+    """Whether blocks are joined by more than springs: none may be minimised by themselves."""
 
     @classmethod
     def of(
@@ -285,6 +292,20 @@ class Potential:
         system = self.hessian(point)
         stages("solve")
         return factor.solve(system, point.forces)
+
+    def tangent(self, point: Point, factor: FactorOfStep) -> tuple[Product, Product]:
+        """Return the product of the Hessian at a point with d (n, 6), and its solution for F."""
+        system = self.hessian(point)
+        symmetric = system.diagonal, system.upper, system.pairs, system.rows
+
+        def times(direction: Floats) -> Floats:
+            known: Floats = block_matrix.multiply(*symmetric, direction)
+            return known
+
+        def solved(force: Floats) -> Floats:
+            return factor.solve(changed(system, force=force), point.forces)
+
+        return times, solved
 
     def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
         """Return how far to go along ``direction`` to the least potential, and evaluations.

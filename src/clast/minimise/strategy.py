@@ -52,7 +52,7 @@ class SmallIslands:
         Iterations are counted of the island that takes most.
         """
         islands, left = potential.islands, potential.island_distances(point)
-        if potential.law is not None or self.few == 0:
+        if potential.joined or potential.law is not None or self.few == 0:
             return point, left
         chosen = unfinished(left, self.finished * tolerance)
         if not is_any(chosen):
@@ -135,7 +135,7 @@ class NonlinearElimination:
         They are done where they have no more left to it than all others together.
         """
         blocks = np.count_nonzero(~potential.fixed)
-        if blocks <= self.large or potential.law is not None:
+        if blocks <= self.large or (potential.joined or potential.law is not None):
             return point
         work.stages("law")
         worst, others = self.worst(point.distances)
@@ -214,7 +214,11 @@ class MinimisationStrategy:
         wanted = unfinished(left, self.finished * tolerance)
         moves = wanted[potential.islands.of_blocks] & ~potential.fixed
         free = np.count_nonzero(~potential.fixed)
-        few = potential.law is None and np.count_nonzero(moves) <= self.most * free
+        few = (
+            not potential.joined
+            and potential.law is None
+            and np.count_nonzero(moves) <= self.most * free
+        )
         part = subproblem(potential, point, moves) if few else None
         problem, at, rest = potential, point, tolerance
         if part is not None:
@@ -225,7 +229,7 @@ class MinimisationStrategy:
             return self.elimination.lower(problem, point, rest, work)
 
         ending = Ending.SLOW
-        if self.inside is not None and problem.law is None:
+        if self.inside is not None and not problem.joined and problem.law is None:
             hasty = replace(self.newton, patience=min(self.patience, self.newton.patience))
             at, ending = hasty.descend(problem, at, rest, work, before)
             if ending is not Ending.DONE:

@@ -51,7 +51,7 @@ class Subproblem:
 def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
     """Return the potential of the free blocks that may ``move`` (n,), the others being at a point.
 
-    Of potentials of clipped springs alone.
+    Of potentials of clipped springs alone, with nothing else between blocks.
     """
     blocks = np.flatnonzero(moves)
     place = np.cumsum(moves) - 1
@@ -103,9 +103,9 @@ def touched(potential: Potential, point: Point, most: float) -> Subproblem | Non
     """Return the blocks that have links, where they are at most a share ``most`` of those free.
 
     All others go as their own forces take them.  None, too, where a link is between two blocks that
-    stand still, or a law gives the forces of springs.
+    stand still, or more than clipped springs joins blocks.
     """
-    if potential.law is not None:
+    if potential.joined or potential.law is not None:
         return None
     moves = np.zeros(len(potential.fixed), np.bool_)
     number, free = _mark_linked(potential.springs.pairs, potential.fixed, moves)

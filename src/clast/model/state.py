@@ -149,6 +149,8 @@ class Ledger:
     """Elastic energy in the bolts."""
     links: float = entry(Kind.STORED)
     """Elastic energy in the links."""
+    water_stored: float = entry(Kind.STORED)
+    """Elastic energy in the water of joints, of "full" coupling."""
     loads: float = entry(Kind.BROUGHT)
     """Work done by loads and pressures and by the ground motion."""
     water: float = entry(Kind.BROUGHT)
@@ -165,6 +167,8 @@ class Ledger:
     """Energy taken by damping, >= 0."""
     boundary: float = entry(Kind.LOST)
     """Energy that left through viscous boundaries, less that which came in through them."""
+    seepage: float = entry(Kind.LOST)
+    """Energy that water has lost flowing in joints, of "full" coupling."""
     removed: float = entry(Kind.LOST)
     """Energy that was taken out with blocks, or by resets, when stages began."""
     actions: float = entry(Kind.STORED)

@@ -13,6 +13,7 @@ from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.joints.bonds import ROUNDED_GAP
 from clast.errors import ModelError, shortened
+from clast.model.flow.given import FULL
 from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
 from clast.model.model import Floats, Model
 from clast.model.stages import EQUILIBRIUM, TIME
@@ -79,6 +80,17 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
             f"critdis is {method.critdis:g} m, but block {named(model, np.array([thinnest]))} is "
             f"only {thickness[thinnest]:.3g} m thick: contacts would reach through it; lower "
             f"critdis to {0.25 * thickness[thinnest]:.2g} m"
+        )
+
+
+def check_coupling(model: Model, method: Method) -> None:
+    """Refuse water that moves blocks in the same equations where the process cannot solve them."""
+    full = model.flow is not None and model.flow.coupling == FULL
+    if full and not getattr(method.process, "couples_water", False):
+        raise ModelError(
+            'coupling = "full" is solved by the process "convex" alone',
+            where="flow, coupling",
+            remedy='set method.process = "convex", or leave coupling = "none"',
         )
 
 

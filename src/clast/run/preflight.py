@@ -17,7 +17,12 @@ from clast.model import ranges
 from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.model.surroundings import Repair
-from clast.run.method_warnings import check_overlaps, method_warnings, open_joint_warnings
+from clast.run.method_warnings import (
+    check_coupling,
+    check_overlaps,
+    method_warnings,
+    open_joint_warnings,
+)
 from clast.run.model_warnings import model_warnings
 from clast.run.stages.stage_sequence import StageSequence
 from clast.run.stages.transition import Setting
@@ -84,6 +89,7 @@ class CaseSummary:
 
 def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
     """Return the contents of a case, and the warnings about it; raises ModelError."""
+    check_coupling(model, method)
     check_overlaps(model, method)
     StageSequence(base=Setting(model=model, method=method, schedule=schedule)).check()
     _check_steps(schedule)

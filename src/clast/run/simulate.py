@@ -33,7 +33,7 @@ from clast.run.events import Listener, bonds_break
 from clast.run.excavation import excavated
 from clast.run.flow_warnings import flow_warnings
 from clast.run.interrupts import held_back
-from clast.run.method_warnings import check_overlaps
+from clast.run.method_warnings import check_coupling, check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
 from clast.run.run_state import Halt, Leader, RunState
 from clast.run.schedule import Progress, Schedule
@@ -259,6 +259,7 @@ def simulate(
     ``keep`` receives the data of the run after each step; a run of the same model, method and
     schedule that has them as ``begin`` goes on from there, and records from there on.
     """
+    check_coupling(model, method)
     check_overlaps(model, method)
     course = StageSequence(base=Setting(model=model, method=method, schedule=schedule))
     start = working_time()

@@ -37,6 +37,7 @@ from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, clipped, has_limits
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.factor_cache import FactorOfStep
+from clast.linear.guesses import Guesses
 from clast.linear.system import (
     DiagonalTerms,
     Graph,
@@ -45,7 +46,7 @@ from clast.linear.system import (
     graph_of,
     with_ground,
 )
-from clast.minimise.coupled import CoupledNewton, Guesses
+from clast.minimise.coupled import CoupledNewton
 from clast.minimise.newton import SHARPENINGS_MAX, EachBlock, Newton, SolverContext, best_of
 from clast.minimise.potential import Point, Potential
 from clast.minimise.strategy import MinimisationStrategy, SmallIslands
@@ -98,6 +99,8 @@ class Convex:
     """Share of the closing velocity with which impacts rebound, 0 to 1."""
 
     any_step: ClassVar[bool] = True
+    couples_water: ClassVar[bool] = True
+    """Whether water in joints and blocks may be in one potential."""
     remedies: ClassVar[Mapping[StepOutcome, str]] = {
         StepOutcome.NOT_CONVERGED: (
             "Raise method.process.iterations, or lower method.contact_law.normal_stiffness or "
@@ -544,6 +547,13 @@ def potential_of(
     if context.held is not None:
         springs = context.held.springs(springs)
     potential = Potential.of(base, model.fixed, springs, None if others else graph)
+    for one in context.contributions:
+        if one.opening is not None:
+            from clast.minimise.joint_water import with_water  # few cases need it
+
+            held, water = context.held, one.opening
+            water = water if held is None else water.beside(held.displacement)
+            potential = with_water(potential, water)
     return potential, rows, asperities
 
 

@@ -179,6 +179,14 @@ def again(context: StepContext, unknowns: Floats) -> StepContext | None:
     return replace(context, contributions=contributions, springs=springs_between(contributions))
 
 
+def repeats(context: StepContext) -> int:
+    """Return how often a step is solved again at most, for actions that ask for it.
+
+    Those without ``repeats`` of their own may do so 4 times.
+    """
+    return max([int(getattr(one, "repeats", 4)) for one in context.actions], default=0)
+
+
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
     """Return everything of a step but the coupling of blocks; ``drift`` (n, 6) is h v, m.
 

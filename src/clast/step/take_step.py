@@ -10,7 +10,7 @@ from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.method import Method, StepResult, StepSolution, Workspace
 from clast.step.search_distance import ContactSearch, searched_again
-from clast.step.start import StepContext, again, begin
+from clast.step.start import StepContext, again, begin, repeats
 
 
 class StepSolver(Protocol):
@@ -49,11 +49,10 @@ def take_step(
     while wider := searched_again(context, search, contacts, solution.unknowns):
         search, contacts = wider
         solution = process.solve(context, contacts, solution)
-    # Largest number of repeated solutions of a step for points with a prescribed motion
-    for _ in range(4):
-        renewed = again(context, solution.unknowns)
-        if renewed is None:
-            break
-        context = renewed
+    repeated = 0
+    while renewed := again(context, solution.unknowns):
+        context, repeated = renewed, repeated + 1
         solution = process.solve(context, contacts, solution)
+        if repeated >= repeats(context):
+            break
     return finish(context, solution, search.depth)

@@ -21,7 +21,7 @@ from clast.model.factors import NO_FACTOR
 from clast.model.flow.balance import INNER
 from clast.model.flow.channels import Network
 from clast.model.flow.conditions import Conditions, conditions_of, faces_on, nodes_on
-from clast.model.flow.given import RAIN, SEEPS, Flow, FlowBoundary, Well
+from clast.model.flow.given import FULL, RAIN, SEEPS, Flow, FlowBoundary, Well
 from clast.model.flow.network import network_of
 from clast.model.model import Model
 from clast.model.ranges import check_names
@@ -77,7 +77,10 @@ def with_flow(model: Model, given: FlowInputs, bed: Bed) -> Model:
     conditions = conditions_of(flowing, rock.network, rock.faces, 0.0)
     _check_overlaps(flow, rock)
     _check_water(model, rock.network)
-    if flow.state != "hydrostatic":
+    if flow.coupling == FULL:
+        _check_stiffness(model, rock.network)
+    # springs let water in where nothing lets it out
+    if flow.state != "hydrostatic" and (flow.coupling != FULL or flow.initial == "steady"):
         _check_sources(rock, conditions)
     notes = (*model.notes, *_remarks(flow, rock, conditions))
     return replace(flowing, notes=notes)
@@ -108,6 +111,8 @@ def _flow(table: inputs.FlowTable, rock: _Rock) -> Flow:
         density=table.density,
         bulk_modulus=table.bulk_modulus,
         initial=table.initial or "steady",
+        coupling=table.coupling,
+        passes=table.passes,
         confined=table.confined or up == 0.0,
         longest=table.longest or np.inf,
         level=table.level or 0.0,
@@ -252,6 +257,18 @@ def _check_water(model: Model, network: Network) -> None:
             what = "presses in joints in which [flow] lets water flow"
             remedy = 'give acts_on = "faces", or name joints without an aperture'
             raise ModelError(what, where=f"water {number}", remedy=remedy)
+
+
+def _check_stiffness(model: Model, network: Network) -> None:
+    """Refuse joints that conduct and that nothing closes but the stiffness of the contact law."""
+    for number in np.unique(network.joint).tolist():
+        joint = model.joint_table.joints[number]
+        if joint.normal_stiffness is None and joint.roughness is None:
+            raise ModelError(
+                "water opens and closes the joint, and it has no stiffness",
+                where=f"joint '{shortened(joint.name)}', normal_stiffness",
+                remedy='give it, Pa/m, e.g. normal_stiffness = 1e10, or leave coupling = "none"',
+            )
 
 
 def _check_sources(rock: _Rock, conditions: Conditions) -> None:

@@ -205,6 +205,8 @@ class EquilibriumCheck:
         moving = [one for one in self.model.actions if hasattr(one, "rest_from")]
         if any(time < one.rest_from(self.model) for one in moving):
             return "blocks are still moved"
+        if any(hasattr(one, "flows_on") and one.flows_on(self.model) for one in state.actions):
+            return "water still flows into joints or out of them"
         return ""
 
     def _speeds(self, state: State, movement: Floats, step: float) -> Floats:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.minimise.coupled import CHANGES_MAX, Guesses
+from clast.linear.guesses import CHANGES_MAX, Guesses
 
 SHARES = np.array([-0.95, 0.9, 0.5])
 """By what the map takes one distance from the fixed point to the next: it swings, and creeps."""

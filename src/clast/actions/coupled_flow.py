@@ -1,0 +1,479 @@
+"""Water in joints and blocks in one potential: pressures open joints, and openings move water.
+
+In a step every node of the network keeps its mass,
+
+    V d + e0 - e + S (p - p0) + h (C p + gravity - Q) = 0,    p >= 0,  e >= 0,  p e = 0
+
+with the opening V d, the void e that water has not followed into, S = V/K and the conductances C.
+The process minimises the potential of both (minimise/joint_water.py).  Conductances, what runs down
+from dry nodes, and volumes are those of the end of the step, found by solving it again.
+
+While time waits in a static stage, the flow of its last increment is solved again from the start of
+that, so that however many steps the blocks need, water flows once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from clast.actions.action import (
+    Action,
+    ActionResult,
+    Contribution,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
+from clast.actions.flow import (
+    JointWater,
+    begun_at,
+    carried,
+    conditions_at,
+    faces_pressed,
+    flow_of,
+    is_whole,
+    pressed_faces,
+    water_at,
+)
+from clast.actions.openings import gap_rows, lengths_at, shares_of_nodes
+from clast.actions.water import sums_on_blocks
+from clast.errors import StepOutcome, StepRejected
+from clast.linear.guesses import Guesses
+from clast.model.arrays import Floats, Ints, no_floats
+from clast.model.flow.apertures import at_start, conductance, hydraulic
+from clast.model.flow.balance import GIVEN, SEEPAGE, Solved
+from clast.model.flow.channels import Network
+from clast.model.flow.conditions import Conditions
+from clast.model.flow.opening_joints import OpeningJoints, Pressures
+from clast.model.model import Model
+from clast.model.state import Ledger
+
+AGREES = 1e-6
+"""Change of apertures and pressures, as a share of the largest, at which a step is not renewed."""
+NEARLY = 1e-3
+"""The same with which a step is kept that has been renewed as often as may be."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Increment:
+    """Water at the start of an increment of time, and what has come of it since."""
+
+    pressure: Floats = no_floats()
+    """p0, Pa, shape (m,)."""
+    void: Floats = no_floats()
+    """e0, m2, shape (m,)."""
+    opened: Floats = no_floats()
+    """By how much nodes have opened since, m2, shape (m,)."""
+    length: float = 0.0
+    """Length of the increment, s."""
+    stored: float = 0.0
+    """Energy in the water at its start, J/m."""
+    energies: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Energy brought in, stored and lost since, J/m."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CoupledWater(JointWater):
+    """Water in joints that open and close with its pressure."""
+
+    opening: Floats
+    """Mechanical aperture at both ends of each channel, m, shape (k, 2)."""
+    void: Floats
+    """Empty part of the volume of each node, m2, shape (m,)."""
+    since: Increment
+
+    def flows_on(self, model: Model) -> bool:
+        """Return whether what is in the joints still changes, as far as is known."""
+        before, pressure = self.since, self.solved.pressure
+        if len(model.begun) != self.begun or before.length == 0.0:
+            return True
+        rise = np.abs(pressure - before.pressure).max(initial=0.0)
+        emptied = np.abs(self.void - before.void).max(initial=0.0)
+        still = rise <= AGREES * max(float(np.abs(pressure).max(initial=0.0)), 1.0)
+        return not (still and emptied <= AGREES * self.volume.max(initial=0.0))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Flowing:
+    """A step of the water, with conductances and gravity as they are taken to be."""
+
+    before: CoupledWater
+    conditions: Conditions
+    step: float
+    """h, s; 0: no time passes."""
+    gaps: Any
+    """Opening of the ends of channels by d, sparse, (2 k, 6 n)."""
+    shares: Any
+    """Shares of nodes in it, m, sparse, (m, 2 k)."""
+    aperture: Floats
+    """Hydraulic aperture at both ends of channels, m, shape (k, 2)."""
+    conductance: Floats
+    """m2/(s Pa), shape (k,)."""
+    falls: Floats
+    """Fall of pressure by gravity from first to second nodes, Pa, shape (k,)."""
+    volume: Floats
+    """Volume of nodes, m2, shape (m,)."""
+    pressure: Floats = no_floats()
+    """Pressures by the last conductances, Pa, shape (m,); (0,): none."""
+    guesses: Guesses = field(default_factory=Guesses)
+    """Logarithms of apertures taken and of those that came of them, shape (2 k,)."""
+    passes: int = 0
+    """Times that it has been renewed."""
+
+    @property
+    def node(self) -> Ints:
+        """Nodes of channels, shape (k, 2)."""
+        return self.before.network.node
+
+    def net_out(self, flow: Floats) -> Floats:
+        """Return what leaves the nodes by flows (k,) of channels, (m,)."""
+        count = len(self.volume)
+        first, second = self.node.T
+        into = np.bincount(second, flow, count)
+        return np.asarray(np.bincount(first, flow, count) - into, np.float64)
+
+    def flows(self, pressure: Floats) -> Floats:
+        """Return the flow of channels from first to second nodes by p (m,), m2/s, (k,)."""
+        first, second = pressure[self.node].T
+        return np.asarray(self.conductance * (first - second + self.falls))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledContribution(Contribution):
+    """Forces of water in joints at the start of a step, and the water that changes in it."""
+
+    flowing: Flowing
+    on_faces: Contribution
+
+
+@dataclass(frozen=True)
+class CoupledFlow(Action):
+    """Water that flows in joints, and the blocks that it moves, in one potential."""
+
+    repeats: int
+    """Times that a step is solved again at most, for conductances to agree with its end."""
+
+    entries: ClassVar[Mapping[str, float]] = {"water": 1.0}
+
+    def begin(self, model: Model) -> CoupledWater:
+        """Return the water at the start of the run."""
+        return begun(model, 0.0)
+
+    def may_be(self, state: Any, model: Model) -> bool:
+        """Return whether an object can be a state of the flow, of a checkpoint for one."""
+        if not isinstance(state, CoupledWater) or not is_whole(state, model):
+            return False
+        nodes, channels = len(state.volume), state.aperture.shape
+        since = (state.since.pressure, state.since.void, state.since.opened)
+        whole = all(one.shape == (nodes,) for one in (state.void, *since))
+        return whole and state.opening.shape == channels
+
+    def contribution(self, start: StepStart, state: CoupledWater) -> CoupledContribution:
+        """Return the forces of water as it is, and how it changes as blocks move."""
+        model, time = start.model, start.end
+        state = _renewed(model, state, time)
+        conditions = conditions_at(model, state.network, time)
+        waits = start.clock is not None and start.clock == 0.0
+        if not waits:
+            since = Increment(
+                pressure=state.solved.pressure,
+                void=state.void,
+                opened=np.zeros(len(state.void)),
+                length=start.step if start.clock is None else start.clock,
+                stored=energy_stored(model, state.volume, state.solved.pressure),
+            )
+            state = replace(state, since=since)
+        midway, network, after = start.midway, state.network, model.vertex_after
+        length = lengths_at(network, midway.vertices, after)
+        flowing = Flowing(
+            before=state,
+            conditions=conditions,
+            step=state.since.length,
+            gaps=gap_rows(network, midway.vertices, after, midway.centroid),
+            shares=shares_of_nodes(network, length),
+            aperture=state.aperture,
+            conductance=state.conductance,
+            falls=_falls(model, state, state.solved.pressure, saturated(state)),
+            volume=state.volume,
+        )
+        faces = pressed_faces(state, model, midway.vertices, start.time_of_forces)
+        block, force = sums_on_blocks((faces,), midway.centroid)
+        return _contribution(model, flowing, Contribution(block=block, force=force))
+
+    def again(
+        self, start: StepStart, contribution: CoupledContribution, unknowns: Floats
+    ) -> CoupledContribution | None:
+        """Return the contribution with conductances of the end of the step, None where they agree.
+
+        ``unknowns`` (n, 6) are d.  Raises StepRejected where they do not come to agree.
+        """
+        model, flowing, water = start.model, contribution.flowing, _water(contribution)
+        found = water.pressures(water.opened(unknowns))
+        opening, volume = opened_by(model, flowing, unknowns)
+        aperture = hydraulic(model, flowing.before.network, opening)
+        full = _full(found, volume)
+        falls = _falls(model, flowing.before, found.pressure, full)
+        largest = max(float(np.abs(found.pressure).max(initial=0.0)), 1.0)
+        off = np.abs(aperture - flowing.aperture).max(initial=0.0) / aperture.max(initial=1e-300)
+        off = max(off, np.abs(falls - flowing.falls).max(initial=0.0) / largest)
+        if len(flowing.pressure):
+            off = max(off, np.abs(found.pressure - flowing.pressure).max() / largest)
+        if off <= AGREES or flowing.passes + 1 >= self.repeats:
+            if off > NEARLY:
+                raise StepRejected(StepOutcome.NOT_CONVERGED, "apertures and pressures of joints")
+            return None
+        guesses = flowing.guesses.with_one(
+            np.log(flowing.aperture).ravel(), np.log(aperture).ravel()
+        )
+        aperture = np.exp(guesses.next_guess()).reshape(aperture.shape)
+        renewed = replace(
+            flowing,
+            aperture=aperture,
+            guesses=guesses,
+            conductance=conductance(
+                aperture, flowing.before.network.length, flow_of(model).viscosity
+            ),
+            falls=falls,
+            volume=volume,
+            pressure=found.pressure,
+            passes=flowing.passes + 1,
+        )
+        return _contribution(model, renewed, contribution.on_faces)
+
+    def finish(
+        self, start: StepStart, state: CoupledWater, contribution: Any, solution: Solution
+    ) -> ActionResult:
+        """Return the work of the water, where its energy went, and the water."""
+        model, flowing, water = start.model, contribution.flowing, _water(contribution)
+        displacement = solution.displacement
+        opened = water.opened(displacement)
+        found = water.pressures(opened)
+        on_faces, _ = energy_of_linear(contribution.on_faces, displacement)
+        work = float(found.pressure @ opened)
+        before = flowing.before.since
+        energies = _energies(model, flowing, found)
+        brought, stored, lost = (
+            now - then for now, then in zip(energies, before.energies, strict=True)
+        )
+        opening, _ = opened_by(model, flowing, displacement)
+        since = replace(before, opened=before.opened + opened, energies=energies)
+        after = replace(
+            flowing.before,
+            conditions=flowing.conditions,
+            aperture=flowing.aperture,
+            conductance=flowing.conductance,
+            volume=flowing.volume,
+            opening=opening,
+            void=voids(flowing, found),
+            solved=_solved(model, flowing, found, since),
+            since=since,
+            time=start.end,
+        )
+        ledger = Ledger(water=on_faces + brought, water_stored=stored, seepage=lost)
+        return ActionResult(work=on_faces + work, ledger=ledger, state=after)
+
+
+def begun(model: Model, time: float) -> CoupledWater:
+    """Return the water at the start, in joints as blocks lie there."""
+    flow, water = flow_of(model), water_at(model, time)
+    opening = at_start(model, water.network)
+    volume = volumes_of(model, water.network, opening, water.network.length)
+    solved, count = water.solved, water.network.count
+    since = Increment(pressure=solved.pressure, void=np.zeros(count), opened=np.zeros(count))
+    of_flow = {one.name: getattr(water, one.name) for one in fields(JointWater)}
+    void = np.zeros(count) if flow.confined else volume * (1.0 - solved.saturation)
+    stored = energy_stored(model, volume, solved.pressure)
+    return CoupledWater(
+        **{**of_flow, "volume": volume},
+        opening=opening,
+        void=void,
+        since=replace(since, void=void, stored=stored),
+    )
+
+
+def volumes_of(model: Model, network: Network, opening: Floats, length: Floats) -> Floats:
+    """Return the volumes of nodes, m2, (m,), with mechanical apertures (k, 2) and lengths (k,)."""
+    least = hydraulic(model, network, np.zeros(opening.shape))
+    return np.asarray(shares_of_nodes(network, length) @ np.maximum(opening, least).ravel())
+
+
+def opened_by(model: Model, flowing: Flowing, unknowns: Floats) -> tuple[Floats, Floats]:
+    """Return mechanical apertures (k, 2), m, and volumes of nodes (m,), m2, after d (n, 6)."""
+    opened = np.asarray(flowing.gaps @ unknowns.ravel()).reshape(-1, 2)
+    opening = flowing.before.opening + opened
+    least = hydraulic(model, flowing.before.network, np.zeros(opening.shape))
+    return opening, np.asarray(flowing.shares @ np.maximum(opening, least).ravel())
+
+
+def energy_stored(model: Model, volume: Floats, pressure: Floats) -> float:
+    """Return the energy in water at nodes, 1/2 p V/K p, J/m."""
+    return float(0.5 * (volume / flow_of(model).bulk_modulus) @ pressure**2)
+
+
+def saturated(water: CoupledWater) -> Floats:
+    """Return the saturation of nodes, shape (m,)."""
+    return np.clip(1.0 - water.void / water.volume, 0.0, 1.0)
+
+
+def voids(flowing: Flowing, found: Pressures) -> Floats:
+    """Return the void of nodes at the end, m2, (m,): none where a pressure is given."""
+    inner = flowing.conditions.kind != GIVEN
+    return np.where(inner, np.maximum(found.rest, 0.0), 0.0)
+
+
+def _full(found: Pressures, volume: Floats) -> Floats:
+    return np.clip(1.0 - np.maximum(found.rest, 0.0) / volume, 0.0, 1.0)
+
+
+def _water(contribution: CoupledContribution) -> OpeningJoints:
+    """Return the term of the potential of a contribution, which has one."""
+    water: Any = contribution.opening
+    known: OpeningJoints = water
+    return known
+
+
+def _renewed(model: Model, water: CoupledWater, time: float) -> CoupledWater:
+    """Return the water after stages have begun."""
+    if not np.array_equal(water.absent, model.absent):
+        return _in_new_network(model, water)
+    if len(model.begun) == water.begun:
+        return water
+    pressed = faces_pressed(model, water.network)
+    return replace(water, begun=len(model.begun), pressed=pressed)
+
+
+def _in_new_network(model: Model, before: CoupledWater) -> CoupledWater:
+    """Return water in the joints between the blocks that are left, as it was in them."""
+    from scipy.spatial import KDTree
+
+    water = carried(before, begun_at(model, before.time))
+    network, solved = water.network, water.solved
+    distance, same = KDTree(before.network.middle).query(network.middle)
+    known = distance <= network.near[network.node].min(axis=1)
+    opening = np.where(known[:, None], before.opening[same], at_start(model, network))
+    aperture = hydraulic(model, network, opening)
+    volume = volumes_of(model, network, opening, network.length)
+    void = np.zeros(network.count)
+    if not flow_of(model).confined:
+        void = volume * (1.0 - solved.saturation)
+    of_flow = {one.name: getattr(water, one.name) for one in fields(JointWater)}
+    of_flow["conductance"] = conductance(aperture, network.length, flow_of(model).viscosity)
+    return CoupledWater(
+        **{**of_flow, "aperture": aperture, "volume": volume},
+        opening=opening,
+        void=void,
+        since=Increment(
+            pressure=solved.pressure,
+            void=void,
+            opened=np.zeros(network.count),
+            stored=energy_stored(model, volume, solved.pressure),
+        ),
+    )
+
+
+def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) -> Floats:
+    """Return the fall by gravity along channels, Pa, (k,), with p and saturation of nodes (m,).
+
+    Below a dry node what runs down is that of min(s G, G - p_l), balance.py.
+    """
+    flow, network = flow_of(model), water.network
+    height = network.at[network.node, 1]
+    weight = flow.weight * (height[:, 0] - height[:, 1])
+    if flow.confined:
+        return np.asarray(weight)
+    upper = np.where(weight >= 0.0, network.node[:, 0], network.node[:, 1])
+    lower = np.where(weight >= 0.0, network.node[:, 1], network.node[:, 0])
+    drop = np.abs(weight)
+    runs = np.minimum(full[upper] * drop, drop - pressure[lower]) + pressure[lower]
+    down = np.where(full[upper] < 1.0, runs, drop)
+    return np.asarray(np.sign(weight) * down)
+
+
+def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> CoupledContribution:
+    """Return the contribution of water with its conductances, and of that on outer faces."""
+    from scipy.sparse import coo_array, diags_array
+
+    flow, on, since, h = flow_of(model), flowing.conditions, flowing.before.since, flowing.step
+    elastic, count = flowing.volume / flow.bulk_modulus, len(flowing.volume)
+    first, second = flowing.node.T
+    value = h * flowing.conductance
+    place = np.concatenate([first, second]), np.concatenate([second, first])
+    between = coo_array((np.tile(-value, 2), place), shape=(count, count))
+    own = elastic + np.bincount(first, value, count) + np.bincount(second, value, count)
+    run = flowing.net_out(flowing.conductance * flowing.falls)
+    known = elastic * since.pressure + h * (on.inflow - run) - since.void - since.opened
+    low = np.full(count, -np.inf if flow.confined else 0.0)
+    high = np.where(on.kind == SEEPAGE, on.pressure, np.inf)
+    given = on.kind == GIVEN
+    low, high = (
+        np.where(given, on.pressure, np.minimum(low, high)),
+        np.where(given, on.pressure, high),
+    )
+    acting = np.clip(flowing.before.solved.pressure, low, high)
+    volumes = (flowing.shares @ flowing.gaps).tocsr()
+    water = OpeningJoints(
+        volumes=volumes,
+        matrix=(between + diags_array(own)).tocsr(),
+        known=known,
+        low=low,
+        high=high,
+        acting=acting,
+    )
+    pushes = water.forces(acting, volumes.shape[1] // 6)
+    block = np.flatnonzero(pushes.any(axis=1))
+    return CoupledContribution(
+        block=np.concatenate([on_faces.block, block]),
+        force=np.concatenate([on_faces.force, pushes[block]]),
+        opening=water,
+        flowing=flowing,
+        on_faces=on_faces,
+    )
+
+
+def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, float, float]:
+    """Return the energy brought into water since the start of the increment, stored, and lost.
+
+    Lost is what flow dissipates, h q2/C.
+    """
+    on, h, p = flowing.conditions, flowing.step, found.pressure
+    flow = flowing.flows(p)
+    put_in = h * on.inflow + found.rest
+    brought = float(p @ put_in) + h * float(flow @ flowing.falls)
+    lost = h * float((flow / flowing.conductance) @ flow)
+    stored = energy_stored(model, flowing.volume, p) - flowing.before.since.stored
+    return brought, stored, lost
+
+
+def _solved(model: Model, flowing: Flowing, found: Pressures, since: Increment) -> Solved:
+    """Return what is recorded of the water at the end of a step; rates are means of the step."""
+    on, h, p, rest = flowing.conditions, flowing.step, found.pressure, found.rest
+    rate = 1.0 / h if h > 0.0 else 0.0
+    void, flow = voids(flowing, found), flowing.flows(p)
+    elastic = flowing.volume / flow_of(model).bulk_modulus
+    stored = rate * (since.opened + since.void - void + elastic * (p - since.pressure))
+    given = np.where(on.kind == GIVEN, rate * rest, 0.0)
+    out = np.where(on.kind == SEEPAGE, rate * np.maximum(-rest, 0.0), 0.0)
+    runoff = np.minimum(out, np.where(on.kind == SEEPAGE, np.maximum(on.inflow, 0.0), 0.0))
+    put_in = on.inflow * (h > 0.0)
+    terms = rate * (flowing.volume + elastic * np.abs(p))
+    size = np.abs(p).max(initial=0.0) * flowing.conductance.max(initial=0.0) + terms.max(
+        initial=0.0
+    )
+    into = np.maximum(given, 0.0).sum() + np.maximum(put_in, 0.0).sum()
+    return Solved(
+        pressure=p,
+        saturation=np.clip(1.0 - void / flowing.volume, 0.0, 1.0),
+        flow=flow,
+        given=given,
+        outflow=out - runoff,
+        runoff=runoff,
+        missing=np.zeros(len(p)),
+        stored=float(stored.sum()),
+        unaccounted=float(given.sum() + put_in.sum() - out.sum() - stored.sum()),
+        throughput=max(float(into + max(-stored.sum(), 0.0)), 1e-3 * float(size), 1e-300),
+        iterations=flowing.passes + 1,
+    )
