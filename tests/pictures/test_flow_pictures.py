@@ -20,6 +20,7 @@ from clast.pictures.frames import FrameDrawing
 from clast.pictures.joint_values import scale_of_faces
 from clast.pictures.magnified import magnified
 from scenes.browsers import settled
+from scenes.wet_rock import CUT, SET
 
 matplotlib.use("Agg")
 WATER, HEAD, LENGTH, APERTURE = 9810.0, 4.0, 10.0, 2e-4
@@ -188,3 +189,28 @@ def test_pages_have_the_scale_and_the_colours_of_still_pictures(
     assert np.array(table)[:, 1] + origin[1] == pytest.approx(
         plates.flow(-1).water_table[0][:, 1], abs=1e-4
     )
+
+
+def test_walls_below_water_are_not_in_the_water_table():
+    """A void in full rock: the table is its top, not the wall that the water comes out of."""
+    text = CUT.format(boundary=[[0, 0], [10, 0], [10, 10], [0, 10]])
+    text += "".join(SET.format(*one) for one in ((5, 1.1), (93, 1.2)))
+    text += """
+[[opening]]
+name = "tunnel"
+shape = "circle"
+center = [5, 5]
+radius = 1.5
+excavated = true
+[flow]
+"""
+    for side in ("left", "right", "top"):
+        text += f'[[flow_boundary]]\nname = "{side}"\nwhere = {{side = "{side}"}}\nhead = 10.0\n'
+    model = clast.Case.from_text(text, "case").model()
+    run = clast.simulate(model, end=1e-4, step=1e-4)
+    assert run.inflow("tunnel").inflow[-1] > 0.0
+    (table,) = run.flow(-1).water_table
+    np.testing.assert_allclose(table[:, 1], 10.0)
+    assert len(table) > 5
+    (place,) = (at for name, at, _ in flows_of(run, -1) if name == "tunnel")
+    np.testing.assert_allclose(place, 5.0, atol=0.1)

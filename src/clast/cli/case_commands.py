@@ -220,7 +220,7 @@ def new(
     template: Annotated[
         str | None,
         typer.Option(
-            help="incline, slope, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
+            help="incline, slope, dam, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
             "settling-wall, arch, spreading-arch, arch-bridge, column, dominoes, shear-box or heap;"
             " if absent the one called as the case, else incline."
         ),

@@ -472,7 +472,8 @@ class FrameFlow(Columns):
     def water_table(self) -> tuple[Floats, ...]:
         """Lines through the points of channels with no pressure, m, (c, 2) each, x rising.
 
-        There is one for each connected part of the joints under pressure.
+        There is one for each connected part of the joints under pressure; walls of openings and
+        drains below water are not in it.
         """
         wet = np.flatnonzero(self["wet"] > 0.0)
         node = np.stack([self["first_node"], self["last_node"]], axis=1)[wet]
@@ -487,11 +488,29 @@ class FrameFlow(Columns):
         row = np.arange(len(cut))
         below, above = ends[row, side], ends[row, 1 - side]
         at = below + self["wet"][wet[cut], None] * (above - below)
+        kept = ~self._under_water(at)
+        at, cut = at[kept], cut[kept]
         lines = []
         for one in np.unique(part[cut]):
             points = np.unique(at[part[cut] == one], axis=0)
             lines.append(points)
         return tuple(lines)
+
+    def _under_water(self, at: Floats) -> Any:
+        """Return which points (c, 2), m, have joints under pressure above them, shape (c,)."""
+        pressed = self.rows["pressure"].any(axis=1) & (self["wet"] >= 1.0)
+        first, last = self.rows["start"][pressed], self.rows["end"][pressed]
+        low, high = np.minimum(first[:, 0], last[:, 0]), np.maximum(first[:, 0], last[:, 0])
+        across = last - first
+        upright = high - low <= 1e-6 * np.abs(across[:, 1])
+        slope = np.where(upright, 0.0, across[:, 1] / np.where(upright, 1.0, across[:, 0]))
+        near = 1e-6 * np.hypot(*across.T)
+        under = np.zeros(len(at), np.bool_)
+        for number, (x, y) in enumerate(at):
+            there = (low <= x) & (x <= high) & ~upright
+            height = first[:, 1] + slope * (x - first[:, 0])
+            under[number] = (there & (height > y + near)).any()
+        return under
 
     def force_on(self, block: int) -> Floats:
         """Return the resultant of the water in joints on a block (x, y), N/m, (2,).

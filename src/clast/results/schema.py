@@ -586,9 +586,14 @@ def places_of_flows(model: Model) -> Any:
     place = np.full((len(FLOWS.names(model)), 2), np.nan)
     if model.flow is not None:
         for number, one in enumerate(model.flow.boundaries):
-            long = np.hypot(*(one.line[:, 1] - one.line[:, 0]).T)
-            if long.sum() > 0.0:
-                place[number] = np.average(one.line.mean(axis=1), axis=0, weights=long)
+            along, middle = one.line[:, 1] - one.line[:, 0], one.line.mean(axis=1)
+            long = np.hypot(*along.T)
+            if not long.sum() > 0.0:
+                continue
+            at = np.average(middle, axis=0, weights=long)
+            # within a ring; else on the boundary
+            closed = np.hypot(*along.sum(axis=0)) < 1e-6 * long.sum()
+            place[number] = at if closed else middle[np.hypot(*(middle - at).T).argmin()]
         for number, well in enumerate(model.flow.wells, len(model.flow.boundaries)):
             place[number] = well.at.mean(axis=0)
     return place + model.origin

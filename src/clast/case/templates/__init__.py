@@ -7,6 +7,7 @@ from pathlib import Path
 NAMES = (
     "incline",
     "slope",
+    "dam",
     "tunnel",
     "lined-tunnel",
     "key-block",
