@@ -114,9 +114,15 @@ def test_aperture_follows_pressure_in_steady_flow():
         left="pressure = 0.0",
         right="pressure = 0.0",
     )
-    flow = np.abs(water_of(run_of(text)).solved.flow)
+    run = run_of(text)
+    flow = np.abs(water_of(run).solved.flow)
     known = kn * (a1**4 - a2**4) / (48.0 * VISCOSITY * long)
     assert flow == pytest.approx(known, rel=0.011)
+    # what steady flow brings in it loses on its way
+    ledger = run.state.ledger
+    assert ledger.seepage == pytest.approx(flow.max() * kn * (a1 - a2) * 1e7, rel=0.02)
+    assert ledger.water == pytest.approx(ledger.seepage, rel=0.02)
+    assert abs(ledger.unaccounted) < 1e-6 * ledger.seepage
 
 
 def test_a_joint_that_opens_faster_than_water_follows_is_left_with_voids():
