@@ -155,6 +155,9 @@ class Convex:
         )
         largest = potential.sum_of_forces()
         base_of_friction = first_friction_base(context, contacts, impacts, largest)
+        # where the step is solved again for its water, friction goes on from what was found
+        if before is not None and potential.joined and len(before.contacts) == len(contacts):
+            base_of_friction = before.contacts.friction_base
         contacts = changed(contacts, friction_base=base_of_friction)
         starts = *self.warm_starts(context, impacts, before), potential.untouched()
         bonded = contacts.bonded
