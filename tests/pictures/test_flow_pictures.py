@@ -12,13 +12,20 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import clast
-from clast.pictures.draw_flow import flows_of, largest_of_cells, text_of_flow
+from clast.pictures.draw_flow import (
+    flows_of,
+    largest_of_cells,
+    levels_of,
+    text_of_flow,
+    with_heads,
+)
 from clast.pictures.figure_options import Look
 from clast.pictures.film import FilmLook, FrameDrawer
 from clast.pictures.flow_values import FLOW_FIELDS, LITRES, dry_channels
 from clast.pictures.frames import FrameDrawing
 from clast.pictures.joint_values import scale_of_faces
 from clast.pictures.magnified import magnified
+from clast.verification.problems.water.flow_uplift import dam
 from scenes.browsers import settled
 from scenes.wet_rock import CUT, SET
 
@@ -214,3 +221,31 @@ excavated = true
     assert len(table) > 5
     (place,) = (at for name, at, _ in flows_of(run, -1) if name == "tunnel")
     np.testing.assert_allclose(place, 5.0, atol=0.1)
+
+
+def test_a_head_that_presses_has_its_level_in_the_picture(tmp_path: Path):
+    """The reservoir stands 12 m above the ground before the dam; the picture is as high as that."""
+    run = clast.simulate(dam(), end=0.01, step=0.01)
+    (level,) = levels_of(run, -1).values()
+    np.testing.assert_allclose(level[:, 1], 12.0, rtol=1e-4)
+    assert (level[:, 0].min(), level[:, 0].max()) == (-5.0, 0.0)
+    low = np.array([-5.0, -5.0]), np.array([15.0, 4.0])
+    assert with_heads(run, -1, low)[1][1] == pytest.approx(4.0)  # too far above to be shown
+    near = np.array([-5.0, -5.0]), np.array([15.0, 8.0])
+    assert with_heads(run, -1, near)[1][1] == pytest.approx(12.0, rel=1e-4)
+    assert not levels_of(column(), -1)  # presses = false
+    assert run.save(tmp_path / "dam.vtkhdf")
+    np.testing.assert_allclose(levels_of(clast.read(tmp_path / "dam.vtkhdf"), -1)[0], level)
+
+
+def test_arrows_of_forces_are_left_out_where_water_has_its_own(tmp_path: Path):
+    run = clast.simulate(dam(), end=0.01, step=0.01)
+    path = tmp_path / "dam.svg"
+    for field, contacts, drawn in (
+        ("pressure", None, False),
+        ("pressure", True, True),
+        ("displacement", None, True),
+        ("displacement", False, False),
+    ):
+        clast.plot_results(run, path, field=field, contacts=contacts)
+        assert ("contact force" in path.read_text("utf-8")) is drawn

@@ -105,7 +105,13 @@ ColourField = Annotated[
         "flow, aperture, saturation: water that flows in them."
     ),
 ]
-ContactArrows = Annotated[bool, typer.Option(help="Draw contact forces as arrows.")]
+ContactArrows = Annotated[
+    bool | None,
+    typer.Option(
+        "--contacts/--no-contacts",
+        help="Draw contact forces as arrows; not beside water in joints, if absent.",
+    ),
+]
 ReactionArrows = Annotated[
     bool, typer.Option("--reactions", help="Draw the reactions of supports as arrows.")
 ]
@@ -161,7 +167,7 @@ def plot(
     time: FrameTime = None,
     stage: StageName = None,
     field: ColourField = "displacement",
-    contacts: ContactArrows = True,
+    contacts: ContactArrows = None,
     reactions: ReactionArrows = False,
     limits: Limits = "",
     zoom: Zoom = "",
@@ -205,7 +211,7 @@ def plot(
         return frame_asked(results, frame, time, stage)
 
     def draw_frame() -> object:
-        arrows = {"contacts": contacts, "reactions": reactions}
+        arrows: dict[str, Any] = {"contacts": contacts, "reactions": reactions}
         return plot_results(results, target, frame=number(), field=field, look=look, **arrows)
 
     def draw_two_frames() -> object:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
 from clast.model.model import Floats, Ints
 from clast.pictures import canvas
@@ -13,6 +14,7 @@ from clast.pictures.draw_water import draw_level, draw_sign, level_handle
 from clast.pictures.fields import prefixed
 from clast.pictures.flow_values import FLOW_FIELDS, LITRES, LITRES_UNIT, STILL, dry_channels
 from clast.pictures.joint_values import THICK, THIN
+from clast.pictures.magnified import as_it_was
 from clast.results import Recording
 from clast.results.schema import ALL_JOINTS
 
@@ -23,6 +25,11 @@ ARROW, CELL = 0.16, 0.55
 """Length of arrows, and of the squares of which each has one, inches."""
 CASING = 0.8
 """How much wider than channels their edge is, points."""
+ABOVE = (0, 9)
+"""Where numbers stand beside their places, points: above the sign of a level."""
+NEAR, FARTHEST = 1e-3, 0.5
+"""How near to a line joints come out on it, as a share of the model, and how far above the blocks a
+level is still shown, in their heights."""
 LEAST = 0.01
 """Share of the largest flow below which a flow has no arrow."""
 
@@ -35,8 +42,49 @@ def flows_of(results: Recording, frame: int) -> list[tuple[str, Floats, float]]:
     at = results.rows_at(rows[0][1].time, frame)
     flows = np.array([float(one.inflow[at]) for _, one in rows])
     seen = np.abs(flows) > STILL * np.abs(flows).max()
-    named = zip(rows, results.channels.place, flows, seen, strict=False)
+    place, middle = results.channels.place.copy(), float(results.vertices(0)[:, 0].mean())
+    for number, line in levels_of(results, frame).items():
+        # at the end of the level that is farther outside
+        place[number] = line[np.abs(line[:, 0] - middle).argmax()]
+    named = zip(rows, place, flows, seen, strict=False)
     return [(row[0], at, flow) for row, at, flow, is_seen in named if is_seen and at[0] == at[0]]
+
+
+def levels_of(results: Recording, frame: int) -> dict[int, Floats]:
+    """Return the levels of the heads that press in a frame, m, (5, 2), by numbers of boundaries.
+
+    That is the head of joints that come out there, across what lies below it.
+    """
+    channels, flow, levels = results.channels, as_it_was(results).flow(frame), {}
+    if not len(channels.of_line) or channels.weight == 0.0:
+        return {}
+    at = np.concatenate([flow.start, flow.end])
+    pressure = flow.pressure.T.ravel()
+    near = NEAR * float(np.ptp(results.vertices(0), axis=0).max())
+    for number in np.unique(channels.of_line).tolist():
+        line = channels.line[channels.of_line == number]
+        beside = shapely.dwithin(shapely.points(at), shapely.multilinestrings(list(line)), near)
+        wet = np.flatnonzero(beside & (pressure > 0.0))
+        if not len(wet):
+            continue
+        head = float(np.median(at[wet, 1] + pressure[wet] / channels.weight))
+        x = line[line[..., 1].min(axis=1) <= head + near][..., 0]
+        levels[number] = np.stack([np.linspace(x.min(), x.max(), 5), np.full(5, head)], axis=1)
+    return levels
+
+
+def surfaces_of(results: Recording, frame: int) -> list[Floats]:
+    """Return the water tables of a frame and the levels of heads that press, m, (c, 2) each."""
+    tables = [one for one in results.flow(frame).water_table if len(one) > 1]
+    return [*tables, *levels_of(results, frame).values()]
+
+
+def with_heads(results: Recording, frame: int, part: Part) -> Part:
+    """Return the part to show, made so high that levels not far above the blocks are in it."""
+    low, high = part
+    tops = [float(one[0, 1]) for one in levels_of(results, frame).values()]
+    seen = [top for top in tops if top <= high[1] + FARTHEST * (high[1] - low[1])]
+    return low, np.array([high[0], max([float(high[1]), *seen])])
 
 
 def text_of_flow(name: str, flow: float) -> str:
@@ -83,17 +131,15 @@ def draw_flow(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
         side = "right" if at[0] > high[0] - 0.2 * (high[0] - low[0]) else side
         if ((at >= low) & (at <= high)).all():
             text = canvas.literal(text_of_flow(name, flow))
-            canvas.write(axes, text, at, 7.5, ha=side)
+            above: dict[str, Any] = {"xytext": ABOVE, "textcoords": "offset points"}
+            canvas.write(axes, text, at, 7.5, ha=side, va="bottom", **above)
 
 
 def draw_water_tables(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
-    """Draw the lines on which water in joints has no pressure, each with the sign of a level."""
-    if not len(results.channels.edge):
-        return
-    for points in results.flow(frame).water_table:
-        if len(points) > 1:
-            draw_level(axes, points)
-            draw_sign(axes, points[(len(points) - 1) // 4], seen)
+    """Draw water tables, and levels of heads that press, each with the sign of a level."""
+    for points in surfaces_of(results, frame):
+        draw_level(axes, points)
+        draw_sign(axes, points[(len(points) - 1) // 4], seen)
 
 
 def handles_of_flow(results: Recording, frame: int, field: str) -> list[Any]:
@@ -102,8 +148,7 @@ def handles_of_flow(results: Recording, frame: int, field: str) -> list[Any]:
 
     if not len(results.channels.edge):
         return []
-    table = results.flow(frame).water_table
-    handles: list[Any] = [level_handle("water table")] if any(len(one) > 1 for one in table) else []
+    handles: list[Any] = [level_handle("water table")] if surfaces_of(results, frame) else []
     if field not in FLOW_FIELDS:
         return handles
     largest = float(FLOW_FIELDS["flow"].values(results, frame).value.max(initial=0.0))

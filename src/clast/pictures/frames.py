@@ -12,7 +12,7 @@ from clast.model.stage_records import counted_from
 from clast.model.water import Water
 from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE
-from clast.pictures.draw_flow import draw_flow, draw_water_tables, handles_of_flow
+from clast.pictures.draw_flow import draw_flow, draw_water_tables, handles_of_flow, with_heads
 from clast.pictures.draw_surcharge import (
     draw_surcharge,
     handles_of_surcharge,
@@ -71,6 +71,7 @@ class FrameDrawing:
         self.part = _part(results, frames, look.zoom)
         if look.water and look.zoom is None:
             self.part = with_levels(as_it_was(results), self._waters(frames[-1]), self.part)
+            self.part = with_heads(results, frames[-1], self.part)
         self.has_scale = field in SCALARS or field in JOINT_FIELDS
         start, places = results.point_start, places_of_points(results, frames)
         self._points = dict(zip(frames, start + self.factor * (places - start), strict=True))

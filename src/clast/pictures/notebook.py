@@ -78,7 +78,7 @@ def plot(
     *,
     frame: int = -1,
     field: str = "displacement",
-    contacts: bool = True,
+    contacts: bool | None = None,
     look: Look = DEFAULT,
     ax: Axes | None = None,
 ) -> Picture:

@@ -15,6 +15,7 @@ from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import BAR, BAR_LABELS, LEFT, RIGHT, TEXT
 from clast.pictures.fields import SCALARS
 from clast.pictures.figure_options import CM, DEFAULT, SMALLEST, Look
+from clast.pictures.flow_values import FLOW_FIELDS
 from clast.pictures.forces import HEAD, Arrows, arrows_of, draw_arrows
 from clast.pictures.frames import FrameDrawing
 from clast.pictures.histories import plot_bolt_history, plot_history
@@ -38,7 +39,7 @@ def plot_results(
     *,
     frame: int = -1,
     field: str = "displacement",
-    contacts: bool = True,
+    contacts: bool | None = None,
     reactions: bool = False,
     look: Look = DEFAULT,
 ) -> Path:
@@ -46,11 +47,12 @@ def plot_results(
 
     ``results`` are a run, or the content of a result file:  ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks of
-    each contact, the largest in each place where they are many; ``reactions`` the reactions of
-    supports.  "slip" and "opening" colour the joints between blocks.  Water is drawn with its level
-    and its pressures.  ``look`` has limits of the colours, size, resolution and the part that is
-    shown.  The format follows from the ending of ``path``.  Raises CaseError for results that are
-    not there, or that cannot be drawn or written.
+    each contact, the largest in each place where they are many; if None they are left out where
+    water in joints has the colours.  ``reactions`` draws the reactions of supports.  "slip" and
+    "opening" colour the joints between blocks.  Water is drawn with its level and its pressures.
+    ``look`` has limits of the colours, size, resolution and the part that is shown.  The format
+    follows from the ending of ``path``.  Raises CaseError for results that are not there, or that
+    cannot be drawn or written.
     """
     figure = draw_results(
         results, frame=frame, field=field, contacts=contacts, reactions=reactions, look=look
@@ -63,7 +65,7 @@ def draw_results(
     *,
     frame: int,
     field: str,
-    contacts: bool,
+    contacts: bool | None,
     look: Look,
     reactions: bool = False,
 ) -> Figure:
@@ -76,7 +78,8 @@ def draw_results(
     size = sheet.room
     arrows, pushes = None, list[ReactionArrow]()
     results = drawing.results
-    if contacts:
+    # arrows of forces could not be told from those of flow
+    if field not in FLOW_FIELDS if contacts is None else contacts:
         arrows, part = _contact_arrows(results, number, part, size, look)
     seen = canvas.seen(*part, size)
     if reactions:

@@ -59,6 +59,7 @@ from clast.results.schema import (
     STEPS,
     TableSchema,
     places_of_flows,
+    pressing_lines,
 )
 
 NOTEBOOK = "clast.pictures.notebook"
@@ -554,6 +555,8 @@ def _channels_of(model: Model) -> Channels:
         share=network.share,
         node=network.node,
         place=places_of_flows(model),
+        line=pressing_lines(model)[0],
+        of_line=pressing_lines(model)[1],
         weight=flow.weight,
     )
 

@@ -429,6 +429,10 @@ class Channels:
     """Nodes at the ends, shape (k, 2)."""
     place: Floats = no_floats(2)
     """Middle of each boundary, opening or well by the number of its name, m; NaN without one."""
+    line: Floats = no_floats(2, 2)
+    """Lines of boundaries whose head presses on them, m, shape (s, 2, 2)."""
+    of_line: Ints = no_ints()
+    """Boundary of each of them, by the number of its name, shape (s,)."""
     weight: float = 0.0
     """Weight of water, N/m3; 0 without gravity."""
 

@@ -38,6 +38,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.model.flow.given import HEAD
 from clast.model.model import Model
 from clast.model.state import LEDGER
 
@@ -581,6 +582,16 @@ def _names(things: Things) -> OfModel:
     return OfModel(f"{things.name}_name", things.names, f"name of each {things.meaning}", things)
 
 
+def pressing_lines(model: Model) -> tuple[Any, Any]:
+    """Return the lines of boundaries whose head presses, m, (s, 2, 2), and their numbers, (s,)."""
+    lines, numbers = [np.zeros((0, 2, 2))], [np.zeros(0, np.int64)]
+    for number, one in enumerate(model.flow.boundaries if model.flow else ()):
+        if one.presses and one.kind == HEAD:
+            lines.append(one.line + model.origin)
+            numbers.append(np.full(len(one.line), number))
+    return np.concatenate(lines), np.concatenate(numbers)
+
+
 def places_of_flows(model: Model) -> Any:
     """Return the middle of each boundary, opening or well, m, (k, 2), NaN for the rest and all."""
     place = np.full((len(FLOWS.names(model)), 2), np.nan)
@@ -742,6 +753,21 @@ MODEL = (
         FLOWS,
         "f",
         (2,),
+    ),
+    OfModel(
+        "flow_line",
+        lambda m: pressing_lines(m)[0],
+        "lines of boundaries whose head presses on them, m",
+        FLOWS,
+        "f",
+        (2, 2),
+    ),
+    OfModel(
+        "flow_of_line",
+        lambda m: pressing_lines(m)[1],
+        "which of the boundaries each of these lines is of",
+        FLOWS,
+        "iu",
     ),
     OfModel(
         "flow_weight",

@@ -157,7 +157,11 @@ def _channels(file: Any, corners: int, frames: int) -> Channels:
     place, weight = of_model(file, "flow_place"), of_model(file, "flow_weight")
     _require(len(place) == len(_names_of(file, FLOWS)), "/model/flow_place is wrong")
     _require(len(weight) == 1 and weight[0] >= 0.0, "/model/flow_weight is wrong")
-    return Channels(edge=edge, share=share, node=node, place=place, weight=float(weight[0]))
+    line, of_line = of_model(file, "flow_line"), of_model(file, "flow_of_line")
+    whole = len(line) == len(of_line) and ((of_line >= 0) & (of_line < len(place))).all()
+    _require(whole, "/model/flow_of_line is wrong")
+    outside = {"place": place, "line": line, "of_line": of_line, "weight": float(weight[0])}
+    return Channels(edge=edge, share=share, node=node, **outside)
 
 
 def _lining_joints(file: Any, corners: int) -> LiningJoints:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints
-from clast.pictures.draw_flow import flows_of, text_of_flow
+from clast.pictures.draw_flow import flows_of, surfaces_of, text_of_flow
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.faces import Faces
 from clast.pictures.flow_values import FLOW_FIELDS, dry_channels
@@ -288,12 +288,11 @@ def _flows(about: _About) -> list[dict[str, Any]]:
         return [{"tables": [], "flows": []} for _ in about.numbers]
     flows = []
     for number in map(int, about.numbers):
-        tables = results.flow(number).water_table
         told = [
             [*(at - origin).tolist(), text_of_flow(name, flow)]
             for name, at, flow in flows_of(results, number)
         ]
-        lines = [(one - origin).round(4).tolist() for one in tables if len(one) > 1]
+        lines = [(one - origin).round(4).tolist() for one in surfaces_of(results, number)]
         flows.append({"tables": lines, "flows": told})
     return flows
 

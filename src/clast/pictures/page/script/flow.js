@@ -6,6 +6,8 @@ const FIELDS = ["pressure", "head", "flow", "aperture", "saturation"];
 const CELL = 54;
 /** Side of the squares of which each has one arrow, pixels. */
 const ARROW = 16;
+const ABOVE = 18;
+/** How far numbers stand above their places, pixels: above the sign of a level. */
 const LEAST = 0.01;
 /** Share of the largest flow below which a flow has no arrow. */
 const DRY = 1;
@@ -53,7 +55,7 @@ export function drawFlow(pen, { run, view, frame, theme }) {
   for (const [worldX, worldY, text] of run.flows[frame].flows) {
     const [x, y] = [view.screenX(worldX), view.screenY(worldY)];
     const side = x < 0.2 * view.width ? "start" : x > 0.8 * view.width ? "end" : "middle";
-    pen.text(x, y, text, theme.ink, theme.paper, side);
+    pen.text(x, y - ABOVE, text, theme.ink, theme.paper, side);
   }
 }
 
