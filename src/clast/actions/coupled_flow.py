@@ -273,7 +273,14 @@ class CoupledFlow(Action):
             since=since,
             time=start.end,
         )
-        ledger = Ledger(water=on_faces + brought, water_stored=stored, seepage=lost)
+        # what was in joints that have been excavated
+        gone = 0.0
+        if not np.array_equal(state.absent, after.absent):
+            held = energy_stored(model, state.volume, state.solved.pressure)
+            gone = held - before.stored
+        ledger = Ledger(
+            water=on_faces + brought, water_stored=stored - gone, seepage=lost, removed=gone
+        )
         return ActionResult(work=on_faces + work, ledger=ledger, state=after)
 
 

@@ -167,3 +167,32 @@ def test_steps_of_any_length_come_to_one_answer():
     soon = pressures(0.012, 0.3e-3)
     assert np.abs(pressures(0.012, 6e-3) - soon).max() < 0.01 * head
     assert soon.max() == head
+
+
+@pytest.mark.parametrize("digs", [False, True])
+def test_energy_of_water_is_that_in_the_joints_that_are_left(digs):
+    """Water of an excavated joint is gone with it; where its wall is bare it runs out."""
+    dig = {"time": 0.1, "step": 0.05, "more": 'excavate = ["column 1"]' if digs else ""}
+    run = run_of(text_of([0.0, 1.0, 2.0, 3.0], 5.0, dig, settled=2.0))
+    water, ledger = water_of(run), run.state.ledger
+    held = 0.5 * (water.volume / BULK) @ water.solved.pressure**2
+    assert ledger.water_stored == pytest.approx(held, rel=1e-9)
+    assert (ledger.removed != 0.0) == digs
+    x, pressure = along_joint(water)
+    bare = (x > 0.5) & (x < 2.5)
+    assert (pressure[bare] == 0.0).all() == digs
+    assert (pressure[~bare] > 0.0).all()
+    assert abs(ledger.unaccounted) < 1e-6 * 5.0 * WEIGHT * 1e-5
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+def test_mirrored_joints_have_mirrored_pressures(ratio):
+    def pressures(side: str, places: np.ndarray) -> np.ndarray:
+        rise = {"time": 0.5, "step": 0.05, "ratio": ratio}
+        rise["more"] = f"flow_boundary = {{{side} = {{pressure = 1e4}}}}"
+        given = {"aperture": 2e-4, side: "pressure = 0.0"}
+        return along_joint(water_of(run_of(text_of(places, 5.0, rise, **given))))[1]
+
+    places = np.array([0.0, 1.0, 2.5, 3.0, 5.0])
+    known = pressures("left", places)
+    assert pressures("right", 5.0 - places[::-1])[::-1] == pytest.approx(known, abs=1e-6)
