@@ -194,5 +194,5 @@ def test_a_side_has_its_viscous_edges_and_fixed_points():
 def test_a_side_without_supports_is_refused():
     builder = pair()
     builder.measured_reaction("r", side="top")
-    with pytest.raises(clast.ModelError, match="no fixed block, fixed point or viscous edge"):
+    with pytest.raises(clast.ModelError, match="no fixed block, fixed point, viscous edge or"):
         builder.build()

@@ -10,6 +10,7 @@ load of the rock beyond.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -44,6 +45,15 @@ class LoadedEnds:
     hold: Floats
     """Stiffness k_n n n^T + k_t t t^T, N/m per m, shape (k, 2, 2)."""
 
+    def of_edges(self, pairs: Ints) -> Ints:
+        """Return the ends (e, 2) of edges that ``pairs`` (p, 2) name by their first vertices."""
+        edge = np.tile(self.vertex[: len(self.vertex) // 2], 2)
+        ends = [np.zeros((0, 2), np.int64)]
+        for one in np.unique(pairs[:, 0]):
+            row = np.isin(edge, pairs[pairs[:, 0] == one, 1]).nonzero()[0]
+            ends.append(np.stack([np.full(len(row), one), row], axis=1))
+        return np.concatenate(ends)
+
 
 @dataclass(frozen=True)
 class InSituBoundary(Action):
@@ -52,17 +62,14 @@ class InSituBoundary(Action):
     stress: InSituStress
     stiffness: float
     """Stiffness of the springs of fixed points, N/m per m."""
+    support: ClassVar[str] = "outline"
+    """Kind of support in its shares, row by row, for their reactions."""
 
     def begin(self, model: Model) -> LoadedEnds:
         """Return the ends of loaded edges; those of fixed blocks need none."""
         edge, share = loaded_parts(model, self.stress)
         length, normal, sigma = along_outline(model, self.stress, edge, share)
         traction = tractions(sigma, normal)
-        size = np.hypot(*traction.T)
-        carries = size > TRACTION_SHARE_MIN * size.max(initial=0.0)
-        carries &= ~model.fixed[model.vertex_block[edge]]
-        edge, share, length = edge[carries], share[carries], length[carries]
-        normal, traction = normal[carries], traction[carries]
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         held, slid = (self.stiffness * share for share in self.stress.held)
         hold = held * _squares(normal) + slid * _squares(along)
@@ -112,6 +119,19 @@ def _squares(direction: Floats) -> Floats:
 
 def loaded_parts(model: Model, stress: InSituStress) -> tuple[Ints, Floats]:
     """Return the parts of edges that the stress loads: edge (k,), share (k, 2).
+
+    Not those of the ground surface and of fixed blocks.
+    """
+    edge, share = _parts_of_outline(model, stress)
+    _, normal, sigma = along_outline(model, stress, edge, share)
+    size = np.hypot(*tractions(sigma, normal).T)
+    carries = size > TRACTION_SHARE_MIN * size.max(initial=0.0)
+    carries &= ~model.fixed[model.vertex_block[edge]]
+    return edge[carries], share[carries]
+
+
+def _parts_of_outline(model: Model, stress: InSituStress) -> tuple[Ints, Floats]:
+    """Return the parts of edges on the outline: edge (k,), share (k, 2).
 
     Those on the sides that are named, or on the convex hull.  Where the top of the model carries
     stress it is cut out of the rock at depth: then notches within the hull are loaded too.  Where

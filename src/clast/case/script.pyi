@@ -711,7 +711,7 @@ class ModelBuilder:
 
         Args:
             name: Name.
-            side: Side of the box around all blocks: its fixed blocks, fixed points and viscous edges.
+            side: Side of the box around all blocks: its fixed blocks and points, viscous edges, and edges under in-situ stress.
             block: Block, fixed or moved.
             blocks: Blocks, fixed or moved.
             fixed_point: Coordinates [x, y] of a [[fixed_point]], m.

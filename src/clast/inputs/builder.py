@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from clast.actions.in_situ import loaded_parts
 from clast.errors import ModelError, shortened
 from clast.inputs import materials
 from clast.inputs.blocks import BlockTable, RepairTable
@@ -348,7 +349,6 @@ class InputBuilder(Inputs):
         # links may let blocks overlap
         apart = {pair for one in actions for pair in map(tuple, getattr(one, "apart", ()))}
         overlaps = model_checks.check_overlaps(outlines, there, apart)
-        supports = Supported(ground, viscous.edge, actions)
         model = Model(
             title=self.title,
             plane=self.plane,
@@ -382,7 +382,6 @@ class InputBuilder(Inputs):
             ground_motion=self.ground_motion,
             actions=actions,
             drawpoints=drawpoints_in(self.all(DrawpointTable), outlines.origin),
-            reactions=reactions_in(self.all(MeasuredReaction), supports),
             openings=openings,
             absent=waits,
             overlaps=overlaps,
@@ -400,6 +399,9 @@ class InputBuilder(Inputs):
                 *ending_note(self.ground_motion),
             ),
         )
+        outline = np.zeros(0, np.int64) if in_situ is None else loaded_parts(model, in_situ)[0]
+        supports = Supported(ground, viscous.edge, np.unique(outline), actions)
+        model = replace(model, reactions=reactions_in(self.all(MeasuredReaction), supports))
         flow = FlowInputs(
             flow=self.flow,
             boundaries=self.all(FlowBoundary),

@@ -71,7 +71,8 @@ class MeasuredReaction(Table):
     name: StrictStr
     """Name."""
     side: Side | None = None
-    """Side of the box around all blocks: its fixed blocks, fixed points and viscous edges."""
+    """Side of the box around all blocks: its fixed blocks and points, viscous edges, and edges
+    under in-situ stress."""
     block: StrictStr | None = None
     """Block, fixed or moved."""
     blocks: list[StrictStr] | None = None
@@ -171,6 +172,8 @@ class Supported:
     """The blocks."""
     viscous_edges: Ints
     """First vertices of the viscous edges, shape (v,)."""
+    outline: Ints
+    """First vertices of the edges under in-situ stress, shape (o,)."""
     actions: tuple[Any, ...]
     """Actions on the blocks."""
 
@@ -201,6 +204,7 @@ class _Part:
     blocks: Ints = field(default_factory=NONE.copy)
     fixed_points: Ints = field(default_factory=NONE.copy)
     viscous_edges: Ints = field(default_factory=NONE.copy)
+    outline: Ints = field(default_factory=NONE.copy)
     ground: Ints = field(default_factory=NONE.copy)
 
 
@@ -221,6 +225,7 @@ def reactions_in(records: Sequence[MeasuredReaction], supports: Supported) -> Re
         of_block=pairs("blocks"),
         of_fixed_point=pairs("fixed_points"),
         of_viscous_edge=pairs("viscous_edges"),
+        of_outline=pairs("outline"),
         of_ground=pairs("ground"),
     )
 
@@ -239,9 +244,11 @@ def _totals(supports: Supported) -> Iterable[_Part]:
     points = np.arange(len(supports.ground.points.block))
     if len(points):
         yield _Part("fixed points", _middle(supports, NONE, points), fixed_points=points)
+    about = _middle(supports, np.arange(len(ground.fixed)), NONE)
     if len(supports.viscous_edges):
-        about = _middle(supports, np.arange(len(ground.fixed)), NONE)
         yield _Part("viscous edges", about, viscous_edges=np.arange(len(supports.viscous_edges)))
+    if len(supports.outline):
+        yield _Part("outline", about, outline=supports.outline)
     for name, one in supports.motions.items():
         point = NONE if one.point is None else np.array([one.point])
         yield _Part(name, _middle(supports, one.block, point), one.block, point)
@@ -251,9 +258,9 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
     """Return a reaction that is asked for; raises ModelError where nothing is held or moved."""
     ground = supports.ground
     where = f"measured reaction '{shortened(one.name)}'"
-    blocks, points, edges = NONE, NONE, NONE
+    blocks, points, edges, outline = NONE, NONE, NONE, NONE
     if one.side is not None:
-        blocks, points, edges = _on_side(one.side, supports, where)
+        blocks, points, edges, outline = _on_side(one.side, supports, where)
     elif one.fixed_point is not None:
         points = ground.fixed_point(one.fixed_point, where)
     else:
@@ -265,14 +272,14 @@ def _measured(one: MeasuredReaction, supports: Supported) -> _Part:
             what = f"block '{said}' is neither fixed nor moved" if loose else "names no block"
             remedy = "name blocks with fixed = true or a [[motion]], or give a fixed_point"
             raise ModelError(what, where=f"{where}, {key}", remedy=remedy)
-    about = _middle(supports, blocks, points, edges)
+    about = _middle(supports, blocks, points, np.union1d(supports.viscous_edges[edges], outline))
     if one.about is not None:
         about = np.array(one.about) - ground.outlines.origin
-    return _Part(one.name, about, blocks, points, edges)
+    return _Part(one.name, about, blocks, points, edges, outline)
 
 
-def _on_side(side: Side, supports: Supported, where: str) -> tuple[Ints, Ints, Ints]:
-    """Return the fixed blocks, fixed points and viscous edges on a side of the model."""
+def _on_side(side: Side, supports: Supported, where: str) -> tuple[Ints, Ints, Ints, Ints]:
+    """Return the fixed blocks and points, viscous and stressed edges on a side of the model."""
     ground = supports.ground
     outlines, at = ground.outlines, ground.points.at
     edges = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
@@ -283,18 +290,18 @@ def _on_side(side: Side, supports: Supported, where: str) -> tuple[Ints, Ints, I
     # Distance from a side at which a fixed point is on it, as a share of the model
     beside = np.abs(at[:, axis] - (low, high)[end][axis]) <= 1e-6 * float(np.hypot(*high - low))
     points, viscous = np.flatnonzero(beside), np.isin(supports.viscous_edges, edges).nonzero()[0]
-    if not len(blocks) + len(points) + len(viscous):
-        what = f"no fixed block, fixed point or viscous edge is on the {side} side"
+    outline = np.intersect1d(supports.outline, edges)
+    if not len(blocks) + len(points) + len(viscous) + len(outline):
+        what = f"no fixed block, fixed point, viscous edge or [in_situ] edge is on the {side} side"
         remedy = "name another side, a block or a fixed_point; links have histories of their own"
         raise ModelError(what, where=f"{where}, side", remedy=remedy)
-    return blocks, points, viscous
+    return blocks, points, viscous, outline
 
 
-def _middle(supports: Supported, blocks: Ints, points: Ints, edges: Ints = NONE) -> Floats:
-    """Return the mean of centroids of blocks, fixed points and viscous edges, m, shape (2,)."""
+def _middle(supports: Supported, blocks: Ints, points: Ints, first: Ints = NONE) -> Floats:
+    """Return the mean of centroids of blocks, fixed points, and edges by first vertices, (2,)."""
     outlines = supports.ground.outlines
     _, centroid, _ = polygon.moments(outlines.vertices, outlines.start)
-    first = supports.viscous_edges[edges]
     ends = outlines.vertices[first], outlines.vertices[outlines.following[first]]
     at = [centroid[blocks], supports.ground.points.at[points], 0.5 * (ends[0] + ends[1])]
     return np.asarray(np.concatenate(at).mean(axis=0))

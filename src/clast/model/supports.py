@@ -154,6 +154,8 @@ class Reactions:
     """Reaction and the fixed point that belongs to it, shape (p, 2)."""
     of_viscous_edge: Ints = no_ints(2)
     """Reaction and the viscous edge that belongs to it, shape (e, 2)."""
+    of_outline: Ints = no_ints(2)
+    """Reaction and the first vertex of an edge under in-situ stress that belongs to it, (o, 2)."""
     of_ground: Ints = no_ints(2)
     """Reaction that is the sum over all links and linings on the ground, and 0, shape (g, 2)."""
 

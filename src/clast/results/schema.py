@@ -280,7 +280,8 @@ BOLT_TABLE = TableSchema(
 )
 REACTION_TABLE = TableSchema(
     name="reactions",
-    meaning="Reactions of supports: fixed blocks and points, moved blocks, viscous edges.",
+    meaning="Reactions of supports: fixed blocks and points, moved blocks, viscous edges, outlines "
+    "under in-situ stress.",
     per=Per.INSTANT,
     of=REACTIONS,
     without="nothing is held or moved",

@@ -12,6 +12,7 @@ of free blocks is the sum of their masses times accelerations, to the last digit
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from clast.compute.jit import kernel
 from clast.contact.clipped_spring import Springs
 from clast.linear.system import PairedLinks
 from clast.model.model import Floats, Ints
-from clast.model.supports import numbered
+from clast.model.supports import Reactions, numbered
 from clast.read_only import read_only
 from clast.step.energy_balance import StepEnd
 from clast.step.method import StepSolution
@@ -30,6 +31,8 @@ NOBODY = read_only(np.zeros((0, 3)))
 """Forces on no block."""
 NOTHING = read_only(np.zeros((0, 6)))
 """Generalised forces on no block, or positions of no point."""
+NO_ROWS = read_only(np.zeros((0, 2), np.int64))
+"""No supports of any reaction."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,15 +98,13 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
             rows = wanted.of_block[:, 1]
             struck = solution.driven[rows, :3] / context.step
             _add(reactions, wanted.about, wanted.of_block, struck, centroid)
-    if not (wanted.of_fixed_point.size or wanted.of_viscous_edge.size or context.model.actions):
-        return reactions
     if wanted.of_ground.size and context.springs is not None:
         number = np.append(np.full(context.model.block_count, -1), 0)
         force = -_of_springs(context.springs, solution, number, 1)
         # the ground counts from the origin, as from a centroid (actions/links.py)
         _add(reactions, wanted.about, wanted.of_ground, force, np.zeros((1, 2)))
-    kinds = {"fixed points": wanted.of_fixed_point, "viscous edges": wanted.of_viscous_edge}
-    for action, contribution in zip(context.actions, context.contributions, strict=True):
+    shares = zip(context.actions, context.action_states, context.contributions, strict=True)
+    for action, own, contribution in shares:
         support = getattr(action, "support", "")
         if support == "motions" and contribution.block.size:
             every = np.arange(len(contribution.block))
@@ -112,13 +113,25 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
             np.add.at(sums, contribution.block, force)
             force = sums[wanted.of_block[:, 1]]
             _add(reactions, wanted.about, wanted.of_block, force, centroid)
-        if support in kinds and kinds[support].size:
-            pairs = kinds[support].copy()
-            row = pairs[:, 1]
-            force = forces_in(contribution, solution.unknowns, row)[:, :3]
-            pairs[:, 1] = contribution.block[row]
+        pairs = _supporting(wanted, support, own)
+        # what held an excavated block holds nothing any more
+        pairs = pairs[~context.model.absent[contribution.block[pairs[:, 1]]]]
+        if pairs.size:
+            force = forces_in(contribution, solution.unknowns, pairs[:, 1])[:, :3]
+            pairs[:, 1] = contribution.block[pairs[:, 1]]
             _add(reactions, wanted.about, pairs, force, centroid)
     return reactions
+
+
+def _supporting(wanted: Reactions, support: str, own: Any) -> Ints:
+    """Return reactions and the rows of an action's contribution that belong to them, (r, 2)."""
+    if support == "fixed points":
+        return wanted.of_fixed_point
+    if support == "viscous edges":
+        return wanted.of_viscous_edge
+    if support == "outline" and wanted.of_outline.size:
+        return np.asarray(own.of_edges(wanted.of_outline))
+    return NO_ROWS
 
 
 def _add(reactions: Floats, about: Floats, pairs: Ints, force: Floats, centroid: Floats) -> None:
