@@ -78,6 +78,8 @@ if TYPE_CHECKING:
     from clast.study.fitting.fit import fit as fit
     from clast.study.fitting.fitting import Fit as Fit
     from clast.study.fitting.observations import FitSettings as FitSettings
+    from clast.study.rockfall.results import RockfallResults as RockfallResults
+    from clast.study.rockfall.results import rockfall as rockfall
     from clast.study.study_api import HowMade as HowMade
     from clast.study.study_api import Study as Study
     from clast.study.targeting.target import Target as Target
@@ -113,6 +115,7 @@ NAMES = {
     "clast.study.collapsing.search": "FactorSettings",
     "clast.model.distributions": "Beta Discrete Lognormal Normal Triangular Uniform Values",
     "clast.study.targeting.target": "Target target",
+    "clast.study.rockfall.results": "RockfallResults rockfall",
     "clast.study.distributions": "Between Numbered Range Times",
 }
 """Module -> public names that it defines."""

@@ -68,6 +68,14 @@ from clast.inputs.rock_mass import (
     RegionTable,
     TraceTable,
 )
+from clast.inputs.rockfall import (
+    BarrierTable,
+    CollectorTable,
+    RockfallInputs,
+    RockfallTable,
+    SourceTable,
+    Surface,
+)
 from clast.inputs.stages import StageTable
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
@@ -82,7 +90,10 @@ if TYPE_CHECKING:
     from clast.run.preflight import CaseSummary
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
+    from clast.trajectory.campaign import Campaign
 
+FALLING = ("surface", "source", "barrier", "collector")
+"""Tables of rockfall beside [rockfall]."""
 NAMING = "file"
 """Key of all tables of a case that names a file beside it."""
 FILE = "file"
@@ -188,6 +199,16 @@ class Case(BaseModel):
     """Reactions of supports recorded every step, beside the totals."""
     drawpoint: list[DrawpointTable] = []
     """Lines past which blocks leave while the run goes on."""
+    rockfall: RockfallTable | None = None
+    """Profile that rocks fall on; clast rockfall follows them."""
+    surface: dict[str, Surface] = {}
+    """Surfaces of the profile by name: [surface.NAME] with normal_restitution."""
+    source: list[SourceTable] = []
+    """Rocks that fall, by where they start."""
+    barrier: list[BarrierTable] = []
+    """Barriers on the profile."""
+    collector: list[CollectorTable] = []
+    """Places at which passing rocks are measured."""
     reference: list[Reference] = []
     """Known displacements; clast run and clast compare print the error."""
     stage: list[StageTable] = []
@@ -204,6 +225,22 @@ class Case(BaseModel):
     _text: str | None = PrivateAttr(None)
     _origin: str | None = PrivateAttr(None)
     _cut: CutCase | None = PrivateAttr(None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rocks_need_no_blocks(cls, content: Any) -> Any:
+        """Let a case that has only rockfall leave out what runs of blocks need."""
+        if isinstance(content, dict) and "rockfall" in content:
+            return {"time": {"step": 1e-3, "end": 1.0}, "rock": {}, **content}
+        return content
+
+    @model_validator(mode="after")
+    def _rocks_have_a_profile(self) -> Self:
+        given = [key for key in FALLING if getattr(self, key)]
+        if self.rockfall is None and given:
+            what, remedy = "there is no [rockfall]", "give it, with the profile that rocks fall on"
+            raise refusals([Fault(what, remedy, (key,)) for key in given])
+        return self
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
@@ -352,6 +389,12 @@ class Case(BaseModel):
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
+        if self.rockfall is not None and not self.has_blocks:
+            raise ModelError(
+                "has rocks that fall, but no blocks",
+                where=self._file,
+                remedy=f"follow its rocks: clast rockfall {self._file}",
+            )
         builder = InputBuilder(
             self.title, self.plane, self.gravity, self.gravity_amplitude, self.seismic_coefficient
         )
@@ -368,6 +411,28 @@ class Case(BaseModel):
                 plausibility.refuse_unnamed_faces(model)
         vars(model)["made_by"] = self
         return model
+
+    @property
+    def has_blocks(self) -> bool:
+        """Whether the case has blocks, or a rock mass that is cut into blocks."""
+        return any((self.block, self.geometry, self.block_file, self.domain))
+
+    def campaign(self) -> Campaign:
+        """Return the rocks that fall on the profile; raises CaseError where there is none."""
+        if self.rockfall is None:
+            what, remedy = "has no [rockfall]", "give it: the profile that rocks fall on"
+            raise CaseError(what, where=self._file, remedy=remedy)
+        inputs = RockfallInputs(
+            table=self.rockfall,
+            surfaces=self.surface,
+            sources=self.source,
+            barriers=self.barrier,
+            collectors=self.collector,
+            gravity=self.gravity,
+            folder=self._folder,
+        )
+        with self._located():
+            return inputs.campaign()
 
     def cut(self) -> CutCase:
         """Return the blocks that [domain] is cut into, the same ones every time."""

@@ -96,6 +96,17 @@ class ModelBuilder:
         longest: Longest piece of a channel, m; channels are not divided if absent.
         confined: True: all joints are full, and pressures may be negative; so it is without gravity.
     """
+    rockfall: Any
+    """Profile that rocks fall on: the keys of [rockfall].
+
+    Keys:
+        profile: Points [x, y] of the profile from left to right, m; overhangs are allowed.
+        surface: Surface of each segment of the profile, or one for all: [surface.NAME].
+        file: Table (.csv) with x, y and the surface from each point on, or drawing (.dxf) of lines whose layers are named like surfaces, in place of profile and surface.
+        seed: Seed of all random numbers.
+        time_limit: Time after which a path ends, s.
+        stations: Places along the profile, at equal distances, at which passing rocks are measured.
+    """
     actions: list[Any]
     """Objects of one's own that act on blocks (clast.actions.action)."""
     line_joints: list[str]
@@ -116,6 +127,7 @@ class ModelBuilder:
         ground_motion: Any = ...,
         in_situ: Any = ...,
         flow: Any = ...,
+        rockfall: Any = ...,
         actions: list[Any] = ...,
         line_joints: list[str] = ...,
         repair: Any = ...,
@@ -254,10 +266,58 @@ class ModelBuilder:
         """
         ...
 
+    def add_surface(
+        self,
+        name: str,
+        normal_restitution: float | str,
+        *,
+        tangential_restitution: float | str | None = None,
+        friction_angle: float | str | None = None,
+        rolling_resistance: float | str = 0.0,
+        roughness: float | str = 0.0,
+        speed_scaling: float | str | None = None,
+    ) -> str:
+        """A surface of the profile, as rocks bounce, slide and roll on it.
+
+        Args:
+            name: Name by which others refer to it.
+            normal_restitution: Share R_n of the normal velocity that a blow gives back.
+            tangential_restitution: Share R_t of the tangential velocity of the contact that a blow leaves.
+            friction_angle: Friction angle, degrees, which bounds the tangential impulse; arctan((1 - R_t)/R_t) for sliding, and 84 for blows, if absent.
+            rolling_resistance: Moment arm of the normal force, m.
+            roughness: Standard deviation of the angle of the face that a corner strikes, degrees.
+            speed_scaling: Normal speed K at which R_n halves, m/s: R_n/(1 + (v/K)^2), Pfeiffer and Bowen 1989.
+        """
+        ...
+
     def add_weld(self, name: str) -> str:
         """Add a joint that no load opens or shears, and return its name.
 
         Cohesion and tensile strength are WELD_STRENGTH, Pa: the springs of its contacts are linear.
+        """
+        ...
+
+    def barrier(
+        self,
+        name: str,
+        x: float,
+        height: float,
+        *,
+        inclination: float = 0.0,
+        capacity: float | None = None,
+        restitution: float = 0.0,
+        friction_angle: float = 30.0,
+    ) -> None:
+        """A barrier on the profile: a fence that takes energy up to its capacity, or a wall.
+
+        Args:
+            name: Name.
+            x: Its foot, on the profile, m.
+            height: Height along it, m.
+            inclination: Angle from the vertical, positive towards +x, degrees.
+            capacity: Kinetic energy that it takes, J: a rock with less is held, one with more goes on with the rest; a wall, which rocks bounce off, if absent.
+            restitution: Share of the normal velocity that a wall gives back.
+            friction_angle: Friction angle of a wall, degrees.
         """
         ...
 
@@ -438,6 +498,15 @@ class ModelBuilder:
             contacts: True: contact forces are kept in every frame.
             checkpoint_every: Wall time between checkpoints, s, from which ``clast resume`` continues; if absent, one is written when a run ends early.
             damping: Damping of the stage.
+        """
+        ...
+
+    def collector(self, name: str, x: float) -> None:
+        """A place along the profile at which passing rocks are measured.
+
+        Args:
+            name: Name.
+            x: Its place, m.
         """
         ...
 
@@ -854,6 +923,40 @@ class ModelBuilder:
             block: Block; needed only where edges of two blocks lie on the line.
             amplitude: Amplitude over time by which the load is multiplied; constant if absent.
             name: Name by which stages refer to it; several loads may share one.
+        """
+        ...
+
+    def source(
+        self,
+        name: str,
+        at: Pair | None = None,
+        *,
+        line: Points | None = None,
+        rocks: int,
+        volume: float | str,
+        density: float | str = 2700.0,
+        length: float | None = None,
+        corners: float | str = 6.0,
+        elongation: float | str = 1.2,
+        shape: Points | None = None,
+        velocity: tuple[float | str, float | str] = ...,
+        spin: float | str = 0.0,
+    ) -> None:
+        """Rocks that start at a point or anywhere on a line.
+
+        Args:
+            name: Name.
+            at: Point [x, y] of their centroids, m; rocks that would stand in the profile are raised.
+            line: Ends [[x, y], [x, y]] of the line on which they start, m.
+            rocks: Number of rocks.
+            volume: Volume of a rock, m3; a number or a distribution.
+            density: Density, kg/m3.
+            length: Length of rocks out of the plane, m; the cube root of the volume if absent.
+            corners: Number of corners of random rocks.
+            elongation: Ratio of the axes of the ellipse that the corners of random rocks lie on.
+            shape: Convex polygon [x, y] of all its rocks, counter-clockwise, scaled to their volume.
+            velocity: Velocity [x, y], m/s; numbers or distributions.
+            spin: Spin, counter-clockwise, rad/s.
         """
         ...
 

@@ -121,7 +121,7 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
         *(result_commands.info, result_commands.plot, result_commands.film),
         *(result_commands.page, result_commands.report, result_commands.export),
     ),
-    "Study": (case_commands.compare,),
+    "Study": (case_commands.compare, study_commands.rockfall),
     "Maintain": (comparison_commands.verify, comparison_commands.warmup),
 }
 """Commands as clast --help groups them; study is a group of its own commands."""

@@ -13,6 +13,7 @@ from clast.cli.study_tables import (
     print_collapse,
     print_collected,
     print_fit,
+    print_rockfall,
     print_target,
     print_target_run,
     print_trial,
@@ -277,6 +278,30 @@ def fit(
     _go_on_fitting(there, made, as_json, quiet)
 
 
+def rockfall(
+    case: CaseFile,
+    settings: Settings = None,
+    output: Out = None,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    array: Array = "",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Follow rocks that fall on a profile: where they go, how high and fast, and what holds them.
+
+    The case has [rockfall], [surface.NAME] and [[source]].
+    """
+    from clast.case.case_file import Case
+    from clast.study.folder import StudyFolder
+    from clast.study.rockfall.portions import study_of
+
+    loaded = Case.from_toml(case, settings or ())
+    study = study_of(loaded.campaign())
+    there = StudyFolder.made(_folder(case, output), loaded, study)
+    _go_on(there, _how(workers, scheduler, array), as_json, quiet)
+
+
 @app.command()
 def resume(
     folder: Folder,
@@ -314,7 +339,7 @@ def collect(
     quiet: Quiet = False,
 ) -> None:
     """Write table and report of the finished runs of a study."""
-    from clast.study.description import SEARCHES
+    from clast.study.description import ROCKFALL, SEARCHES
     from clast.study.folder import StudyFolder
 
     there = StudyFolder.opened(folder)
@@ -325,7 +350,8 @@ def collect(
             where=str(folder),
             remedy=f"clast study resume {folder}: it uses the finished runs and writes the report",
         )
-    print_collected(there, parquet, as_json, quiet)
+    printed = print_rockfall if there.study.kind == ROCKFALL else print_collected
+    printed(there, parquet, as_json, quiet)
 
 
 # What they have in common ------------------------------------------------------------------------
@@ -448,6 +474,7 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
     from dataclasses import replace
 
     from clast.study import study_api
+    from clast.study.description import ROCKFALL
 
     with heard(), status() as show:
 
@@ -456,7 +483,9 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
             show(f"{at.done} of {at.total} runs{left}")
 
         study_api.make(there, how if quiet or as_json else replace(how, watch=watch))
-    if how.array is None:
+    if how.array is None and there.study.kind == ROCKFALL:
+        print_rockfall(there, False, as_json, quiet)
+    elif how.array is None:
         print_collected(there, False, as_json, quiet)
     elif not quiet:
         tell(f"done; when all parts are: clast study collect {there.path}")

@@ -165,6 +165,34 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
         raise typer.Exit(MISSED)
 
 
+def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
+    """Write tables and report of rockfall; print where rocks ended and what barriers held."""
+    from collections import Counter
+
+    from clast.study.rockfall.report import write_report
+    from clast.study.rockfall.results import RockfallResults
+
+    there.tidy()
+    results = RockfallResults.of(there)
+    files = results.write() + (results.write_parquet() if parquet else [])
+    report = write_report(there, results)
+    ends, barriers = Counter(results.paths["end"]), results.barriers()
+    if as_json:
+        content = {"folder": str(there.path), "paths": len(results), "ends": ends}
+        print_json({**content, "barriers": barriers, "report": str(report)})
+    elif not quiet:
+        rows = [(name, str(count)) for name, count in sorted(ends.items())]
+        print_table(table_of(f"{len(results)} paths", ("end", "paths"), rows))
+        if barriers:
+            keys = ("came", "held", "height_p95", "height_max", "energy_p95", "energy_max")
+            lines = [
+                (one["name"], *("-" if one[key] is None else f"{one[key]:.4g}" for key in keys))
+                for one in barriers
+            ]
+            print_table(table_of("barriers", ("barrier", *keys), lines))
+        tell("\n".join([*(f"table: {file}" for file in files), f"report: {report}"]))
+
+
 def _as_dict(columns: StudyResults) -> dict[str, Any]:
     """Return the results of a sweep or a Monte Carlo study for JSON."""
     from clast.study import statistics

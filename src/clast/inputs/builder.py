@@ -75,6 +75,13 @@ from clast.inputs.placing.bolts import ends_of, idle_note, placed_bolts
 from clast.inputs.placing.place_blocks import BlockArrays, Names, Vector, rocks_of
 from clast.inputs.placing.place_flow import FlowInputs, with_flow
 from clast.inputs.rock_mass import OpeningTable, of_blocks, openings_of
+from clast.inputs.rockfall import (
+    BarrierTable,
+    CollectorTable,
+    RockfallTable,
+    SourceTable,
+    Surface,
+)
 from clast.inputs.supports.links import Link, Moment
 from clast.inputs.supports.motions import Motion
 from clast.inputs.surcharges import Fill, LoadTrain, SurfaceLoading, joined, surcharge_in
@@ -122,6 +129,8 @@ class InputBuilder(Inputs):
     ``clast.Overburden``."""
     flow: Any = single("flow", FlowTable)
     """Water that flows in joints: the keys of [flow]."""
+    rockfall: Any = single("rockfall", RockfallTable)
+    """Profile that rocks fall on: the keys of [rockfall]."""
     actions: list[Any] = field(default_factory=list)
     """Objects of one's own that act on blocks (clast.actions.action)."""
     line_joints: list[str] = field(default_factory=list)
@@ -212,6 +221,15 @@ class InputBuilder(Inputs):
     """Take water from joints, or put it into them: ``[[well]]``."""
     measured_flow = gives("measured_flow", MeasuredFlow, "name", "of")
     """Record a flow every step: ``[[measured_flow]]``."""
+
+    add_surface = gives_named("surface", Surface, "normal_restitution")
+    """Add a surface of the profile, ``[surface.NAME]``, and return its name."""
+    source = gives("source", SourceTable, "name", "at")
+    """Let rocks fall from a point or a line: ``[[source]]``."""
+    barrier = gives("barrier", BarrierTable, "name", "x", "height")
+    """Put a barrier on the profile: ``[[barrier]]``."""
+    collector = gives("collector", CollectorTable, "name", "x")
+    """Measure the rocks that pass a place: ``[[collector]]``."""
 
     def count(self, kind: type[Table]) -> int:
         """Return how many tables of a kind there are; blocks are counted with those of arrays."""

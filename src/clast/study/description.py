@@ -50,7 +50,8 @@ from clast.study.sampling import SAMPLINGS, LatinHypercube, PointEstimate, Sampl
 from clast.study.targeting.goal import TargetSettings
 
 SWEEP, MONTECARLO, COLLAPSE, FIT, TARGET = "sweep", "montecarlo", "fos", "fit", "target"
-KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT, TARGET)
+ROCKFALL = "rockfall"
+KINDS = (SWEEP, MONTECARLO, COLLAPSE, FIT, TARGET, ROCKFALL)
 SEARCHES = (COLLAPSE, FIT, TARGET)
 """Studies in which each run depends on those before."""
 KEEPS = ("none", "failed", "all", "worst N")
@@ -67,7 +68,8 @@ class Description:
     """A study, but for its case; m parameters."""
 
     kind: str
-    """"sweep", "montecarlo", "fos", "fit" or "target"."""
+    """"sweep", "montecarlo", "fos", "fit", "target" or "rockfall", whose runs are portions of
+    paths."""
     case: str = ""
     """Case file, beside study.toml."""
     vary: tuple[Parameter, ...] = ()
@@ -98,6 +100,8 @@ class Description:
         """
         if self.kind == SWEEP:
             return self._listed(run - 1)
+        if self.kind == ROCKFALL:
+            return ()
         if self.kind in (FIT, TARGET):
             return tuple(one.drawn.quantile(0.5) for one in self.vary)
         if isinstance(self.sampling, PointEstimate):
@@ -255,6 +259,8 @@ class Description:
             raise CaseError(f"cannot keep '{self.keep}'", where="keep", remedy=remedy)
         if self.kind == COLLAPSE:
             return replace(self, n=TRIALS_MAX)
+        if self.kind == ROCKFALL:
+            return self
         if not self.vary:
             raise CaseError(
                 "no parameter varies",

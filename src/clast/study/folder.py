@@ -42,13 +42,15 @@ from clast.results import locks
 from clast.results.checkpoints.checkpoint_files import checkpoint_path
 from clast.results.checkpoints.fingerprints import content_of as content_of_file
 from clast.results.output import fresh
-from clast.study.description import COLLAPSE, FIT, TARGET, Description, described
+from clast.study.description import COLLAPSE, FIT, ROCKFALL, TARGET, Description, described
 from clast.study.parameters import content_of
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
 RUN_FILE = "run.vtkhdf"
 """Result file of a run that is kept, or that writes checkpoints."""
 ASKED = "asked.jsonl"
+ARRAYS = "paths.npz"
+"""Arrays of a portion of paths."""
 RUNS_PER_FOLDER = 10_000
 DONE, NO_RESULT = "done", "no result"
 """Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
@@ -336,6 +338,8 @@ class StudyFolder:
             return False
         if study.kind == COLLAPSE:
             return "trial" in result
+        if study.kind == ROCKFALL:
+            return result.get("status") == NO_RESULT or self._has_arrays(result, run)
         given, measures = result.get("parameters"), result.get("measures")
         planned = dict(zip((one.name for one in study.vary), self.values(run), strict=True))
         if not isinstance(given, dict) or set(given) != set(planned):
@@ -355,6 +359,11 @@ class StudyFolder:
         numbers = [float(one) for one in measures.values() if isinstance(one, int | float)]
         is_whole = len(numbers) == len(measures)
         return is_whole and (not study.fail or isinstance(result.get("fails"), bool))
+
+    def _has_arrays(self, result: dict[str, Any], run: int) -> bool:
+        """Return whether the arrays of a portion of paths are those of its result."""
+        content = content_of_file(self.place(run) / ARRAYS, RESULT_BYTES_MAX)
+        return "rows" in result and result.get("arrays") == sha256(content).hexdigest()
 
 
 MOVED = "the folder of the study is not whole: it holds base/ with the case and its files"

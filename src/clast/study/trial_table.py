@@ -57,15 +57,7 @@ def write_parquet(folder: StudyFolder, path: Path) -> int:
 
     Raises CaseError where pyarrow is not installed.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise CaseError(
-            "Parquet needs pyarrow, which is not installed",
-            where=str(path),
-            remedy="install it: pip install 'clast[parquet]', or take the CSV",
-        ) from None
+    pyarrow = pyarrow_for(path)
     study, names, count = folder.study, columns(folder.study), 0
     texts = {
         one.name
@@ -91,6 +83,20 @@ def write_parquet(folder: StudyFolder, path: Path) -> int:
             writer.write_table(pyarrow.Table.from_arrays(parts, schema=schema))
             count += len(batch)
     return count
+
+
+def pyarrow_for(path: Path) -> Any:
+    """Return pyarrow; raises CaseError, which names the file to be written, where there is none."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise CaseError(
+            "Parquet needs pyarrow, which is not installed",
+            where=str(path),
+            remedy="install it: pip install 'clast[parquet]', or take the CSV",
+        ) from None
+    return pyarrow
 
 
 class TrialTable(dict[str, list[Any]]):

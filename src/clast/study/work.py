@@ -42,7 +42,7 @@ from clast.study.collapsing.trial import (
     run_trial,
     settle_standing,
 )
-from clast.study.description import TARGET, WORST, Description
+from clast.study.description import ROCKFALL, TARGET, WORST, Description
 from clast.study.folder import (
     CASE,
     DONE,
@@ -56,7 +56,9 @@ from clast.study.folder import (
 )
 from clast.study.measures import FOS, MEASURES, STANDS_WITH, RunResults, check, known_names
 from clast.study.parameters import ParameterPlaces, changed, content_of
+from clast.study.rockfall.portions import paths_of
 from clast.study.statistics import StudyResults
+from clast.trajectory.campaign import Campaign
 
 
 def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
@@ -120,9 +122,19 @@ class Bench:
         content = content_of(folder.base)
         return cls(folder=folder, settings=ParameterPlaces.of(content, folder.study.vary))
 
+    @cached_property
+    def campaign(self) -> Campaign:
+        """The rocks of a study of rockfall."""
+        return self.folder.base.campaign()
+
     def make(self, run: int) -> dict[str, Any]:
         """Make a run; return its result, which is written down."""
         study, folder = self.folder.study, self.folder
+        if study.kind == ROCKFALL:
+            with folder.making(run) as part:
+                paths = {"run": run, **paths_of(self.campaign, run, part)}
+                folder.write_result(part, paths)
+            return paths
         values = folder.values(run)
         content = self.settings.case(values)
         result: dict[str, Any] = {

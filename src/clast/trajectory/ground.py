@@ -17,8 +17,8 @@ blows; tan(phi) of sliding; moment arm of rolling resistance, m; standard deviat
 the face, rad; normal speed at which R_n halves, m/s."""
 DECK = 1000
 """Values of a distribution: its quantiles at (k + 1/2)/DECK, drawn with equal chances."""
-ROUGHEST = 1e9
-"""tan(phi) of a surface on which nothing slides."""
+ROUGHEST, ROUGH = 1e9, 10.0
+"""tan(phi) of a surface on which nothing slides, and of blows on one without a friction angle."""
 STRAIGHT = 1e-9
 """Sine of the angle up to which a corner of the profile is none."""
 CLOSE = 1e-9

@@ -63,8 +63,10 @@ def one_contact(gain, slip, a, b, c, sticks, tan):
 def solve(contacts, velocity, inverse, spin_target):
     """Give contacts (p, 13) their impulses and the velocity (3,) what these change of it.
 
-    ``inverse`` is 1/m and 1/I.  Contacts take turns until none changes (block Gauss-Seidel).
+    ``inverse`` is 1/m and 1/I.  Contacts take turns until none changes (block Gauss-Seidel);
+    return whether they came to that.
     """
+    change, size = 0.0, 0.0
     for _ in range(SWEEPS):
         change, size = 0.0, np.abs(velocity[:2]).sum() * 1e-15
         for j in range(len(contacts)):
@@ -97,8 +99,9 @@ def solve(contacts, velocity, inverse, spin_target):
             velocity[2] += inverse[1] * (moment - one[MOMENT])
             change += (abs(dn) + abs(dt)) * inverse[0] + abs(moment - one[MOMENT]) * inverse[1]
             one[MOMENT] = moment
-        if change <= size:
-            break
+        if change <= size or (len(contacts) == 1 and contacts[0, ROLL] == 0.0):
+            return True
+    return change <= 1e6 * size
 
 
 @kernel()
@@ -160,10 +163,13 @@ def drawn_contacts(ground, rock, state, pairs, counter, rough, gentle):
 
 
 @kernel()
-def without_gain(rock, contacts, before, after, inverse):
-    """Return a velocity (3,) of at most the energy of that before the blow, mixed if it must be."""
+def without_gain(rock, contacts, before, after, inverse, solved):
+    """Return a velocity (3,) of at most the energy of that before the blow, mixed if it must be.
+
+    Contacts that were not ``solved`` strike without friction and rebound, which always has an end.
+    """
     had, has = total_energy(before, rock), total_energy(after, rock)
-    if has <= had:
+    if has <= had and solved:
         return after
     plastic, velocity = contacts.copy(), before.copy()
     plastic[:, N:] = 0.0
@@ -174,7 +180,8 @@ def without_gain(rock, contacts, before, after, inverse):
     least = total_energy(velocity, rock)
     way = after - velocity
     square = total_energy(way, rock)
-    if square <= 1e-24 * had:
+    if square <= 1e-24 * had or not solved:
+        contacts[:, N:] = plastic[:, N:]
         return velocity
     half = 0.5 * (has - least - square)
     share = (np.sqrt(half * half + square * max(0.0, had - least)) - half) / square
@@ -191,8 +198,8 @@ def blow(ground, rock, state, pairs, counter, gentle):
     for again in range(REDRAWN):
         before = state[3:].copy()
         velocity = before.copy()
-        solve(contacts, velocity, inverse, 0.0)
-        velocity = without_gain(rock, contacts, before, velocity, inverse)
+        solved = solve(contacts, velocity, inverse, 0.0)
+        velocity = without_gain(rock, contacts, before, velocity, inverse, solved)
         mean = 0.5 * (before + velocity)
         closing = False
         for j in range(len(contacts)):

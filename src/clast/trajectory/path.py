@@ -43,6 +43,8 @@ GENTLE, BEARING = 1e-4, 1e-8
 (radius gravity)^1/2."""
 SLOW = 1e-6
 """Speed below which a rock that bears is at rest, in the same unit."""
+STUCK = 1e-2
+"""Speed, in the same unit, and movement, in units of speed and step, of a rock that is stuck."""
 CALM = 10
 """Steps for which a rock is that slow before it is at rest."""
 
@@ -213,6 +215,17 @@ def strike(ground, rock, course, state, pairs, gentle):
 
 
 @kernel()
+def is_stuck(rock, before, after, length, speed):
+    """Return whether a step has moved a slow rock nowhere: its velocity was only turned round."""
+    radius = rock.numbers[2]
+    fast = np.hypot(before[3], before[4]) + radius * abs(before[5])
+    moved = np.hypot(after[0] - before[0], after[1] - before[1]) + radius * abs(
+        after[2] - before[2]
+    )
+    return fast <= STUCK * speed and moved <= STUCK * length * fast
+
+
+@kernel()
 def bear(ground, rock, course, state, gravity, pairs, contacts):
     """Slide and roll with contacts that bear; return what comes next."""
     _unit, speed = scales(rock, gravity)
@@ -237,6 +250,9 @@ def bear(ground, rock, course, state, gravity, pairs, contacts):
         pull = (after[3:5] - state[3:5]) / length if length > 0.0 else 0.0 * gravity
         pass_stations(ground, rock, course, state, after, pull, length)
         way += np.hypot(after[0] - state[0], after[1] - state[1])
+        if is_stuck(rock, state, after, length, speed):
+            course.ledger[BY_FRICTION] += total_energy(after[3:], rock)
+            after[3:] = 0.0
         state[:] = after
         course.clock[0] += length
         keep_largest(course.largest, measures_of(ground, rock, state))

@@ -1,0 +1,1 @@
+"""Rockfall: thousands of paths as a study, its tables, statistics, figures and report."""

@@ -1,0 +1,102 @@
+"""The report page of rockfall: where rocks ended, envelopes along the profile, barriers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from clast.model.model import Floats
+from clast.pictures.study.rockfall_figures import draw_distribution, draw_envelopes, draw_paths
+from clast.study.folder import StudyFolder, writing
+from clast.study.report_page import Page, file_stem
+from clast.study.rockfall.results import RockfallResults
+from clast.trajectory import path
+
+PATHS_DRAWN = 300
+"""Paths of the figure, at most: the first ones."""
+PER_FLIGHT = 12
+"""Points of a drawn parabola."""
+ENVELOPES = {
+    "height": "height of centroid above profile, m",
+    "energy": "kinetic energy, J",
+    "speed": "speed, m/s",
+}
+
+
+def path_lines(results: RockfallResults) -> list[Floats]:
+    """Return the first paths as lines (n, 2), m: parabolas in flight, straight on the ground."""
+    records, gravity = results.records, results.campaign.gravity
+    lines = []
+    for number in np.unique(records[:, 0])[:PATHS_DRAWN]:
+        rows, points = records[records[:, 0] == number, 1:], []
+        for one, after in pairwise(rows):
+            place, span = one[[path.X, path.Y]], after[path.CLOCK] - one[path.CLOCK]
+            if one[path.KIND] == path.ON_GROUND:
+                points.append(place[None])
+                continue
+            time = span * np.linspace(0.0, 1.0, PER_FLIGHT)[:, None]
+            speed = one[path.AFTER : path.AFTER + 2]
+            points.append(place + time * speed + 0.5 * time**2 * gravity)
+        points.append(rows[-1, [path.X, path.Y]][None])
+        lines.append(np.concatenate(points) + results.campaign.origin)
+    return lines
+
+
+def write_report(folder: StudyFolder, results: RockfallResults) -> Path:
+    """Write the page into the folder of a study; return its path."""
+    with writing(folder.path):
+        page = Page.of(folder, "rockfall")
+        ends = Counter(results.paths["end"])
+        told = ", ".join(f"{count} {name}" for name, count in sorted(ends.items()))
+        page.say(f"{len(results)} paths: {told}.", "answer")
+        page.remark(
+            "rest: came to rest; out: left the profile; held: by a barrier; time: still moving at "
+            "the time limit. Heights are those of centroids."
+        )
+        if len(results):
+            page.figures(lambda: _wide(page, results), "figures wide")
+            page.figures(lambda: _figures(page, results))
+        rows = results.barriers()
+        if rows:
+            page.head("Barriers")
+            page.table(list(rows[0]), [list(row.values()) for row in rows])
+        page.head("Collectors")
+        named = [row for row in results.stations() if row["name"]]
+        if named:
+            page.table(list(named[0]), [list(row.values()) for row in named])
+        else:
+            page.remark("There is none: the table stations.csv has all places along the profile.")
+        return page.write()
+
+
+def _wide(page: Page, results: RockfallResults) -> Iterator[tuple[Path, str]]:
+    """Draw the paths over the profile."""
+    campaign = results.campaign
+    names = [campaign.surfaces[k] for k in campaign.ground.surface[: len(campaign.profile) - 1]]
+    file = draw_paths(
+        page.pictures / "paths.png",
+        campaign.profile + campaign.origin,
+        names,
+        path_lines(results),
+        campaign.barrier_lines + campaign.origin,
+    )
+    yield file, "paths over the profile"
+
+
+def _figures(page: Page, results: RockfallResults) -> Iterator[tuple[Path, str]]:
+    """Draw envelopes, end points and the energy at each barrier."""
+    rows = results.stations()
+    for key, up in ENVELOPES.items():
+        yield draw_envelopes(page.pictures / f"{key}.png", rows, key, up), f"{up} along the profile"
+    file = page.pictures / "ends.png"
+    yield draw_distribution(file, results.ends, "x of end points, m"), "end points"
+    for number, name in enumerate(results.campaign.barriers):
+        energy = results.hits[results.hits[:, 1] == number, 4]
+        if len(energy):
+            file = page.pictures / f"barrier-{file_stem(name)}.png"
+            caption = f"kinetic energy at {name}, J"
+            yield draw_distribution(file, energy, caption), caption

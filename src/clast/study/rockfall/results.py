@@ -1,0 +1,196 @@
+"""Results of rockfall: tables of paths and of blows, and statistics along the profile.
+
+    results = clast.rockfall("slope.toml", "out", workers=2)
+    results.paths["end_x"]
+    results.barriers()[0]["share_held"]
+
+Heights are those of centroids above the profile, m; energies in J, speeds in m/s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast.case.api import case_of
+from clast.case.case_file import Case
+from clast.model.model import Floats
+from clast.rockmass.drawings.drawing_files import write_rows
+from clast.study import study_api
+from clast.study.folder import ARRAYS, StudyFolder, writing
+from clast.study.rockfall.portions import study_of
+from clast.study.study_api import HowMade
+from clast.study.trial_table import pyarrow_for
+from clast.trajectory import path
+from clast.trajectory.campaign import PATH_COLUMNS, Campaign
+
+QUANTITIES = ("height", "translational", "rotational", "energy", "speed")
+"""Measured at stations, in the order of their columns."""
+SHARES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
+"""Percentiles of all quantities."""
+BLOW_COLUMNS = (
+    *("path", "time", "x", "y", "angle", "surface"),
+    *("vx_before", "vy_before", "spin_before", "vx_after", "vy_after", "spin_after", "lost"),
+)
+Row = dict[str, Any]
+
+
+def summary_of(values: Floats) -> Row:
+    """Return mean, percentiles and largest of values (n,); None of none."""
+    names = ("mean", *SHARES, "max")
+    if not len(values):
+        return dict.fromkeys(names)
+    shares = np.percentile(values, list(SHARES.values()))
+    found = (values.mean(), *shares, values.max())
+    return dict(zip(names, map(float, found), strict=True))
+
+
+@dataclass(frozen=True)
+class RockfallResults:
+    """Paths of rocks, as far as they have been followed."""
+
+    folder: Path
+    campaign: Campaign
+    paths: Mapping[str, list[Any]]
+    """Column -> values, a row for each path: what fell, where it ended and its largest values."""
+    records: Floats
+    """Starts, blows, stretches on the ground and ends of all paths, (r, 15)."""
+    passed: Floats
+    """Path, station and largest values of each passage, (q, 7)."""
+    hits: Floats
+    """Path, barrier, time, height, energy, speed and whether it held, (h, 7)."""
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> RockfallResults:
+        """Return the finished paths of a study."""
+        rows, parts = list[list[Any]](), list[Mapping[str, Floats]]()
+        for result in folder.results():
+            if "rows" in result:
+                rows += result["rows"]
+                with np.load(folder.place(result["run"]) / ARRAYS) as arrays:
+                    parts.append(dict(arrays))
+        columns = {name: [row[k] for row in rows] for k, name in enumerate(PATH_COLUMNS)}
+        widths = {"records": 15, "passed": 7, "hits": 7}
+        joined = {
+            key: np.concatenate([np.empty((0, width)), *(part[key] for part in parts)])
+            for key, width in widths.items()
+        }
+        return cls(folder.path, folder.base.campaign(), columns, **joined)
+
+    def __len__(self) -> int:
+        return len(self.paths["path"])
+
+    @cached_property
+    def ends(self) -> Floats:
+        """Place x of the end of each path, m."""
+        return np.array(self.paths["end_x"], np.float64)
+
+    def blows(self) -> Iterator[list[Any]]:
+        """Give the rows of the table of blows, in the order of paths and times."""
+        names, (x, y) = self.campaign.surfaces, self.campaign.origin
+        barriers = self.campaign.barriers
+        for one in self.records[self.records[:, 1 + path.KIND] == path.BLOW]:
+            number, values = int(one[0]), one[1:]
+            face, barrier = int(values[path.FACE]), int(values[path.BARRIER])
+            named = barriers[barrier] if barrier >= 0 else names[face]
+            place = (values[path.CLOCK], values[path.X] + x, values[path.Y] + y)
+            rest = values[[*range(path.BEFORE, path.FACE), path.LOST]]
+            angle = float(np.degrees(values[path.ANGLE]))
+            yield [number, *map(float, place), angle, named, *map(float, rest)]
+
+    def stations(self) -> list[Row]:
+        """Return the statistics of passages along the profile, a row for each station.
+
+        Of each path the largest value at a station counts.
+        """
+        rows = []
+        for number, name in enumerate(self.campaign.stations):
+            here = self.passed[self.passed[:, 1] == number, 2:]
+            x = float(self.campaign.ground.stations[number] + self.campaign.origin[0])
+            row: Row = {"x": x, "name": name, "count": len(here)}
+            for k, quantity in enumerate(QUANTITIES):
+                found = summary_of(here[:, k][~np.isnan(here[:, k])])
+                row |= {f"{quantity}_{key}": value for key, value in found.items()}
+            rows.append(row)
+        return rows
+
+    def barriers(self) -> list[Row]:
+        """Return what came to each barrier, how it hit, and the share of it that was held."""
+        rows = []
+        for number, name in enumerate(self.campaign.barriers):
+            station = self.campaign.stations.index(name)
+            hits = self.hits[self.hits[:, 1] == number]
+            over = self.passed[self.passed[:, 1] == station, 0]
+            came = len({*hits[:, 0].tolist(), *over.tolist()})
+            held = sum(one == name for one in self.paths["held_by"])
+            row: Row = {"name": name, "came": came, "hits": len(hits), "held": held}
+            row["share_held"] = held / came if came else None
+            for key, column in (("height", 3), ("energy", 4), ("speed", 5)):
+                found = summary_of(hits[:, column])
+                row |= {f"{key}_{part}": value for part, value in found.items()}
+            rows.append(row)
+        return rows
+
+    def write(self) -> list[Path]:
+        """Write paths.csv, blows.csv, stations.csv and barriers.csv; return their paths."""
+        tables: dict[str, tuple[Sequence[str], Iterator[Sequence[Any]]]] = {
+            "paths": (PATH_COLUMNS, zip(*self.paths.values(), strict=True)),
+            "blows": (BLOW_COLUMNS, self.blows()),
+        }
+        for name, rows in (("stations", self.stations()), ("barriers", self.barriers())):
+            if rows:
+                tables[name] = (list(rows[0]), iter([list(row.values()) for row in rows]))
+        files = []
+        for name, (columns, rows) in tables.items():
+            file = self.folder / f"{name}.csv"
+            with writing(self.folder):
+                write_rows(file, chain([columns], (map(_written, row) for row in rows)))
+            files.append(file)
+        return files
+
+    def write_parquet(self) -> list[Path]:
+        """Write paths.parquet and blows.parquet; CaseError where pyarrow is not installed."""
+        files = []
+        for name, columns, rows in (
+            ("paths", PATH_COLUMNS, [*zip(*self.paths.values(), strict=True)]),
+            ("blows", BLOW_COLUMNS, [*self.blows()]),
+        ):
+            file = self.folder / f"{name}.parquet"
+            pyarrow = pyarrow_for(file)
+            values = {key: [row[k] for row in rows] for k, key in enumerate(columns)}
+            with writing(self.folder):
+                pyarrow.parquet.write_table(pyarrow.table(values), file)
+            files.append(file)
+        return files
+
+
+def _written(value: Any) -> str:
+    """Return a value as CSV has it; floats keep every digit."""
+    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
+
+
+def rockfall(
+    case: Case | str | Path, folder: str | Path, how: HowMade | None = None, **given: Any
+) -> RockfallResults:
+    """Follow all rocks of a case with [rockfall] that have not been followed in a folder.
+
+    ``how`` says who follows them; its fields may also be given one by one: ``workers``,
+    ``executor``, ``scheduler``, ``array``.  Tables are written into the folder.  Raises CaseError
+    for a case without [rockfall], and where another study is in the folder.
+    """
+    loaded = case_of(case)
+    known = {one.name for one in fields(HowMade)}
+    if not given.keys() <= known:
+        raise TypeError(f"rockfall() takes {', '.join(sorted(known))}")
+    there = StudyFolder.made(Path(folder), loaded, study_of(loaded.campaign()))
+    study_api.make(there, how or HowMade(**given))
+    results = RockfallResults.of(there)
+    if (how or HowMade(**given)).array is None:
+        results.write()
+    return results
