@@ -181,8 +181,13 @@ def test_plot_of_what_is_not_there(incline):
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_new(template, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert "clast run mine.toml" in good("new", "mine", "--template", template)
-    assert clast.load("mine.toml").model().block_count >= 2
+    told, case = good("new", "mine", "--template", template), clast.load("mine.toml")
+    if case.rockfall is not None:
+        assert "clast rockfall mine.toml" in told
+        assert "200 rocks over 10 segments" in good("check", "mine.toml")
+    else:
+        assert "clast run mine.toml" in told
+        assert case.model().block_count >= 2
     result = clast_command("new", "mine", "--template", template)
     assert result.exit_code == 2
     assert "already exists" in result.stderr

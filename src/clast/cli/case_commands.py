@@ -204,6 +204,11 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
     from clast.case.case_file import Case
 
     loaded = Case.from_toml(case, settings or ())
+    if loaded.rockfall is not None:
+        rocks = loaded.campaign()
+        tell(f"{rocks.count} rocks over {len(rocks.profile) - 1} segments of a profile")
+        if not loaded.has_blocks:
+            return
     with status():
         sanity = loaded.examine()
     if as_json:
@@ -221,8 +226,8 @@ def new(
         str | None,
         typer.Option(
             help="incline, slope, dam, tunnel, lined-tunnel, key-block, wall, shaken-wall, "
-            "settling-wall, arch, spreading-arch, arch-bridge, column, dominoes, shear-box or heap;"
-            " if absent the one called as the case, else incline."
+            "settling-wall, arch, spreading-arch, arch-bridge, column, dominoes, shear-box, heap "
+            "or rockfall; if absent the one called as the case, else incline."
         ),
     ] = None,
 ) -> None:
@@ -236,7 +241,8 @@ def new(
     path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
     _check_new(name, path)
     path.write_text(TEMPLATES[template], encoding="utf-8")
-    tell(f"wrote {path} from the template {template}; next: clast run {path}")
+    command = "rockfall" if "[rockfall]" in TEMPLATES[template] else "run"
+    tell(f"wrote {path} from the template {template}; next: clast {command} {path}")
 
 
 def _check_new(name: str, path: Path) -> None:

@@ -17,7 +17,7 @@ from clast.trajectory.bearing import (
     which_slip,
 )
 from clast.trajectory.flight import flown, next_touch, window
-from clast.trajectory.gaps import barrier_of, frame, surface_of, touching
+from clast.trajectory.gaps import ON_SEGMENT, barrier_of, frame, surface_of, touching
 from clast.trajectory.ground import height_below
 from clast.trajectory.impact import SLIDE, TAN, blow, contact_speeds, energy_of, total_energy
 
@@ -180,7 +180,9 @@ def meet_barrier(ground, rock, course, state, pairs):
         energy, speed = total_energy(state[3:], rock), np.hypot(state[3], state[4])
         holds = energy <= ground.capacity[b]
         if np.isnan(course.hits[b, HIT_TIME]):
-            foot = height_below(ground, state[0], state[1] + ry + rock.numbers[2])
+            face = k if kind == ON_SEGMENT else ground.beside[k, 0]
+            rise = ground.way[face, 1] * ground.length[face]
+            foot = ground.start[face, 1] + min(0.0, rise)
             above, held = state[1] + ry - foot, 1.0 if holds else 0.0
             course.hits[b] = course.clock[0], above, energy, speed, held
         if np.isinf(ground.capacity[b]):

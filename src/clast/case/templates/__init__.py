@@ -21,6 +21,7 @@ NAMES = (
     "dominoes",
     "shear-box",
     "heap",
+    "rockfall",
 )
 FOLDER = Path(__file__).parent
 TEMPLATES = {name: (FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in NAMES}

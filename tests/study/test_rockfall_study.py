@@ -1,0 +1,118 @@
+"""Rockfall as a study: counts and statistics, and what they are counted from."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import clast
+from clast.study.rockfall import portions
+from clast.trajectory.campaign import portion
+
+TEXT = """
+schema = 1
+[rockfall]
+profile = [[0, 20], [10, 18], [20, 4], [40, 0], [60, 0]]
+surface = ["rock", "rock", "talus", "talus"]
+stations = 20
+[surface.rock]
+normal_restitution = "normal(0.4, 0.04)"
+tangential_restitution = 0.9
+roughness = 2.0
+[surface.talus]
+normal_restitution = 0.3
+tangential_restitution = 0.8
+rolling_resistance = 0.05
+[[source]]
+name = "left"
+line = [[3, 22], [9, 20]]
+rocks = 7
+volume = "uniform(0.2, 1)"
+velocity = ["uniform(1, 3)", 0]
+[[source]]
+name = "right"
+at = [9, 21]
+rocks = 5
+volume = 0.5
+shape = [[0, 0], [2, 0], [1, 2]]
+velocity = [3, 0]
+[[barrier]]
+name = "fence"
+x = 35
+height = 2
+capacity = 20e3
+[[collector]]
+name = "road"
+x = 45
+"""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    case = clast.Case.from_text(TEXT, "rocks.toml")
+    return clast.rockfall(case, tmp_path_factory.mktemp("rocks") / "out", workers=1)
+
+
+def test_every_rock_has_a_path_with_a_closed_ledger(results) -> None:
+    assert results.paths["path"] == [*range(1, 13)]
+    assert results.paths["source"] == ["left"] * 7 + ["right"] * 5
+    assert max(map(abs, results.paths["unaccounted"])) < 1e-12
+    assert set(results.paths["end"]) <= {"rest", "out", "held"}
+    volumes = np.array(results.paths["volume"])
+    assert ((volumes >= 0.2) & (volumes <= 1.0)).all()
+    assert results.paths["mass"] == pytest.approx(2700.0 * volumes)
+
+
+def test_a_path_depends_on_its_number_alone(results) -> None:
+    rows, arrays = portion(results.campaign, [9, 4])
+    kept = list(zip(*results.paths.values(), strict=True))
+    assert tuple(rows[0]) == kept[8]
+    assert tuple(rows[1]) == kept[3]
+    assert (arrays["records"][:, 0] == 9).sum() == (results.records[:, 0] == 9).sum()
+
+
+def test_barriers_count_what_came_and_what_they_held(results) -> None:
+    fence = results.barriers()[0]
+    held = results.paths["held_by"].count("fence")
+    assert fence["held"] == held > 0
+    passed = sum(x > 35.0 for x in results.paths["end_x"])
+    assert fence["came"] == held + passed
+    assert fence["share_held"] == held / fence["came"]
+    energy = results.hits[:, 4]
+    assert fence["energy_max"] == energy.max()
+    assert fence["energy_p95"] == np.percentile(energy, 95.0)
+    assert (energy[results.hits[:, -1] == 1.0] <= 20e3).all()
+    assert (energy[results.hits[:, -1] == 0.0] > 20e3).all()
+
+
+def test_stations_count_the_rocks_that_pass(results) -> None:
+    starts, ends = np.array(results.paths["start_x"]), results.ends
+    for row in results.stations():
+        assert row["count"] >= ((starts < row["x"]) & (ends > row["x"])).sum()
+        if row["count"]:
+            assert row["speed_mean"] <= row["speed_max"]
+            assert row["energy_max"] >= row["translational_max"]
+    assert [row["name"] for row in results.stations() if row["name"]] == ["fence", "road"]
+
+
+def test_tables_are_written_with_every_digit(results) -> None:
+    with (results.folder / "paths.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["end_x"]) for row in rows] == results.paths["end_x"]
+    with (results.folder / "blows.csv").open() as file:
+        blows = list(csv.DictReader(file))
+    counted = [sum(int(row["path"]) == k for row in blows) for k in range(1, 13)]
+    through = [int((results.hits[:, 0] == k).sum()) for k in range(1, 13)]
+    assert counted == [a + b for a, b in zip(results.paths["blows"], through, strict=True)]
+
+
+def test_a_study_in_pieces_has_the_tables_of_one_as_a_whole(results, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(portions, "PATHS", 5)
+    case, folder = clast.Case.from_text(TEXT, "rocks.toml"), tmp_path / "out"
+    clast.rockfall(case, folder, array=(2, 3))
+    assert not (folder / "paths.csv").exists()
+    next(folder.glob("runs/*/*/paths.npz")).write_bytes(b"damaged")
+    other = clast.rockfall(case, folder, workers=1)
+    for name in ("paths", "blows", "stations", "barriers"):
+        ours = (results.folder / f"{name}.csv").read_bytes()
+        assert (other.folder / f"{name}.csv").read_bytes() == ours
