@@ -59,7 +59,7 @@ def followed(
     rock, last = rock_of(np.array(corners, float), 2500.0, 1.0), np.array(state, float)
     course = path.Course(
         records=np.zeros((20000, 14)),
-        count=np.array([0, 0, -1, -1]),
+        tally=np.array([0, 0, -1, -1]),
         passed=np.full((len(stations), 5), np.nan),
         hits=np.full((len(capacity), 5), np.nan),
         broken=np.zeros(len(capacity), np.bool_),

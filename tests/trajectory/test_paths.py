@@ -69,7 +69,7 @@ def test_one_corner_strikes_as_a_rigid_body_with_friction() -> None:
 def test_a_rock_that_falls_flat_rests_after_the_sum_of_its_bounces(restitution: float) -> None:
     course, last, _ = followed([0, 3.5, 0, 0, 0, 0], rows=[surface(restitution)])
     fall = math.sqrt(2.0 * 3.0 / GRAVITY)
-    assert course.count[2] == path.REST
+    assert course.tally[2] == path.REST
     assert course.clock[0] == pytest.approx(fall * (1 + restitution) / (1 - restitution), rel=2e-3)
     assert last[:3] == pytest.approx([0.0, 0.5, 0.0], abs=1e-9)
     assert ledger_error(course) < 1e-12
@@ -90,7 +90,7 @@ def test_a_box_slides_by_the_law_of_friction(degrees: float, phi: float) -> None
     assert ledger_error(course) < 1e-12
     if pull < 0.0:
         run = math.hypot(last[0] - start[0], last[1] - start[1])
-        assert course.count[2] == path.REST
+        assert course.tally[2] == path.REST
         assert run == pytest.approx(-(fast**2) / pull, rel=1e-3)
 
 
@@ -116,7 +116,7 @@ def test_a_polygon_rolls_down_from_blow_to_blow(count: int) -> None:
     about = inertia + mass * radius**2
     share = (inertia + mass * radius**2 * math.cos(step)) / about
     edge = 2.0 * radius * math.sin(math.pi / count)
-    blows = [one for one in course.records[: course.count[0]] if one[path.KIND] == path.BLOW]
+    blows = [one for one in course.records[: course.tally[0]] if one[path.KIND] == path.BLOW]
     expected, turned = spin**2, []
     for _ in range(6):
         expected += 2.0 * mass * GRAVITY * edge * math.sin(slope) / about
@@ -163,7 +163,7 @@ def test_a_barrier_takes_its_capacity_and_holds_what_has_less() -> None:
             for one in (hit[path.BEFORE : path.AFTER], hit[path.AFTER : path.FACE])
         )
         assert before - after == pytest.approx(min(capacity, before), rel=1e-12)
-        assert (course.count[2] == path.HELD) == (capacity > energy)
+        assert (course.tally[2] == path.HELD) == (capacity > energy)
         assert course.hits[0, path.HIT_ENERGY] == pytest.approx(before)
         assert ledger_error(course) < 1e-12
 
@@ -175,7 +175,7 @@ def test_a_wall_throws_rocks_back() -> None:
         capacity=[math.inf],
         rows=[surface(0.5, 0.5)],
     )
-    assert course.count[2] == path.REST
+    assert course.tally[2] == path.REST
     assert last[0] < 5.0 - 0.49
 
 
@@ -197,8 +197,8 @@ def test_energy_is_accounted_for_and_no_rock_enters_the_ground() -> None:
             start, profile=TERRAIN, rows=rough, corners=regular(5), seed=seed + 1
         )
         assert ledger_error(course) < 1e-12
-        ends.add(int(course.count[2]))
-        records = course.records[: course.count[0]]
+        ends.add(int(course.tally[2]))
+        records = course.records[: course.tally[0]]
         assert (records[records[:, path.KIND] == path.BLOW][:, path.LOST] > -1e-6).all()
         for one in records:
             c, s = math.cos(one[path.ANGLE]), math.sin(one[path.ANGLE])

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validator
@@ -105,6 +105,22 @@ class RockfallTable(Table):
         elif self.surface:
             raise refusal("is given, but the file names the surfaces", "leave it out", "surface")
         return self
+
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys of the table of a script."""
+        return value.model_dump(exclude_unset=True) if isinstance(value, cls) else None
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Refuse anything but the keys of the table."""
+        if not isinstance(value, cls):
+            what = f"{shortened(repr(value))} does not describe a profile"
+            raise ModelError(what, where=key, remedy="give the keys of [rockfall]")
+
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
+        """Let rocks fall on the profile."""
+        builder.rockfall = self
 
     def line(self, folder: Path) -> tuple[Floats, list[str]]:
         """Return points (k + 1, 2), m, and the surface of each segment, from left to right."""
@@ -364,9 +380,8 @@ class RockfallInputs:
         low, high = line[0, 0], line[-1, 0]
         equal = low + (high - low) * (np.arange(self.table.stations) + 0.5) / self.table.stations
         places = [(float(x), "") for x in equal]
-        places += [
-            (one.x - float(origin[0]), one.name) for one in (*self.collectors, *self.barriers)
-        ]
+        places += [(one.x - float(origin[0]), one.name) for one in self.collectors]
+        places += [(one.x - float(origin[0]), one.name) for one in self.barriers]
         places.sort()
         capacity = [one.capacity or np.inf for one in self.barriers]
         stations = np.array([x for x, _ in places])
@@ -395,13 +410,12 @@ class RockfallInputs:
                 raise ModelError(what, where="[rockfall], surface", remedy=remedy)
         low, high = points[0, 0], points[-1, 0]
         ranges.check_names("source", [one.name for one in self.sources])
-        ranges.check_names(
-            "collector or barrier", [o.name for o in (*self.collectors, *self.barriers)]
-        )
         given = partial(_beside, low, high)
-        for kind, tables in (("barrier", self.barriers), ("collector", self.collectors)):
-            for one in tables:
-                given(f"{kind} '{shortened(one.name)}'", [one.x])
+        placed = [("barrier", one.name, one.x) for one in self.barriers]
+        placed += [("collector", one.name, one.x) for one in self.collectors]
+        ranges.check_names("collector or barrier", [name for _, name, _ in placed])
+        for kind, name, x in placed:
+            given(f"{kind} '{shortened(name)}'", [x])
         for source in self.sources:
             ends = source.line or (source.at,)
             given(f"source '{shortened(source.name)}'", [end[0] for end in ends if end])

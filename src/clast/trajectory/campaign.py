@@ -133,7 +133,7 @@ class Campaign:
         barriers, stations = len(self.barriers), len(self.stations)
         return paths.Course(
             records=np.zeros((RECORDS_MAX, 14)),
-            count=np.array([0, 0, -1, -1]),
+            tally=np.array([0, 0, -1, -1]),
             passed=np.full((stations, 5), np.nan),
             hits=np.full((barriers, 5), np.nan),
             broken=np.zeros(barriers, np.bool_),
@@ -190,13 +190,13 @@ def path_row(campaign: Campaign, number: int, one: Path) -> list[Any]:
     ledger = course.ledger
     scale = one.rock.numbers[0] * np.hypot(*campaign.gravity) * campaign.ground.box[3]
     unaccounted = (ledger[paths.HAD] - ledger[:4].sum() - ledger[paths.KEPT]) / max(scale, 1e-300)
-    held = campaign.barriers[course.count[3]] if course.count[3] >= 0 else ""
+    held = campaign.barriers[course.tally[3]] if course.tally[3] >= 0 else ""
     x, y = campaign.origin
     return [
         *(number, one.source, one.volume, float(one.rock.numbers[0])),
         *(float(start[paths.X] + x), float(start[paths.Y] + y)),
-        *(ENDS[course.count[2]], held, float(one.state[0] + x), float(one.state[1] + y)),
-        *(float(course.clock[0]), int(course.count[1])),
+        *(ENDS[course.tally[2]], held, float(one.state[0] + x), float(one.state[1] + y)),
+        *(float(course.clock[0]), int(course.tally[1])),
         *(float(value) for value in course.largest),
         *(float(value) for value in ledger[:4]),
         float(unaccounted),
@@ -213,7 +213,7 @@ def portion(campaign: Campaign, numbers: Sequence[int]) -> tuple[list[list[Any]]
     for number in numbers:
         one = campaign.follow(number)
         rows.append(path_row(campaign, number, one))
-        records.append(_numbered(number, one.course.records[: one.course.count[0]]))
+        records.append(_numbered(number, one.course.records[: one.course.tally[0]]))
         passed += _present(number, one.course.passed)
         hits += _present(number, one.course.hits)
 

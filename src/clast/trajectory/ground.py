@@ -72,12 +72,13 @@ def ground_of(
     profile: Face, others: Sequence[Face], decks: Floats, capacity: Floats, stations: Floats
 ) -> Ground:
     """Return the ground of a profile and the faces of its barriers."""
-    start, way, length, surface, barrier = [], [], [], [], []
-    corner, beside = [], []
+    start, way, length = list[Floats](), list[Floats](), list[Floats]()
+    surface, barrier = list[int](), list[int]()
+    corner, beside = list[Floats](), list[tuple[int, int]]()
     for face in (profile, *others):
         steps = np.diff(face.points, axis=0)
         size = np.hypot(*steps.T)
-        unit, first = steps / size[:, None], sum(map(len, start))
+        unit, first = steps / size[:, None], sum(len(part) for part in start)
         turns = unit[:-1, 0] * unit[1:, 1] - unit[:-1, 1] * unit[1:, 0]
         back = np.sum(unit[:-1] * unit[1:], axis=1) < STRAIGHT - 1.0
         for k in np.flatnonzero((turns < -STRAIGHT) | back).tolist():

@@ -54,7 +54,7 @@ class Course(NamedTuple):
 
     records: Floats
     """Starts, blows, stretches on the ground, ends, (most, 14)."""
-    count: Ints
+    tally: Ints
     """Records, blows, way it ended, barrier that held it or -1, (4,)."""
     passed: Floats
     """Largest values at stations, nan where it never passed, (stations, 5)."""
@@ -91,14 +91,14 @@ def keep_largest(largest, values):
 @kernel()
 def write(course, kind, state, before, face, barrier, lost):
     """Write a record, if there is room."""
-    n = course.count[0]
+    n = course.tally[0]
     if n < len(course.records):
         one = course.records[n]
         one[KIND], one[CLOCK] = kind, course.clock[0]
         one[X:BEFORE] = state[:3]
         one[BEFORE:AFTER], one[AFTER:FACE] = before[3:], state[3:]
         one[FACE], one[BARRIER], one[LOST] = face, barrier, lost
-        course.count[0] += 1
+        course.tally[0] += 1
 
 
 @kernel()
@@ -129,7 +129,7 @@ def is_out(ground, rock, state):
 @kernel()
 def end_at(course, how):
     """Say how a path ends; return that it stops."""
-    course.count[2] = how
+    course.tally[2] = how
     return STOPS
 
 
@@ -193,7 +193,7 @@ def meet_barrier(ground, rock, course, state, pairs):
         state[3:] *= 0.0 if holds else np.sqrt(1.0 - taken / energy)
         write(course, BLOW, state, before, -1, b, taken)
         if holds:
-            course.count[3] = b
+            course.tally[3] = b
             return end_at(course, HELD), True
         course.broken[b] = True
         return FLIES, True
@@ -206,7 +206,7 @@ def strike(ground, rock, course, state, pairs, gentle):
     before = state.copy()
     contacts, lost = blow(ground, rock, state, pairs, course.counter, gentle)
     course.ledger[BY_BLOWS] += lost
-    course.count[1] += 1
+    course.tally[1] += 1
     kind, _i, k = pairs[0]
     seen = frame(ground, rock, state, kind, pairs[0, 1], k)
     face = surface_of(ground, kind, k, seen[0], seen[1])

@@ -143,9 +143,9 @@ class RockfallResults:
             "paths": (PATH_COLUMNS, zip(*self.paths.values(), strict=True)),
             "blows": (BLOW_COLUMNS, self.blows()),
         }
-        for name, rows in (("stations", self.stations()), ("barriers", self.barriers())):
-            if rows:
-                tables[name] = (list(rows[0]), iter([list(row.values()) for row in rows]))
+        for name, found in (("stations", self.stations()), ("barriers", self.barriers())):
+            if found:
+                tables[name] = (list(found[0]), iter([list(row.values()) for row in found]))
         files = []
         for name, (columns, rows) in tables.items():
             file = self.folder / f"{name}.csv"
