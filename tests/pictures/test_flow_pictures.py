@@ -10,6 +10,7 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 import clast
 from clast.pictures.draw_flow import (
@@ -23,7 +24,7 @@ from clast.pictures.figure_options import Look
 from clast.pictures.film import FilmLook, FrameDrawer
 from clast.pictures.flow_values import FLOW_FIELDS, LITRES, dry_channels
 from clast.pictures.frames import FrameDrawing
-from clast.pictures.joint_values import scale_of_faces
+from clast.pictures.joint_values import THICK, THIN, scale_of_faces
 from clast.pictures.magnified import magnified
 from clast.verification.problems.water.flow_uplift import dam
 from scenes.browsers import settled
@@ -33,7 +34,7 @@ matplotlib.use("Agg")
 WATER, HEAD, LENGTH, APERTURE = 9810.0, 4.0, 10.0, 2e-4
 
 
-def column(gravity: float = -9.81, fixed: bool = True) -> clast.Run:
+def plates_of(gravity: float = -9.81, fixed: bool = True) -> clast.ModelBuilder:
     """Two plates on a rock, from x = 1e4: water enters below the left one, and leaves at the toe.
 
     Between the plates is an upright joint, open above, up to 6 m.
@@ -50,7 +51,11 @@ def column(gravity: float = -9.81, fixed: bool = True) -> clast.Run:
     kind = {"head": HEAD} if gravity else {"pressure": WATER * HEAD}
     builder.flow_boundary("lake", edges=[((left, -2), (left, 6))], presses=False, **kind)
     builder.flow_boundary("toe", edges=[((right, -2), (right, 6))], seepage=True)
-    return clast.simulate(builder, end=0.02, step=0.01)
+    return builder
+
+
+def column(gravity: float = -9.81, fixed: bool = True) -> clast.Run:
+    return clast.simulate(plates_of(gravity, fixed), end=0.02, step=0.01)
 
 
 @pytest.fixture(scope="module")
@@ -249,3 +254,22 @@ def test_arrows_of_forces_are_left_out_where_water_has_its_own(tmp_path: Path):
     ):
         clast.plot_results(run, path, field=field, contacts=contacts)
         assert ("contact force" in path.read_text("utf-8")) is drawn
+
+
+def test_widths_of_several_frames_compare(tmp_path: Path):
+    """Twice the head is twice the flow: lines of the first stage are half as wide as the others."""
+    builder = plates_of()
+    stages = (
+        clast.Stage(name="low", until="time", time=0.01, flow_boundary={"lake": {"head": 2.0}}),
+        clast.Stage(name="high", until="time", time=0.01, flow_boundary={"lake": {"head": 4.0}}),
+    )
+    run = clast.simulate(builder, end=0.02, step=0.01, stages=stages)
+    low, high = (run.frame(-1, stage=name).number for name in ("low", "high"))
+    drawing = FrameDrawing(run, [low, high], "flow", Look())
+    scale = drawing.scale([low, high], drawing.part, None)
+    widths = []
+    for frame in (low, high):
+        axes = Figure().add_subplot()
+        lines, _ = drawing.draw(axes, frame, drawing.part, scale)
+        widths.append(np.max(lines.get_linewidths()) - THIN)
+    assert widths == pytest.approx([0.5 * (THICK - THIN), THICK - THIN])

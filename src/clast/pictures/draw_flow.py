@@ -12,7 +12,15 @@ from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, INK, Part
 from clast.pictures.draw_water import draw_level, draw_sign, level_handle
 from clast.pictures.fields import prefixed
-from clast.pictures.flow_values import FLOW_FIELDS, LITRES, LITRES_UNIT, STILL, dry_channels
+from clast.pictures.flow_values import (
+    FLOW_FIELDS,
+    LITRES,
+    LITRES_UNIT,
+    STILL,
+    dry_channels,
+    largest_flow,
+    with_widest,
+)
 from clast.pictures.joint_values import THICK, THIN
 from clast.pictures.magnified import as_it_was
 from clast.results import Recording
@@ -102,14 +110,18 @@ def largest_of_cells(at: Floats, size: Floats, side: float) -> Ints:
     return np.asarray(order[first])
 
 
-def draw_flow(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
-    """Draw dry channels, arrows on the channels with the largest flow, and the flows as numbers."""
+def draw_flow(axes: Axes, results: Recording, frame: int, seen: Part, widest: float) -> None:
+    """Draw dry channels, arrows on the channels with the largest flow, and the flows as numbers.
+
+    ``widest`` is the flow of the widest line, m2/s.
+    """
     from matplotlib.collections import LineCollection
 
     dry = dry_channels(results, frame)
     looks: dict[str, Any] = {"colors": FAINT, "linewidths": THIN, "zorder": 4.4}
     axes.add_collection(LineCollection(list(dry.ends), **looks))
     faces = FLOW_FIELDS["flow"].values(results, frame)
+    faces = with_widest(faces, largest_flow(results, frame), widest)
     # an edge, so that the pale colours of low values are seen
     wide = THIN + CASING + (THICK - THIN) * (0.0 if faces.width is None else faces.width)
     axes.add_collection(LineCollection(list(faces.ends), **{**looks, "linewidths": wide}))
@@ -142,7 +154,7 @@ def draw_water_tables(axes: Axes, results: Recording, frame: int, seen: Part) ->
         draw_sign(axes, points[(len(points) - 1) // 4], seen)
 
 
-def handles_of_flow(results: Recording, frame: int, field: str) -> list[Any]:
+def handles_of_flow(results: Recording, frame: int, field: str, widest: float) -> list[Any]:
     """Return the legend of water in joints: its table, and of its fields width, arrows, dry."""
     from matplotlib.lines import Line2D
 
@@ -151,10 +163,9 @@ def handles_of_flow(results: Recording, frame: int, field: str) -> list[Any]:
     handles: list[Any] = [level_handle("water table")] if surfaces_of(results, frame) else []
     if field not in FLOW_FIELDS:
         return handles
-    largest = float(FLOW_FIELDS["flow"].values(results, frame).value.max(initial=0.0))
-    if largest > 0.0:
-        factor, unit = prefixed(largest, LITRES_UNIT)
-        label = f"flow as width, up to {factor * largest:.3g} {unit}"
+    if widest > 0.0:
+        factor, unit = prefixed(LITRES * widest, LITRES_UNIT)
+        label = f"flow as width, up to {factor * LITRES * widest:.3g} {unit}"
         handles.append(Line2D([], [], color=INK, lw=3.0, label=label))
     if len(dry_channels(results, frame).value):
         handles.append(Line2D([], [], color=FAINT, lw=THIN, label="dry joint"))

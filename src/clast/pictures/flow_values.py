@@ -7,7 +7,7 @@ flow is dry: no field has a value there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -92,6 +92,17 @@ def stretches(results: Recording, frame: int) -> Stretches:
         edge=here.edge[row, 0],
         weight=results.channels.weight,
     )
+
+
+def largest_flow(results: Recording, frame: int) -> float:
+    """Return the largest flow in a channel of a frame, m2/s."""
+    return float(stretches(results, frame).flow.max(initial=0.0))
+
+
+def with_widest(faces: Faces, largest: float, widest: float) -> Faces:
+    """Return channels of a frame whose largest flow is ``largest`` as wide as beside ``widest``."""
+    width = None if faces.width is None else faces.width * (largest / (widest or 1.0))
+    return replace(faces, width=width)
 
 
 def dry_channels(results: Recording, frame: int) -> Faces:

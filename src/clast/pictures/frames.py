@@ -29,7 +29,7 @@ from clast.pictures.draw_water import (
 from clast.pictures.faces import together
 from clast.pictures.fields import KINDS, SCALARS, ColourScale, check_field, prefixed, scale_of
 from clast.pictures.figure_options import Look
-from clast.pictures.flow_values import FLOW_FIELDS
+from clast.pictures.flow_values import FLOW_FIELDS, largest_flow, with_widest
 from clast.pictures.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces
 from clast.pictures.layers import LAYERS
 from clast.pictures.magnified import as_it_was, factor_to_be_seen, magnified
@@ -72,6 +72,9 @@ class FrameDrawing:
         if look.water and look.zoom is None:
             self.part = with_levels(as_it_was(results), self._waters(frames[-1]), self.part)
             self.part = with_heads(results, frames[-1], self.part)
+        self._widest = 0.0
+        if field in FLOW_FIELDS:  # lines of all frames compare
+            self._widest = max(largest_flow(results, frame) for frame in frames)
         self.has_scale = field in SCALARS or field in JOINT_FIELDS
         start, places = results.point_start, places_of_points(results, frames)
         self._points = dict(zip(frames, start + self.factor * (places - start), strict=True))
@@ -123,7 +126,7 @@ class FrameDrawing:
             *self._magnification(),
             *handles_of(self._edges(frame), self.part),
             *handles_of_water(waters, pressures),
-            *(handles_of_flow(results, frame, self.field) if self._water else ()),
+            *(handles_of_flow(results, frame, self.field, self._widest) if self._water else ()),
             *handles_of_surcharge(surcharge_of(results, frame)),
             *handles_of_bolts(results.bolts(frame)),
             *handles_of_links(results, frame),
@@ -147,6 +150,8 @@ class FrameDrawing:
             coloured.set_facecolor(GROUND)
             if scale is not None:
                 faces = JOINT_FIELDS[field].values(results, frame)
+                if field in FLOW_FIELDS:
+                    faces = with_widest(faces, largest_flow(results, frame), self._widest)
                 coloured = draw_faces(axes, faces, scale)
                 label = self.paint(coloured, faces.value, scale)
         elif scale is None:
@@ -162,7 +167,7 @@ class FrameDrawing:
         if self._water:
             draw_water_tables(axes, results, frame, seen)
         if field in FLOW_FIELDS:
-            draw_flow(axes, results, frame, seen)
+            draw_flow(axes, results, frame, seen, self._widest)
         draw_edges(axes, edges, seen, int(draw_blocks.within(results, here, *seen).sum()))
         draw_bolts(axes, results.bolts(frame))
         for layer in self.layers:

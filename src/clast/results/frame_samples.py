@@ -192,7 +192,7 @@ LITRES = 1e3 * 60.0 * 10.0
 
 
 def flow_notes(model: Model, state: State) -> tuple[str, ...]:
-    """Return what flows at boundaries and wells at the end, the largest pressure, what is lost."""
+    """Return what flows at boundaries and wells at the end, largest pressure, Re, what is lost."""
     if model.flow is None:
         return ()
     water, names = joint_water(model, state), FLOWS.names(model)
@@ -210,6 +210,10 @@ def flow_notes(model: Model, state: State) -> tuple[str, ...]:
         at = water.network.at[water.solved.pressure.argmax()] + model.origin
         largest = f"flow: largest pressure {pressure[-1]:.4g} Pa, at {point_text(at)}"
         notes.append(f"{largest}; {abs(unaccounted[-1]):.2g} m3/s per m unaccounted for")
+        reynolds = model.flow.reynolds(water.solved.flow)
+        if reynolds.any():
+            at = water.network.middle[reynolds.argmax()] + model.origin
+            notes.append(f"flow: largest Re = rho q/mu {reynolds.max():.3g}, at {point_text(at)}")
     return tuple(notes)
 
 

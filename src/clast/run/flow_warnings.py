@@ -25,7 +25,7 @@ def flow_warnings(model: Model, state: State) -> Iterator[str]:
     if flow is None or water is None or not len(water.conductance):
         return
     network = water.network
-    reynolds = flow.density * np.abs(water.solved.flow) / flow.viscosity
+    reynolds = flow.reynolds(water.solved.flow)
     worst = int(reynolds.argmax())
     if reynolds[worst] > TURBULENT:
         at = point_text(network.middle[worst] + model.origin)

@@ -126,6 +126,10 @@ class Flow:
         """Whether any head changes with time."""
         return any(one.factor is not None for one in self.boundaries)
 
+    def reynolds(self, flow: Floats) -> Floats:
+        """Return the Reynolds numbers Re = rho q/mu of flows q in channels, m2/s, (k,)."""
+        return np.asarray(self.density * np.abs(flow) / self.viscosity)
+
     def __repr__(self) -> str:
         return f"Flow({self.state}, {len(self.boundaries)} boundaries, {len(self.wells)} wells)"
 

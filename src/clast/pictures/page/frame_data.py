@@ -13,7 +13,7 @@ from clast.model.model import Floats, Ints
 from clast.pictures.draw_flow import flows_of, surfaces_of, text_of_flow
 from clast.pictures.draw_water import dry_of, pressures_of, waters_of
 from clast.pictures.faces import Faces
-from clast.pictures.flow_values import FLOW_FIELDS, dry_channels
+from clast.pictures.flow_values import FLOW_FIELDS, dry_channels, largest_flow, with_widest
 from clast.pictures.frames import places_of_points
 from clast.pictures.joint_values import JOINT_FIELDS
 from clast.pictures.linings import DIAGRAMS, carries, pairs_of
@@ -187,10 +187,11 @@ def _contacts_and_joints(about: _About, budget: float) -> dict[str, Any]:
                 order[wet.edge],
             )
     if len(about.results.channels.edge):
+        largest = {number: largest_flow(about.results, number) for number in about.numbers.tolist()}
         for name, values in {**_flow_values(about.results), "dry": dry_channels}.items():
             faces[name] = Rows(CHANNEL_BYTES, budget)
-            for number in map(int, about.numbers):
-                found = values(about.results, number)
+            for number, flow in largest.items():
+                found = with_widest(values(about.results, number), flow, max(largest.values()))
                 _add_faces(about, faces[name], found, order[found.edge])
     room = room_of_each([one.bytes * one.total for one in (contacts, *faces.values())], budget)
 

@@ -33,7 +33,7 @@ export function drawDry(pen, { run, view, frame, theme }) {
 /** Draw an arrow on the channel with the largest flow of each square of the screen, and flows as numbers. */
 export function drawFlow(pen, { run, view, frame, theme }) {
   const cells = new Map();
-  const least = LEAST * largestFlow(run, frame);
+  const least = LEAST * largestFlow(run);
   run.eachFace("flow", frame, (ends, value) => {
     const [x, y] = [view.screenX(0.5 * (ends[0] + ends[2])), view.screenY(0.5 * (ends[1] + ends[3]))];
     if (!(value > least) || x < 0 || x > view.width || y < 0 || y > view.height) return;
@@ -59,15 +59,14 @@ export function drawFlow(pen, { run, view, frame, theme }) {
   }
 }
 
-function largestFlow(run, frame) {
-  let largest = 0;
-  run.eachFace("flow", frame, (_, value) => (largest = Math.max(largest, value)));
-  return largest;
+/** Return the largest flow in a channel in all frames, as wide as lines are. */
+function largestFlow(run) {
+  return run.faces.flow.value.reduce((most, one) => Math.max(most, one), 0);
 }
 
 /** Return the entries of the legend: flow as width, and dry joints. */
 export function legendOfFlow({ run, frame, theme }) {
-  const largest = largestFlow(run, frame);
+  const largest = largestFlow(run);
   const [, unit] = run.scene.joint_labels.flow;
   const found = [];
   if (largest > 0) found.push({ colour: theme.ink, width: 4, text: `flow as width, up to ${withUnit(largest, unit, 3)}` });
