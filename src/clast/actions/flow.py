@@ -3,8 +3,8 @@
 Pressures act on blocks as they lie halfway through a step.
 Steady flow is found anew where a stage changes blocks or boundaries, or a head changes with time;
 flow that takes time goes on from step to step, and what was in excavated joints is gone with them.
-Apertures are those of the start.  In a channel that is dry at its upper end water stands
-up to the height p/(rho g - q/(C dy)) above its lower one.
+Apertures are those of the start, or of the last equilibrium (following.py).  In a channel that is
+dry at its upper end water stands up to the height p/(rho g - q/(C dy)) above its lower one.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import numpy as np
 from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
 from clast.actions.water import Pressed, sums_on_blocks
 from clast.model.arrays import Bools, Floats, Ints
-from clast.model.flow.apertures import at_start, conductance, hydraulic
+from clast.model.flow.apertures import at_start, conductance, hydraulic, of_blocks
 from clast.model.flow.balance import GIVEN, Balance, Solved
 from clast.model.flow.channels import Network, faces_at
 from clast.model.flow.conditions import Conditions, conditions_of, faces_on
-from clast.model.flow.given import HEAD, Flow
+from clast.model.flow.given import HEAD, STEADY, Flow
 from clast.model.flow.network import network_of
 from clast.model.flow.solving import advanced, steady
 from clast.model.model import Model
@@ -50,6 +50,14 @@ class JointWater:
     """Number of the stages that have begun."""
     time: float
     """Time for which it is solved, s."""
+    taken: tuple[Floats, ...] = ()
+    """Logarithms of the apertures of the last equilibria of this stage, (2 k,) each."""
+    came: tuple[Floats, ...] = ()
+    """Those of the apertures that came of them, (2 k,) each."""
+    passes: int = 0
+    """Equilibria of this stage after which the flow was found again."""
+    left: float = 0.0
+    """Change of an aperture that the last of them left, as a share of it."""
 
     def __repr__(self) -> str:
         return f"JointWater({self.network}, at t = {self.time:.6g} s)"
@@ -62,13 +70,18 @@ class WetContribution(Contribution):
     water: JointWater
 
 
-def water_at(model: Model, time: float, before: JointWater | None = None) -> JointWater:
-    """Return the water in the joints of a model at a time, s; ``before`` has what stays."""
+def water_at(
+    model: Model, time: float, before: JointWater | None = None, vertices: Floats | None = None
+) -> JointWater:
+    """Return the water in the joints of a model at a time, s; ``before`` has what stays.
+
+    A network that is found anew has apertures with blocks at ``vertices`` (nv, 2), m, or at first.
+    """
     flow, begun = flow_of(model), len(model.begun)
     if before is None:
         return _started(model, begun_at(model, time))
     same = np.array_equal(before.absent, model.absent)
-    water = before if same else begun_at(model, time)
+    water = before if same else begun_at(model, time, vertices)
     if flow.state == "transient":
         return _advanced(model, carried(before, water), time)
     if same and begun == before.begun and not flow.changes:
@@ -77,15 +90,18 @@ def water_at(model: Model, time: float, before: JointWater | None = None) -> Joi
     if not same or not conditions.same(before.conditions):
         near = before.solved if same else None
         water = replace(water, conditions=conditions)
-        water = replace(water, solved=_solved(model, water, flow.state, near))
-    return replace(water, begun=begun, time=time, pressed=faces_pressed(model, water.network))
+        water = replace(water, solved=solved_in(model, water, flow.state, near))
+    pressed = faces_pressed(model, water.network)
+    if begun != before.begun:
+        water = replace(water, taken=(), came=(), passes=0, left=0.0)
+    return replace(water, begun=begun, time=time, pressed=pressed)
 
 
 def _started(model: Model, water: JointWater) -> JointWater:
     """Return water as it is at the start of a run."""
     flow = flow_of(model)
     state = flow.initial if flow.state == "transient" else flow.state
-    return replace(water, solved=_solved(model, water, state, None))
+    return replace(water, solved=solved_in(model, water, state, None))
 
 
 def _advanced(model: Model, before: JointWater, time: float) -> JointWater:
@@ -220,8 +236,10 @@ class JointFlow(Action):
     def contribution(self, start: StepStart, state: JointWater) -> WetContribution:
         """Return the sum of the forces of water on each block, as it flows in this step."""
         model, midway, time = start.model, start.midway, start.time_of_forces
-        takes_time = flow_of(model).state == "transient"
-        water = water_at(model, start.end if takes_time else time, state)
+        flow = flow_of(model)
+        takes_time, follows = flow.state == "transient", flow.coupling == STEADY
+        vertices = start.state.vertices if follows else None
+        water = water_at(model, start.end if takes_time else time, state, vertices)
         pressed = (
             pressed_channels(water, model, midway.vertices),
             pressed_faces(water, model, midway.vertices, time),
@@ -256,6 +274,7 @@ def is_whole(water: JointWater, model: Model) -> bool:
     shapes += [(one, (m,)) for one in of_nodes]
     shapes += [(one, (k, 2)) for one, _ in pairs] + [(water.aperture, (k, 2))]
     shapes += [(network.share, (k, 2, 2)), (network.at, (m, 2)), (water.absent, (blocks,))]
+    shapes += [(one, (2 * k,)) for one in (*water.taken, *water.came)]
     shapes += [(network.face_share, (faces, 2)), (on.kind, (m,)), (on.part, (m,))]
     if not all(one.shape == shape for one, shape in shapes):
         return False
@@ -273,13 +292,16 @@ def flow_of(model: Any) -> Flow:
     return flow
 
 
-def begun_at(model: Model, time: float) -> JointWater:
-    """Return the water in a network that is found anew."""
+def begun_at(model: Model, time: float, vertices: Floats | None = None) -> JointWater:
+    """Return the water in a network that is found anew, with blocks at ``vertices`` or at first."""
     flow = flow_of(model)
     network = flow.network
     if network is None or (model.absent & ~model.lined).any():
         network = network_of(model, flow.longest, flow.points)
-    mechanical = at_start(model, network)
+    if vertices is None:
+        mechanical = at_start(model, network)
+    else:
+        mechanical = of_blocks(model, network, vertices)
     aperture = hydraulic(model, network, mechanical)
     # half of each channel belongs to the node at either end
     half = 0.25 * network.length * np.maximum(mechanical, 0.0).sum(axis=1)
@@ -299,7 +321,7 @@ def begun_at(model: Model, time: float) -> JointWater:
     )
 
 
-def _solved(model: Model, water: JointWater, state: str, near: Solved | None) -> Solved:
+def solved_in(model: Model, water: JointWater, state: str, near: Solved | None) -> Solved:
     """Return the flow in a state; of steady flow ``near`` saves time."""
     if state == "steady":
         return steady(balance_of(model, water, water.conditions), near)

@@ -86,7 +86,7 @@ class ModelBuilder:
 
     Keys:
         state: Steady flow between boundaries; flow that takes time; or water at rest under a level.
-        coupling: Whether pressures act alone, apertures being those of the start; or blocks open and close joints, and are moved by what flows, of state "transient".
+        coupling: "none": pressures act, and apertures are those of the start; "steady": at the end of a stage until equilibrium, or of a static run, apertures and pressures of state "steady" agree; "full": blocks open and close joints, and are moved by what flows, of state "transient".
         passes: Times that a step of "full" is solved again at most, for conductances to agree with it.
         level: Height y of water at rest, m, of state or initial "hydrostatic".
         initial: Water at the start of state "transient": steady flow, if absent, none, or at rest under a level.

@@ -27,9 +27,10 @@ class FlowTable(Table):
 
     state: Literal["steady", "transient", "hydrostatic"] = "steady"
     """Steady flow between boundaries; flow that takes time; or water at rest under a level."""
-    coupling: Literal["none", "full"] = "none"
-    """Whether pressures act alone, apertures being those of the start; or blocks open and close
-    joints, and are moved by what flows, of state "transient"."""
+    coupling: Literal["none", "steady", "full"] = "none"
+    """"none": pressures act, and apertures are those of the start; "steady": at the end of a stage
+    until equilibrium, or of a static run, apertures and pressures of state "steady" agree; "full":
+    blocks open and close joints, and are moved by what flows, of state "transient"."""
     passes: Annotated[int, Field(ge=1, le=100)] = 10
     """Times that a step of "full" is solved again at most, for conductances to agree with it."""
     level: Coordinate | None = None
@@ -61,6 +62,10 @@ class FlowTable(Table):
         if self.coupling == "full" and self.state != "transient":
             what = f'"full" does not go with state = "{self.state}"'
             remedy = 'give state = "transient": blocks move while water flows'
+            raise refusal(what, remedy, "coupling")
+        if self.coupling == "steady" and self.state != "steady":
+            what = f'"steady" does not go with state = "{self.state}"'
+            remedy = 'give state = "steady"; flow that takes time follows blocks by "full"'
             raise refusal(what, remedy, "coupling")
         rests = "hydrostatic" in (self.state, self.initial)
         if rests and self.level is None:

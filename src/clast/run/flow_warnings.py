@@ -7,8 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from clast.actions.flow import JointWater
+from clast.actions.following import PASSES_MAX
 from clast.model.checks import point_text
 from clast.model.flow.apertures import gaps
+from clast.model.flow.given import STEADY
 from clast.model.model import Model
 from clast.model.state import State
 
@@ -34,6 +36,13 @@ def flow_warnings(model: Model, state: State) -> Iterator[str]:
             f"above {TURBULENT:g}, and the cubic law gives too much. Give a smaller aperture, or a "
             "flow_factor"
         )
+    if flow.coupling == STEADY and water.passes >= PASSES_MAX:
+        yield (
+            f"flow: after {water.passes} equilibria the flow still changes apertures by "
+            f"{water.left:.2g} of them. Give a shorter longest, or stiffer joints"
+        )
+    if flow.coupling != "none":
+        return
     after = model.vertex_after
     opened = gaps(network, state.vertices, after) - gaps(network, model.vertices, after)
     aperture = np.array([one.aperture_without_stress for one in model.joint_table.joints])
@@ -47,6 +56,6 @@ def flow_warnings(model: Model, state: State) -> Iterator[str]:
         yield (
             f"flow: {network.length[wide].sum():.4g} m of joints have opened by more than half of "
             f"their aperture{wet if pressed.any() else ''}, most at {at}: the flow is that of the "
-            "apertures of the start, and does not follow. Give these joints a wider aperture, or "
-            "hold the blocks"
+            'apertures of the start, and does not follow. Give [flow] coupling = "steady", these '
+            "joints a wider aperture, or hold the blocks"
         )

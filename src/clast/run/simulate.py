@@ -26,7 +26,7 @@ from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
 from clast.results.run_report import about_method
-from clast.run import law_check
+from clast.run import following, law_check
 from clast.run.checkpointing import Checkpointing
 from clast.run.drawing import drawn
 from clast.run.events import Listener, bonds_break
@@ -146,12 +146,26 @@ class Stepping:
         )
         if self.statics is not None:
             after = self._along(now, after, result, (clock, cuts))
+        if self.model.flow is not None and self.is_over(after):
+            after = self._with_flow(after)
         if self.is_over(after):
+            result = changed(result, state=after.state)
             if self.statics is not None and after.path is not None:
                 after = replace(after, path=self.statics.examined(after.path, after.state))
             if position is not None:
                 after = replace(after, position=replace(position, over=True))
         return after, result
+
+    def _with_flow(self, now: RunState) -> RunState:
+        """Return a run at its end, or that of a stage; it goes on where the flow has to follow."""
+        judge, path, position = self.judge, now.path, now.position
+        if self.statics is not None and path is not None:
+            judge, rests = self.statics.judge, path.balanced and path.failure is None
+        else:
+            rests = judge is not None and position is not None and judge.is_over(position)
+        if judge is None or not rests:
+            return now
+        return following.after_equilibrium(self.model, now, judge.stage)
 
     def _along(
         self, now: RunState, after: RunState, result: StepResult, taken: tuple[float, int]

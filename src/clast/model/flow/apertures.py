@@ -35,6 +35,20 @@ def at_start(model: Model, network: Network) -> Floats:
     return mechanical(model, network, gap, pressed)
 
 
+def of_blocks(model: Model, network: Network, vertices: Floats) -> Floats:
+    """Return the mechanical apertures with blocks at ``vertices`` (nv, 2), m, shape (k, 2).
+
+    Springs of joints carry N by a closure of as much as N/(k_n L), so that faces have come nearer
+    by it: the gap g, below 0 where they overlap, tells both.  Other springs close no joint.
+    """
+    after, joints = model.vertex_after, model.joint_table.joints
+    at_first = np.maximum(gaps(network, model.vertices, after), 0.0)
+    closes = [one.normal_stiffness is not None or one.roughness is not None for one in joints]
+    gap = gaps(network, vertices, after)
+    gap = np.where(np.array(closes)[network.joint, None], gap, np.maximum(gap, 0.0))
+    return at_start(model, network) + (gap - at_first)
+
+
 def gaps(network: Network, vertices: Floats, after: Ints) -> Floats:
     """Return the distance of the faces of channels at both ends, m, below 0 for overlap, (k, 2).
 

@@ -15,8 +15,8 @@ HEAD, PRESSURE, FLUX, RAIN = "head", "pressure", "flux", "rain"
 SEEPS, TIGHT, RATE = "seepage", "impermeable", "rate"
 RANK = {TIGHT: 0, FLUX: 1, RAIN: 2, SEEPS: 2, PRESSURE: 3, HEAD: 3}
 """Where a node is of two boundaries, the kind with the higher rank decides."""
-FULL = "full"
-"""Coupling of water and blocks in one potential."""
+STEADY, FULL = "steady", "full"
+"""Coupling by equilibria in which apertures and pressures agree, or in one potential."""
 REST = ("bare rock", "tight sides")
 """Names of the outer nodes of no boundary: those that give water off, and those that do not."""
 
@@ -82,7 +82,7 @@ class Flow:
     state: str
     """"steady", "transient" or "hydrostatic"."""
     coupling: str = "none"
-    """"none" or FULL."""
+    """"none", STEADY or FULL."""
     passes: int = 10
     """Times that a step of FULL coupling is solved again at most."""
     initial: str = "steady"

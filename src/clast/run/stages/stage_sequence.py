@@ -8,6 +8,7 @@ from functools import cached_property
 
 from clast.actions.damping import Undamped
 from clast.errors import ModelError
+from clast.model.flow.given import STEADY
 from clast.model.stage_records import (
     BROKEN_OFF,
     FAILS,
@@ -56,17 +57,27 @@ class StageSequence:
     def check(self) -> None:
         """Refuse stages that are none, and drawpoints where all steps are static: nothing moves."""
         check_stages(self.stages, self.base.model)
-        ratios = (
-            map(self._dynamic_ratio, self.stages)
-            if self.stages
-            else [self.base.method.dynamic_ratio]
-        )
+        ratios = [self._dynamic_ratio(stage) for stage in self.stages]
+        ratios = ratios or [self.base.method.dynamic_ratio]
+        self._check_flow(any(ratio == 0.0 for ratio in ratios))
         points = self.base.model.drawpoints
         if points and not any(ratios):
             raise ModelError(
                 "no block comes past it: all steps are static",
                 where=f"drawpoint '{points[0].name}'",
                 remedy="give time.dynamic_ratio = 1.0, or a stage with dynamic_ratio = 1.0",
+            )
+
+    def _check_flow(self, static: bool) -> None:
+        """Refuse a flow that follows equilibria where none comes; ``static``: some steps are."""
+        flow = self.base.model.flow
+        comes = static or any(stage.until == EQUILIBRIUM for stage in self.stages)
+        if flow is not None and flow.coupling == STEADY and not comes:
+            raise ModelError(
+                '"steady" follows equilibria, and this run comes to none',
+                where="flow, coupling",
+                remedy="give time.dynamic_ratio = 0.0, a stage until equilibrium, or "
+                'coupling = "none"',
             )
 
     def setting_at(self, position: Position | None, state: State) -> Setting:

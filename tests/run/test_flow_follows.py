@@ -1,0 +1,147 @@
+"""Flow in joints whose apertures are those of the equilibrium that it presses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import clast
+from clast.model.flow.apertures import at_start, hydraulic, of_blocks
+from scenes.closing_joint import FLOW, STIFFNESS, at_rest, model_of, through, water_of
+from scenes.restarts import pressed_at
+
+pytestmark = pytest.mark.filterwarnings("ignore::clast.RunWarning")
+
+
+@pytest.fixture(scope="module")
+def followed() -> clast.Run:
+    return at_rest(model_of(50))
+
+
+def test_flow_through_a_joint_that_its_pressure_opens(followed):
+    """k_n (a1^4 - a2^4)/(48 mu L): the fourth power of the aperture falls evenly."""
+    assert through(followed) == pytest.approx(FLOW, rel=0.01)
+    still = at_rest(replace(model_of(50), flow=replace(model_of(50).flow, coupling="none")))
+    assert through(still) > 10.0 * FLOW
+
+
+def test_the_end_tells_how_well_flow_and_apertures_agree(followed):
+    (event,) = [one for one in followed.report.events if one.kind == "flow agrees"]
+    water = water_of(followed)
+    assert event.text.endswith(f"after {water.passes + 1} equilibria")
+    assert 0.0 < water.left < 1e-4
+    assert f"{water.left:.2g}" in event.text
+
+
+def test_apertures_are_those_of_the_forces_of_contacts(followed):
+    """E = a0 - N/(k_n L), with N of the contacts on the length of joint that each stands for."""
+    water, memory = water_of(followed), followed.state.memory
+    pressure = water.solved.pressure[water.network.node].mean(axis=1)
+    width = water.network.length
+    block = water.network.block.max(axis=1)
+    for column in block.tolist():
+        mine = (followed.model.vertex_block[memory.vertex] == column) | (memory.block == column)
+        closed = memory.normal_force[mine & (memory.normal_force > 0.0)].sum()
+        row = int(np.flatnonzero(block == column)[0])
+        aperture = model_of(50).joint_table.joints[1].aperture_without_stress
+        expected = aperture - closed / (STIFFNESS * width[row])
+        assert water.aperture[row] == pytest.approx(expected, rel=1e-3), pressure[row]
+
+
+@pytest.mark.parametrize(
+    ("given", "steps", "same"),
+    [
+        ({"angle": 37.0}, {}, 1e-6),
+        ({"mirrored": True}, {}, 1e-9),
+        ({"order": np.random.default_rng(3).permutation(50)}, {}, 1e-9),
+        ({}, {"step": 0.03}, 1e-6),
+    ],
+    ids=["turned", "mirrored", "renumbered", "stepped otherwise"],
+)
+def test_the_flow_is_the_same(followed, given, steps, same):
+    assert through(at_rest(model_of(50, **given), **steps)) == pytest.approx(
+        through(followed), rel=same
+    )
+
+
+STAGED = """
+title = "A heading between two lakes"
+gravity = [0.0, -9.81]
+[time]
+end = 1.0
+step = 1e-2
+dynamic_ratio = 0.0
+[rock.stone]
+young = 50e9
+poisson = 0.2
+density = 2600.0
+[joint.default]
+friction_angle = 40.0
+cohesion = 1e6
+tensile_strength = 1e6
+normal_stiffness = 2e9
+shear_stiffness = 1e9
+aperture = 2e-4
+[domain]
+boundary = [[0, 0], [10, 0], [10, 10], [0, 10]]
+fixed_sides = ["bottom", "left", "right"]
+[[joint_set]]
+name = "a"
+angle = 20
+spacing = 1.6
+[[joint_set]]
+name = "b"
+angle = 95
+spacing = 1.3
+[[opening]]
+name = "heading"
+shape = "box"
+corner = [4, 1.2]
+size = [2, 2]
+[in_situ]
+vertical = "overburden"
+k0 = 0.8
+[flow]
+coupling = "steady"
+[[flow_boundary]]
+name = "lake"
+where = {side = "left"}
+head = 9.0
+[[flow_boundary]]
+name = "sea"
+where = {side = "right"}
+head = 7.3
+[[stage]]
+name = "before"
+[[stage]]
+name = "dug"
+excavate = ["heading"]
+"""
+
+
+def staged() -> clast.Case:
+    return clast.Case.from_text(STAGED, "case")
+
+
+def test_flow_follows_each_stage_and_goes_on_from_a_checkpoint(tmp_path):
+    run = staged().run(output=tmp_path / "run.vtkhdf")
+    told = [one for one in run.report.events if one.kind == "flow agrees"]
+    assert [one.stage for one in told] == ["before", "dug"]
+    water, model = water_of(run), run.model
+    assert 0.0 < water.left < 1e-4
+    found = hydraulic(model, water.network, of_blocks(model, water.network, run.state.vertices))
+    assert found == pytest.approx(water.aperture, rel=1e-4)
+    start = hydraulic(model, water.network, at_start(model, water.network))
+    assert np.abs(found / start - 1.0).max() > 0.05
+    steps = run.report.stages[0].steps + 9  # between two equilibria of the second stage
+    part = staged().run(output=tmp_path / "part.vtkhdf", progress=pressed_at(steps))
+    again = clast.resume(part.checkpoint)
+    np.testing.assert_array_equal(again.state.vertices, run.state.vertices)
+    np.testing.assert_array_equal(again.flow().rows, run.flow().rows)
+
+
+def test_a_flow_without_an_equilibrium_to_follow_is_refused():
+    with pytest.raises(clast.ModelError, match=r"follows equilibria.*none"):
+        at_rest(model_of(4), dynamic_ratio=1.0)
