@@ -361,7 +361,8 @@ class InputBuilder(Inputs):
             waits=waits,
         )
         water, wet = waters_in(self.all(Water), bed)
-        in_situ = self._stress_in_situ(outlines, density, gravity)
+        rock = np.where(waits, 0.0, outlines.area)  # linings that come later weigh nothing yet
+        in_situ = self._stress_in_situ(outlines, rock, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
         actions = *self.actions, *self.actions_from(ground), *linings
         # links may let blocks overlap
@@ -429,12 +430,15 @@ class InputBuilder(Inputs):
         return with_flow(model, flow, bed)
 
     def _stress_in_situ(
-        self, outlines: BlockOutlines, density: Floats, gravity: Floats
+        self, outlines: BlockOutlines, area: Floats, density: Floats, gravity: Floats
     ) -> InSituStress | None:
-        """Return the stress in the rock, with the edges of openings; ``density`` (n,), kg/m3."""
+        """Return the stress in the rock, with the edges of openings.
+
+        That of the overburden is by the mean of ``density`` (n,), kg/m3, over ``area`` (n,), m2.
+        """
         given: InSituStress | Overburden | None = self.in_situ
         if isinstance(given, Overburden):
-            mean = float((density * outlines.area).sum() / outlines.area.sum())
+            mean = float((density * area).sum() / area.sum())
             given = given.stress(mean, gravity, outlines.top)
         if given is None or not self.opening_outlines:
             return given

@@ -215,6 +215,17 @@ def test_a_lining_comes_without_stress_and_bears_what_is_released(law: str):
     assert n == pytest.approx(np.roll(n, len(n) // 2), rel=1e-3)
 
 
+def test_a_lining_that_comes_later_is_no_overburden():
+    builder = tunnel()
+    builder.gravity = (0.0, -9.8)
+    builder.in_situ = clast.Overburden(k0=0.5, datum=100.0)
+    stress = builder.build().in_situ
+    assert stress is not None
+    rock = builder.build().rocks[0]
+    vertical = rock.density * float(builder.build().gravity[1])
+    assert stress.gradient == pytest.approx((0.5 * vertical, vertical, 0.0), rel=1e-14)
+
+
 def test_a_run_with_a_lining_goes_on_to_the_bit(tmp_path: Path):
     text = tunnel().to_toml(end=2.6, stages=STAGES, **STEPS)
     case = clast.Case.from_toml(text, ["output.checkpoint_every=1e6", "output.every=0.5"])
