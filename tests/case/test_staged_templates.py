@@ -68,3 +68,24 @@ def test_the_shaken_wall_cracks_and_twice_as_strong_a_pier_comes_apart(scale, le
     run = Case.from_toml(TEMPLATES["shaken-wall"], settings).run()
     assert outcomes(run)["rest"] == "equilibrium"
     assert least < np.hypot(*run.field("displacement")[-1].T).max() < most
+
+
+def test_drains_relieve_the_dam():
+    """N of the base is the weight less the uplift, and its shear force the thrust of the water."""
+    run = Case.from_toml(TEMPLATES["dam"]).run()
+    assert set(outcomes(run).values()) == {"equilibrium"}
+    assert not run.report.warnings
+    dam = run.block_name.index("dam")
+    weight, thrust = 2400 * 9.81 * 0.5 * (11 + 2) * 15, 0.5 * 9810 * 13.5**2
+    for stage, uplift, water in (
+        ("empty", 0.0, 0.0),
+        ("full", 0.664e6, 1.0),
+        ("drained", 0.153e6, 1.0),
+    ):
+        frame = run.frame(-1, stage=stage)
+        contacts, up = frame.contacts, frame.flow.force_on(dam)[1]
+        below = (contacts.vertex_block == dam) | (contacts.edge_block == dam)
+        assert up == pytest.approx(uplift, rel=2e-3)
+        normal, shear = contacts.normal_force[below].sum(), contacts.shear_force[below].sum()
+        assert normal == pytest.approx(weight - up, rel=1e-5)
+        assert abs(shear) == pytest.approx(water * thrust, rel=1e-4, abs=100.0)
