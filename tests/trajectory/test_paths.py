@@ -267,3 +267,48 @@ def test_a_fast_thin_rock_does_not_pass_through_a_fast_spin_or_a_thin_wall() -> 
         )
         assert last[0] < 5.0
         assert not math.isnan(course.hits[0, path.HIT_TIME])
+
+
+def test_four_blows_on_three_slopes_are_those_of_an_independent_integration() -> None:
+    profile = [(0.0, 10.0), (10.0, 10.0), (25.0, 2.0), (45.0, 6.0)]
+    restitution, tan, mass = 0.5, 0.4, 2500.0
+    course, _, rock = followed(
+        [2.0, 14.0, 0.3, 14.0, 0.0, 1.0], profile=profile, rows=[surface(restitution, tan)]
+    )
+    blows = [one for one in course.records if one[path.KIND] == path.BLOW][:4]
+    inertia, now, clock = rock.numbers[1], np.array([2.0, 14.0, 0.3, 14.0, 0.0, 1.0]), 0.0
+
+    def after(time: float) -> np.ndarray:
+        there = now + time * np.array([now[3], now[4], now[5], 0.0, -GRAVITY, 0.0])
+        there[1] -= 0.5 * GRAVITY * time**2
+        return there
+
+    def arms(there: np.ndarray) -> np.ndarray:
+        c, s = math.cos(there[2]), math.sin(there[2])
+        return rock.corners @ np.array([[c, s], [-s, c]])
+
+    def depths(there: np.ndarray) -> np.ndarray:
+        x, y = (there[:2] + arms(there)).T
+        return y - np.interp(x, *np.array(profile).T)
+
+    for blow in blows:
+        time = 1e-6
+        while depths(after(time)).min() > 0.0:
+            time += 1e-4
+        low, high = time - 1e-4, time
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if depths(after(middle)).min() > 0.0 else (low, middle)
+        there = after(low)
+        clock += low
+        corner = arms(there)[depths(there).argmin()]
+        x = there[0] + corner[0]
+        k = max(k for k in range(3) if profile[k][0] <= x)
+        slope = math.atan2(profile[k + 1][1] - profile[k][1], profile[k + 1][0] - profile[k][0])
+        turn = np.array([[math.cos(slope), math.sin(slope)], [-math.sin(slope), math.cos(slope)]])
+        moving = struck(
+            mass, inertia, turn @ corner, (*(turn @ there[3:5]), there[5]), restitution, tan
+        )
+        now = np.array([*there[:3], *(np.array(moving[:2]) @ turn), moving[2]])
+        assert blow[path.CLOCK] == pytest.approx(clock, abs=1e-9)
+        assert blow[path.AFTER : path.FACE] == pytest.approx(now[3:], abs=1e-7)
