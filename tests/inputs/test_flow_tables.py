@@ -102,6 +102,12 @@ WELL = '[[well]]\nname = "w"\n'
     ("more", "said"),
     [
         ("viscosity = 1.3\n", "looks like cP"),
+        ("viscosity = 1.0\n", "looks like cP"),
+        ("longest = 1e-6\n", "channels, of 1000000 at most"),
+        ("passes = 5\n", 'belongs to coupling = "full"'),
+        ('state = "transient"\ncoupling = "steady"\n', 'does not go with state = "transient"'),
+        (LEFT.replace("head = 6.0", "rain = 10.0"), "more than any rain"),
+        (LEFT + LEFT, "there are two flows with that name"),
         ("density = 1.0\n", "looks like t/m3"),
         ('state = "hydrostatic"\n', "level"),
         ("level = 3.0\n", "belongs to water at rest"),

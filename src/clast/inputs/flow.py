@@ -19,7 +19,10 @@ from clast.model import ranges
 KINDS = ("head", "pressure", "flux", "rain", "seepage", "impermeable")
 """Keys of which a boundary has one."""
 CENTIPOISE = 1.0
-"""Viscosity, Pa s, above which it is in another unit."""
+"""Viscosity, Pa s, from which on it is in another unit."""
+
+CLOUDBURST = 1e-3
+"""Rain, m/s, above which it is in another unit."""
 
 
 class FlowTable(Table):
@@ -52,7 +55,7 @@ class FlowTable(Table):
     @model_validator(mode="after")
     def _can_be(self) -> Self:
         check_density(self.density)
-        if self.viscosity > CENTIPOISE:
+        if self.viscosity >= CENTIPOISE:
             what = f"{self.viscosity:g} looks like cP, but viscosities are in Pa s"
             remedy = f"write {1e-3 * self.viscosity:g}; water has 1e-3"
             raise refusal(what, remedy, "viscosity")
@@ -67,6 +70,8 @@ class FlowTable(Table):
             what = f'"steady" does not go with state = "{self.state}"'
             remedy = 'give state = "steady"; flow that takes time follows blocks by "full"'
             raise refusal(what, remedy, "coupling")
+        if "passes" in self.model_fields_set and self.coupling != "full":
+            raise refusal('belongs to coupling = "full"', "leave it out", "passes")
         rests = "hydrostatic" in (self.state, self.initial)
         if rests and self.level is None:
             raise refusal("is missing: water at rest has one", "give its height y, m", "level")
@@ -137,6 +142,9 @@ class FlowBoundary(Table):
     def _is_one_thing(self) -> Self:
         if self.amplitude is None or any(getattr(self, key) is not None for key in KINDS[1:]):
             check_one(self, KINDS, f"give one of {', '.join(KINDS)}")
+        if self.rain is not None and self.rain > CLOUDBURST:
+            what = f"{self.rain:g} m/s is more than any rain: {3.6e6 * self.rain:.3g} mm/h"
+            raise refusal(what, "give m/s: 1 mm/h is 2.8e-7", "rain")
         if self.amplitude is not None and self.kind != "head":
             remedy = "leave it out, or give a head"
             raise refusal("only a head changes with time", remedy, "amplitude")

@@ -26,7 +26,15 @@ def flow_warnings(model: Model, state: State) -> Iterator[str]:
     water = next((one for one in state.actions if isinstance(one, JointWater)), None)
     if flow is None or water is None or not len(water.conductance):
         return
-    network = water.network
+    network, names = water.network, flow.names
+    for number in np.unique(water.conditions.part[water.solved.missing > 0.0]).tolist():
+        mine = water.conditions.part == number
+        lack, asked = water.solved.missing[mine].sum(), -water.conditions.inflow[mine].sum()
+        yield (
+            f"flow: the pump '{names[number]}' asks for {asked:.4g} m3/s per m and gets "
+            f"{asked - lack:.4g}: the joints about it are dry. Give a rate nearer to 0, or "
+            "pressure = 0.0 and only_outflow = true"
+        )
     reynolds = flow.reynolds(water.solved.flow)
     worst = int(reynolds.argmax())
     if reynolds[worst] > TURBULENT:

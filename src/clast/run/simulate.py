@@ -19,6 +19,7 @@ from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.parallel import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
+from clast.model.flow.solving import NoFlow
 from clast.model.model import Model
 from clast.model.stage_records import StageRecord
 from clast.model.stages import Stage
@@ -287,7 +288,7 @@ def simulate(
     with held_back() as let_go, threads_worth(model.block_count):
         try:
             march.to_the_end(let_go)
-        except (StepRejected, ResultsLost, ActionFault) as gave_up:
+        except (StepRejected, ResultsLost, ActionFault, NoFlow) as gave_up:
             cuts = march.now.tally.cut_steps + getattr(gave_up, "cuts", 0)
             march.now = replace(march.now, tally=replace(march.now.tally, cut_steps=cuts))
             failure, cause = str(gave_up), gave_up

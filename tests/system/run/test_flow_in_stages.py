@@ -341,3 +341,41 @@ def test_a_summary_has_the_flows_at_the_end(run):
     assert flows["tunnel"]["out_of_rock"] == tunnel["out_of_rock"][-1]
     assert flows["all joints"]["pressure"] == run.flow().pressure.max()
     assert "water in joints at the end" in good("info", run.output)
+
+
+PUMP = """
+[[well]]
+name = "pump"
+at = [4.0, 0.0]
+rate = {}
+"""
+
+
+def test_a_pump_that_asks_for_more_than_the_joint_yields_is_told():
+    """It takes what the lake's head drives through four metres to where pressure is none."""
+    with pytest.warns(clast.RunWarning, match="the pump 'pump' asks for 1 m3/s per m and gets"):
+        run = slope(more=PUMP.format(-1.0)).run()
+    known = 9810.0 * 7.0 * 2e-4**3 / (12e-3 * 4.0)
+    assert run.inflow("pump")["out_of_rock"][-1] == pytest.approx(known, rel=1e-9)
+
+
+def test_water_without_a_way_out_stops_a_run_with_its_results():
+    shut = """
+[[stage]]
+name = "open"
+until = "time"
+time = 0.02
+[[stage]]
+name = "shut"
+until = "time"
+time = 0.02
+flow_boundary = {lake = {impermeable = true}, back = {impermeable = true}}
+[[flow_boundary]]
+name = "back"
+where = {edges = [[[10, 0], [10, 10]]]}
+seepage = true
+"""
+    with pytest.raises(clast.RunStopped, match="water has nowhere to go") as stopped:
+        slope(more=PUMP.format(1e-6) + shut).run()
+    assert stopped.value.run.times[-1] == pytest.approx(0.02)
+    assert "give these joints a [[flow_boundary]]" in str(stopped.value)

@@ -64,13 +64,14 @@ def with_flow(model: Model, given: FlowInputs, bed: Bed) -> Model:
     boundaries = tuple(_boundaries(given.boundaries, rock, flow))
     wells = tuple(_well(one, rock) for one in given.wells)
     flow = replace(flow, boundaries=boundaries, wells=wells)
-    check_names("flow boundary or well", flow.names)
+    check_names("flow", flow.names)
     measured = {name: 0 for name in flow.names}
     for one in given.measured:
         number_of(one.of, measured, "flow", f"measured flow '{shortened(one.name)}', of")
     check_names("measured flow", [one.name for one in given.measured])
     flow = replace(flow, measured=tuple((one.name, one.of) for one in given.measured))
     flowing = replace(model, flow=flow)
+    _check_pieces(flow, rock.network)
     if wells or flow.longest < np.inf:
         rock = _rock(flowing, bed, network_of(flowing, flow.longest, flow.points))
     flowing = replace(model, flow=replace(flow, network=rock.network))
@@ -230,6 +231,23 @@ def _well(given: inputs.Well, rock: _Rock) -> Well:
         stage=given.stage or "",
         begun=given.stage is None,
     )
+
+
+PIECES_MAX = 1_000_000
+"""Channels that are more than anyone can want: a solution takes minutes."""
+
+
+def _check_pieces(flow: Flow, network: Network) -> None:
+    """Refuse channels in too many pieces."""
+    count = float(np.ceil(network.length / flow.longest).sum())
+    if count > PIECES_MAX:
+        least = f"{network.length.sum() / PIECES_MAX:.1g}"
+        raise ModelError(
+            f"{flow.longest:g} m divide {network.length.sum():.4g} m of joints into {count:.3g} "
+            f"channels, of {PIECES_MAX} at most",
+            where="flow, longest",
+            remedy=f"give more than {least} m, e.g. a fifth of the size of a block",
+        )
 
 
 def _check_overlaps(flow: Flow, rock: _Rock) -> None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.errors import ClastError
+from clast.errors import CaseError
 from clast.model.arrays import Bools, Floats, connected
 from clast.model.flow.balance import GIVEN, INNER, SEEPAGE, Balance, Solved
 from clast.model.flow.path import followed
@@ -56,7 +56,7 @@ STANDS = 1e-9
 """By how much the column in a channel must be too high to rise out of it, as a share of it."""
 
 
-class NoFlow(ClastError):
+class NoFlow(CaseError):
     """A flow of water that was not found."""
 
 
@@ -109,8 +109,10 @@ def _refuse_closed_parts(balance: Balance) -> None:
     if len(closed):
         first = int(closed[0])
         raise NoFlow(
-            f"Water has nowhere to go: {left[first]:.3g} m2/s flow into a part of the joints, of "
-            f"{int((part == first).sum())} ends and crossings, that no head or face lets out."
+            f"water has nowhere to go: {left[first]:.3g} m2/s flow into a part of the joints, of "
+            f"{int((part == first).sum())} ends and crossings, that no head or face lets out",
+            where="flow",
+            remedy="give these joints a [[flow_boundary]] with a head, a pressure or seepage",
         )
 
 
@@ -150,8 +152,10 @@ def _on_path(problem: Problem, found: _Found) -> _Found:
     while not found.done:
         if iterations > PIECES:
             raise NoFlow(
-                f"The flow of water in joints was not found: after {iterations} linear systems a "
-                f"share of {found.error:.0e} of it is out of balance at a node."
+                f"the flow of water in joints was not found: after {iterations} linear systems a "
+                f"share of {found.error:.0e} of it is out of balance at a node",
+                where="flow",
+                remedy='let it come about in time: state = "transient", initial = "dry"',
             )
         x, pieces = followed(replace(problem, hold=hold), found.x, found.error, part)
         again = _newton(problem, x, AGAIN)

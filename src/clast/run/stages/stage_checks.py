@@ -10,6 +10,7 @@ import numpy as np
 from clast import spelling
 from clast.actions.linings import linings_of
 from clast.errors import ModelError, shortened
+from clast.model.flow.given import STEADY
 from clast.model.ground_motion import Still
 from clast.model.model import Model
 from clast.model.ranges import check_names
@@ -52,6 +53,13 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
             what = "no water flows" if model.flow is None else "the water is at rest"
             remedy = 'give [flow] with state = "steady" or "transient", or leave this key out'
             raise _fault(stage, "flow", what, remedy)
+        if (
+            model.flow is not None
+            and model.flow.coupling == STEADY
+            and "transient" in (stage.flow.values())
+        ):
+            remedy = 'leave it out, or give [flow] coupling = "none"'
+            raise _fault(stage, "flow", "apertures follow steady flow alone", remedy)
         heads = [name for name, one in stage.flow_boundary.items() if "head" in one]
         if heads and model.flow is not None and model.flow.weight == 0.0:
             what = f"there is no gravity, and so no head of '{shortened(heads[0])}'"
