@@ -10,6 +10,8 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -82,6 +84,8 @@ def case_of(name: str) -> Case:
 def make(name: str) -> Path:
     """Run a case and write its page; return the page's path."""
     with in_an_empty_folder():
+        if case_of(name).rockfall is not None:
+            return make_report(name)
         run = case_of(name).run(output="run.vtkhdf", warn=lambda text: None)
         blocks = len(run.block_name)
         page = DOCS / "gallery" / f"{name}.html"
@@ -91,6 +95,16 @@ def make(name: str) -> Path:
         picture = DOCS / "images" / f"template-{name}.png"
         if name in TEMPLATES and not picture.exists():
             plot_results(run, picture, frame=int(np.argmax(run.times)))
+    return page
+
+
+def make_report(name: str) -> Path:
+    """Follow the rocks of a template and keep the report and the picture of their paths."""
+    command = ["clast", "rockfall", f"{name}.toml", "-o", "out", "--workers", "1", "-q"]
+    subprocess.run([sys.executable, "-m", *command], check=True)
+    page = DOCS / "gallery" / f"{name}.html"
+    shutil.copy("out/report.html", page)
+    shutil.copy("out/figures/paths.png", DOCS / "images" / f"template-{name}.png")
     return page
 
 
