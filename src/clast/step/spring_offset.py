@@ -5,7 +5,7 @@ up, or pass to another edge, where the vertex has long been behind it: its sprin
 stretched as it had never been pulled, and the blocks would get that energy for nothing.  Such a
 contact begins with the force that it, or the contact it takes over from within its pair of blocks,
 ended the last step with; from there its spring follows the gap.  The spring's point of rest lies
-behind the edge then, and comes back: with the vertex, and by a fiftieth of critdis in each step, so
+behind the edge then, and comes back: with the vertex, and by a two-hundredth of critdis in each step, so
 that blocks lie in each other by no more than their forces explain.  The work of that is among what
 the time integration brings in.
 """
@@ -26,8 +26,10 @@ from clast.step.method import Method
 
 SLACK_CRITDIS = 0.02
 """Gaps may differ by so much from one step to the next unasked, in units of critdis: turning blocks
-move on arcs, which the linear gap of a step does not know.  In each step a point of rest comes back
-to its edge by as much."""
+move on arcs, which the linear gap of a step does not know."""
+COMES_BACK_CRITDIS = 0.005
+"""How far a point of rest comes back to its edge in a step, in units of critdis: slowly, so that a
+block that slides on to one that lies higher is not thrown."""
 
 
 def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> Contacts:
@@ -57,7 +59,8 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
         more = np.hypot(held, taken_over) - held
         rest = np.where(sunk, rest + more, rest)
     # where a spring carries its point of rest comes back; where it is open that follows the vertex
-    follows = np.where(held > 0.0, before + slack, np.maximum(rest, before))
+    nearer = before + stiffness * COMES_BACK_CRITDIS * method.critdis
+    follows = np.where(held > 0.0, nearer, np.maximum(rest, before))
     rest = np.minimum(np.where(sunk, rest, follows), 0.0)
     return replace(contacts, multiplier=np.where(own, contacts.multiplier, rest))
 
