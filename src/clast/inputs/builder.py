@@ -361,8 +361,8 @@ class InputBuilder(Inputs):
             waits=waits,
         )
         water, wet = waters_in(self.all(Water), bed)
-        rock = np.where(waits, 0.0, outlines.area)  # linings that come later weigh nothing yet
-        in_situ = self._stress_in_situ(outlines, rock, density, gravity)
+        area = np.where(waits, 0.0, outlines.area)  # linings that come later weigh nothing yet
+        in_situ = self._stress_in_situ(outlines, area, density, gravity)
         linings = place_linings.linings_of_ground(self._placed, ground, self.plane)
         actions = *self.actions, *self.actions_from(ground), *linings
         # links may let blocks overlap
