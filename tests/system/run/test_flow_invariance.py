@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -88,22 +85,3 @@ def test_a_step_of_1e12_s_is_steady_flow(polygons, start):
     found = water_at(model, 1e12, water_at(model, 0.0))
     assert inflow(found) == pytest.approx(inflow(known), rel=1e-9)
     assert found.solved.pressure == pytest.approx(known.solved.pressure, abs=1e-6 * 9810.0 * HIGH)
-
-
-def test_a_static_case_without_a_flow_loads_nothing_for_one():
-    code = """
-import sys
-import clast
-builder = clast.ModelBuilder(gravity=(0.0, -9.81))
-builder.add_rock("stone", young=50e9, poisson=0.2, density=2600.0)
-builder.add_joint(friction_angle=30.0)
-builder.block(vertices=[(0, 0), (2, 0), (2, 1), (0, 1)], fixed=True)
-builder.block(vertices=[(0, 1), (2, 1), (2, 2), (0, 2)])
-clast.simulate(builder.build(), end=2e-2, step=1e-2, dynamic_ratio=0.0)
-print([one for one in ("scipy.sparse", "scipy.spatial") if one in sys.modules])
-"""
-    path = f"import sys; sys.path[:0] = {sys.path!r}\n"
-    done = subprocess.run(
-        [sys.executable, "-c", path + code], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"
