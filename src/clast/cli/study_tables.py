@@ -170,7 +170,7 @@ def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool
     from collections import Counter
 
     from clast.study.rockfall.report import write_report
-    from clast.study.rockfall.results import RockfallResults
+    from clast.study.rockfall.results import BARRIER_HEADS, RockfallResults, told
 
     there.tidy()
     results = RockfallResults.of(there)
@@ -184,12 +184,11 @@ def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool
         rows = [(name, str(count)) for name, count in sorted(ends.items())]
         print_table(table_of(f"{len(results)} paths", ("end", "paths"), rows))
         if barriers:
-            keys = ("came", "held", "height_p95", "height_max", "energy_p95", "energy_max")
             lines = [
-                (one["name"], *("-" if one[key] is None else f"{one[key]:.4g}" for key in keys))
-                for one in barriers
+                (name, *("-" if one is None else f"{one:.4g}" for one in numbers))
+                for name, *numbers in told(barriers, BARRIER_HEADS)
             ]
-            print_table(table_of("barriers", ("barrier", *keys), lines))
+            print_table(table_of("barriers", tuple(BARRIER_HEADS.values()), lines))
         tell("\n".join([*(f"table: {file}" for file in files), f"report: {report}"]))
 
 

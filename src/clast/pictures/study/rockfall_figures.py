@@ -62,12 +62,15 @@ def draw_paths(
     return _save(axes, file)
 
 
-def draw_envelopes(file: Path, rows: Sequence[Mapping[str, Any]], key: str, up: str) -> Path:
-    """Draw mean, percentiles and largest of a quantity along the profile."""
+def draw_envelopes(
+    file: Path, rows: Sequence[Mapping[str, Any]], key: str, up: str, unit: float
+) -> Path:
+    """Draw mean, percentiles and largest of a quantity along the profile, times ``unit``."""
     axes = _axes(SMALLER, "x, m", up)
     x = [row["x"] for row in rows]
     for number, part in enumerate(("mean", "p95", "max")):
-        values = [np.nan if row[f"{key}_{part}"] is None else row[f"{key}_{part}"] for row in rows]
+        known = [row[f"{key}_{part}"] for row in rows]
+        values = [np.nan if one is None else unit * one for one in known]
         axes.plot(x, values, color=CURVE_COLOURS[number], linewidth=1.2, label=part.upper()
                   if part == "p95" else part)  # fmt: skip
     axes.legend(frameon=False, fontsize="small")

@@ -13,7 +13,12 @@ from clast.model.model import Floats
 from clast.pictures.study.rockfall_figures import draw_distribution, draw_envelopes, draw_paths
 from clast.study.folder import StudyFolder, writing
 from clast.study.report_page import Page, file_stem
-from clast.study.rockfall.results import RockfallResults
+from clast.study.rockfall.results import (
+    BARRIER_HEADS,
+    COLLECTOR_HEADS,
+    RockfallResults,
+    told,
+)
 from clast.trajectory import path
 
 PATHS_DRAWN = 300
@@ -21,10 +26,11 @@ PATHS_DRAWN = 300
 PER_FLIGHT = 12
 """Points of a drawn parabola."""
 ENVELOPES = {
-    "height": "height of centroid above profile, m",
-    "energy": "kinetic energy, J",
-    "speed": "speed, m/s",
+    "height": ("height of centroid above profile, m", 1.0),
+    "energy": ("kinetic energy, kJ", 1e-3),
+    "speed": ("speed, m/s", 1.0),
 }
+"""What is drawn along the profile: its name, and its unit as a share of that of the tables."""
 
 
 def path_lines(results: RockfallResults) -> list[Floats]:
@@ -51,8 +57,8 @@ def write_report(folder: StudyFolder, results: RockfallResults) -> Path:
     with writing(folder.path):
         page = Page.of(folder, "rockfall")
         ends = Counter(results.paths["end"])
-        told = ", ".join(f"{count} {name}" for name, count in sorted(ends.items()))
-        page.say(f"{len(results)} paths: {told}.", "answer")
+        how = ", ".join(f"{count} {name}" for name, count in sorted(ends.items()))
+        page.say(f"{len(results)} paths: {how}.", "answer")
         page.remark(
             "rest: came to rest; out: left the profile; held: by a barrier; time: still moving at "
             "the time limit. Heights are those of centroids."
@@ -63,11 +69,11 @@ def write_report(folder: StudyFolder, results: RockfallResults) -> Path:
         rows = results.barriers()
         if rows:
             page.head("Barriers")
-            page.table(list(rows[0]), [list(row.values()) for row in rows])
+            page.table(list(BARRIER_HEADS.values()), told(rows, BARRIER_HEADS))
         page.head("Collectors")
         named = [row for row in results.stations() if row["name"]]
         if named:
-            page.table(list(named[0]), [list(row.values()) for row in named])
+            page.table(list(COLLECTOR_HEADS.values()), told(named, COLLECTOR_HEADS))
         else:
             page.remark("There is none: the table stations.csv has all places along the profile.")
         return page.write()
@@ -90,13 +96,14 @@ def _wide(page: Page, results: RockfallResults) -> Iterator[tuple[Path, str]]:
 def _figures(page: Page, results: RockfallResults) -> Iterator[tuple[Path, str]]:
     """Draw envelopes, end points and the energy at each barrier."""
     rows = results.stations()
-    for key, up in ENVELOPES.items():
-        yield draw_envelopes(page.pictures / f"{key}.png", rows, key, up), f"{up} along the profile"
+    for key, (up, unit) in ENVELOPES.items():
+        file = draw_envelopes(page.pictures / f"{key}.png", rows, key, up, unit)
+        yield file, f"{up} along the profile"
     file = page.pictures / "ends.png"
     yield draw_distribution(file, results.ends, "x of end points, m"), "end points"
     for number, name in enumerate(results.campaign.barriers):
         energy = results.hits[results.hits[:, 1] == number, 4]
         if len(energy):
             file = page.pictures / f"barrier-{file_stem(name)}.png"
-            caption = f"kinetic energy at {name}, J"
-            yield draw_distribution(file, energy, caption), caption
+            caption = f"kinetic energy at {name}, kJ"
+            yield draw_distribution(file, 1e-3 * energy, caption), caption

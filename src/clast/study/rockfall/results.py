@@ -39,6 +39,37 @@ BLOW_COLUMNS = (
     *("vx_before", "vy_before", "spin_before", "vx_after", "vy_after", "spin_after", "lost"),
 )
 Row = dict[str, Any]
+BARRIER_HEADS = {
+    "name": "barrier",
+    "came": "rocks",
+    "held": "held",
+    "height_p95": "height P95, m",
+    "height_max": "largest, m",
+    "energy_p95": "energy P95, kJ",
+    "energy_max": "largest, kJ",
+}
+"""What a reader is told of barriers; the tables have the rest."""
+COLLECTOR_HEADS = {
+    "name": "collector",
+    "count": "rocks",
+    "height_p95": "height P95, m",
+    "height_max": "largest, m",
+    "energy_p95": "energy P95, kJ",
+    "energy_max": "largest, kJ",
+    "speed_p95": "speed P95, m/s",
+    "speed_max": "largest, m/s",
+}
+"""What a reader is told of collectors."""
+
+
+def told(rows: Sequence[Row], heads: Mapping[str, str]) -> list[list[Any]]:
+    """Return the columns of rows that have ``heads``, in their order; kJ from J."""
+
+    def value(row: Row, key: str) -> Any:
+        known = row[key]
+        return known / 1e3 if heads[key].endswith("kJ") and known is not None else known
+
+    return [[value(row, key) for key in heads] for row in rows]
 
 
 def summary_of(values: Floats) -> Row:
