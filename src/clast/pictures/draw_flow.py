@@ -35,6 +35,8 @@ CASING = 0.8
 """How much wider than channels their edge is, points."""
 ABOVE = (0, 9)
 """Where numbers stand beside their places, points: above the sign of a level."""
+LETTER, LINE = 4.2, 12.0
+"""Width of a letter of these numbers, and height of a line, points."""
 NEAR, FARTHEST = 1e-3, 0.5
 """How near to a line joints come out on it, as a share of the model, and how far above the blocks a
 level is still shown, in their heights."""
@@ -137,14 +139,30 @@ def draw_flow(axes: Axes, results: Recording, frame: int, seen: Part, widest: fl
     heads: dict[str, Any] = {"headwidth": 5.0, "headlength": 5.0, "headaxislength": 5.0}
     quiver |= {"units": "inches", "width": 0.014, "edgecolor": "white", "linewidth": 0.3}
     axes.quiver(*middle[chosen].T, *along[chosen].T, color=INK, zorder=5.2, **quiver, **heads)
+    _write_flows(axes, results, frame, seen, per_inch)
+
+
+def _write_flows(axes: Axes, results: Recording, frame: int, seen: Part, per_inch: float) -> None:
+    """Write the flows at their places, one above the other where they would lie on each other."""
     low, high = seen
+    taken = np.zeros((0, 3))  # left and right end and foot of each text, points
     for name, at, flow in flows_of(results, frame):
-        side = "left" if at[0] < low[0] + 0.2 * (high[0] - low[0]) else "center"
-        side = "right" if at[0] > high[0] - 0.2 * (high[0] - low[0]) else side
-        if ((at >= low) & (at <= high)).all():
-            text = canvas.literal(text_of_flow(name, flow))
-            above: dict[str, Any] = {"xytext": ABOVE, "textcoords": "offset points"}
-            canvas.write(axes, text, at, 7.5, ha=side, va="bottom", **above)
+        if not ((at >= low) & (at <= high)).all():
+            continue
+        share = (at[0] - low[0]) / (high[0] - low[0])
+        side, before = ("left", 0.0) if share < 0.2 else ("center", 0.5)
+        side, before = ("right", 1.0) if share > 0.8 else (side, before)
+        text = text_of_flow(name, flow)
+        x, y = 72.0 * at / per_inch
+        left, width = x - before * LETTER * len(text), LETTER * len(text)
+        beside = taken[(taken[:, 0] < left + width) & (taken[:, 1] > left)]
+        foot = y
+        while (np.abs(beside[:, 2] - foot) < LINE).any():
+            foot += LINE
+        taken = np.vstack([taken, [left, left + width, foot]])
+        above: dict[str, Any] = {"xytext": (ABOVE[0], ABOVE[1] + foot - y)}
+        above["textcoords"] = "offset points"
+        canvas.write(axes, canvas.literal(text), at, 7.5, ha=side, va="bottom", **above)
 
 
 def draw_water_tables(axes: Axes, results: Recording, frame: int, seen: Part) -> None:
