@@ -5,7 +5,7 @@ In a step every node of the network keeps its mass,
     V d + e0 - e + S (p - p0) + h (C p + gravity - Q) = 0,    p >= 0,  e >= 0,  p e = 0
 
 with the opening V d, the void e that water has not followed into, S = V/K and the conductances C.
-The process minimises the potential of both (minimise/joint_water.py).  Conductances, what runs down
+The process minimises the potential of both (minimise/joint_water.py).  Conductances, the flow down
 from dry nodes, and volumes are those of the end of the step, found by solving it again.
 
 While time waits in a static stage, the flow of its last increment is solved again from the start of
@@ -60,7 +60,7 @@ NEARLY = 1e-3
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Increment:
-    """Water at the start of an increment of time, and what has come of it since."""
+    """Water at the start of an increment of time, and the changes since."""
 
     pressure: Floats = no_floats()
     """p0, Pa, shape (m,)."""
@@ -87,7 +87,7 @@ class CoupledWater(JointWater):
     since: Increment
 
     def flows_on(self, model: Model) -> bool:
-        """Return whether what is in the joints still changes, as far as is known."""
+        """Return whether the water in the joints still changes, as far as is known."""
         before, pressure = self.since, self.solved.pressure
         if len(model.begun) != self.begun or before.length == 0.0:
             return True
@@ -130,7 +130,7 @@ class Flowing:
         return self.before.network.node
 
     def net_out(self, flow: Floats) -> Floats:
-        """Return what leaves the nodes by flows (k,) of channels, (m,)."""
+        """Return the net outflow of the nodes by flows (k,) of channels, (m,)."""
         count = len(self.volume)
         first, second = self.node.T
         into = np.bincount(second, flow, count)
@@ -385,7 +385,7 @@ def _in_new_network(model: Model, before: CoupledWater) -> CoupledWater:
 def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) -> Floats:
     """Return the fall by gravity along channels, Pa, (k,), with p and saturation of nodes (m,).
 
-    Below a dry node what runs down is that of min(s G, G - p_l), balance.py.
+    Below a dry node the flow down is that of min(s G, G - p_l), balance.py.
     """
     flow, network = flow_of(model), water.network
     height = network.at[network.node, 1]
@@ -444,7 +444,7 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
 def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, float, float]:
     """Return the energy brought into water since the start of the increment, stored, and lost.
 
-    Lost is what flow dissipates, h q2/C.
+    Lost is the energy that flow dissipates, h q2/C.
     """
     on, h, p = flowing.conditions, flowing.step, found.pressure
     flow = flowing.flows(p)
@@ -456,7 +456,7 @@ def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, 
 
 
 def _solved(model: Model, flowing: Flowing, found: Pressures, since: Increment) -> Solved:
-    """Return what is recorded of the water at the end of a step; rates are means of the step."""
+    """Return the record of the water at the end of a step; rates are means of the step."""
     on, h, p, rest = flowing.conditions, flowing.step, found.pressure, found.rest
     rate = 1.0 / h if h > 0.0 else 0.0
     void, flow = voids(flowing, found), flowing.flows(p)

@@ -2,7 +2,7 @@
 
 Pressures act on blocks as they lie halfway through a step.
 Steady flow is found anew where a stage changes blocks or boundaries, or a head changes with time;
-flow that takes time goes on from step to step, and what was in excavated joints is gone with them.
+flow that takes time goes on from step to step, and the water in excavated joints is lost with them.
 Apertures are those of the start, or of the last equilibrium (following.py).  In a channel that is
 dry at its upper end water stands up to the height p/(rho g - q/(C dy)) above its lower one.
 """
@@ -73,7 +73,7 @@ class WetContribution(Contribution):
 def water_at(
     model: Model, time: float, before: JointWater | None = None, vertices: Floats | None = None
 ) -> JointWater:
-    """Return the water in the joints of a model at a time, s; ``before`` has what stays.
+    """Return the water in the joints of a model at a time, s; ``before``: the state before it.
 
     A network that is found anew has apertures with blocks at ``vertices`` (nv, 2), m, or at first.
     """
@@ -125,7 +125,7 @@ CLOCK = 1e-12
 
 
 def carried(before: JointWater, water: JointWater) -> JointWater:
-    """Return water in a network that is found anew, with what was at its nodes before."""
+    """Return water in a network that is found anew, with the earlier state at its nodes."""
     if water is before:
         return before
     from scipy.spatial import KDTree

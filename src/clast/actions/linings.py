@@ -241,7 +241,7 @@ class Linings(Action):
     ) -> LiningContribution | None:
         """Return the contribution with other bounds where d (n, 6) does not agree with its own.
 
-        None: all moments are within what their normal forces allow.
+        None: all moments are within the limits that their normal forces allow.
         """
         if all(one.curve is None for one in self.each):
             return None
@@ -355,7 +355,7 @@ class Linings(Action):
     def forces(self, state: LiningStates) -> Floats:
         """Return N, tension positive, Q, N/m, and M, N, of each joint, shape (k, 3).
 
-        Q is the force to the left on what lies before the joint; M is positive where it stretches
+        Q is the force to the left on the part before the joint; M is positive where it stretches
         the left face, that of the opening.
         """
         return self._by_joint(state.joints.force)

@@ -2,7 +2,7 @@
 
 Between two straight faces the opening is linear, g = (1 - s) g_0 + s g_1, and so is the pressure.
 So a node takes L/3 of the opening at its own end of a channel and L/6 of that at the other one, and
-pressures push blocks by the same numbers: what they do to blocks is what opens against them.
+pressures push blocks by the same numbers: their work on blocks is pressure times opening of nodes.
 """
 
 from __future__ import annotations

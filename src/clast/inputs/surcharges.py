@@ -111,7 +111,7 @@ class LoadTrain(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceLoading:
-    """What loads on the surface depend on beside the blocks."""
+    """Gravity and blocks at the start, on which loads on the surface depend."""
 
     gravity: Floats
     """Acceleration of gravity, m/s2, shape (2,)."""
@@ -128,7 +128,7 @@ Axle = tuple[list[Any], float, str]
 def surcharge_in(
     fills: Sequence[Fill], trains: Sequence[LoadTrain], ground: Ground, of: SurfaceLoading
 ) -> tuple[PointLoads, Surcharge, tuple[str, ...]]:
-    """Return the forces of fill and trains, what pictures show of them, and notes.
+    """Return the forces of fill and trains, their shapes for pictures, and notes.
 
     Forces on fixed blocks, which have no effect, are left out.
     """

@@ -21,7 +21,7 @@ POINT_NUMBERS = 14
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ContactHistory:
-    """What a contact carries from step to step."""
+    """History of a contact, carried from step to step."""
 
     normal_force: Floats = no_floats()
     """Normal contact force at the end of the step, N/m, compression positive, shape (k,)."""
@@ -35,10 +35,10 @@ class ContactHistory:
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
     slide_length: Floats = no_floats()
-    """Length of the path that the contact has slid to and fro, without what its shear spring gives
-    back, m, >= 0, shape (k,)."""
+    """Length of the path that the contact has slid to and fro, without the part that its shear
+    spring recovers, m, >= 0, shape (k,)."""
     slide: Floats = no_floats()
-    """The same with the sign of ``slip``: what has been slid back does not count, shape (k,)."""
+    """The same with the sign of ``slip``: sliding back is subtracted, shape (k,)."""
     slide_speed: Floats = no_floats()
     """Speed of sliding in the last step, m/s, >= 0, 0 in statics, shape (k,)."""
     dilation: Floats = no_floats()

@@ -44,7 +44,7 @@ T = TypeVar("T")
 
 
 def _read(path: Path, advice: str, read: Callable[[], T]) -> T:
-    """Return what ``read`` gives, or say why it cannot be read, with the remedy."""
+    """Return the content that ``read`` gives, or say why it cannot be read, with the remedy."""
     where = str(path)
     try:
         _check_regular(path)

@@ -310,7 +310,7 @@ def _check_sources(rock: _Rock, conditions: Conditions) -> None:
 
 
 def _remarks(flow: Flow, rock: _Rock, conditions: Conditions) -> Iterator[str]:
-    """Give what the outer faces are, in metres, and joints that no boundary reaches."""
+    """Give the lengths of outer faces by kind, m, and joints that no boundary reaches."""
     network, faces = rock.network, rock.faces
     long = np.hypot(*(faces[:, 1] - faces[:, 0]).T)
     left = np.ones(len(faces), np.bool_)

@@ -9,8 +9,8 @@ water runs down, and a column that stands in the channel does not flow.  At ever
 
     sum of q out + R + (V (s - s0) + V s (p - p0)/K + s0 (V - V0))/h = Q,  R >= 0,
 
-with the outflow R of faces, where p <= the pressure there, Q what wells and rain put in, and the
-volume V of the joints at the node.
+with the outflow R of faces, where p <= the pressure there, the inflow Q from wells and rain, and
+the volume V of the joints at the node.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from clast.model.arrays import Bools, Floats, Ints
 
 INNER = 0
-"""Kind of a node that what flows in leaves along other channels, or is stored."""
+"""Kind of a node whose inflow leaves along other channels, or is stored."""
 GIVEN = 1
 """Kind of a node whose pressure is given: a head, or a well with a pressure."""
 SEEPAGE = 2
@@ -32,7 +32,7 @@ SEEPAGE = 2
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Balance:
-    """A network of k channels between m nodes, and what water does at them."""
+    """A network of k channels between m nodes, and the conditions and storage at the nodes."""
 
     node: Ints
     """First and second node of each channel, shape (k, 2)."""
@@ -45,9 +45,9 @@ class Balance:
     pressure: Floats
     """Pressure at GIVEN nodes, and that at which SEEPAGE nodes give water off, Pa, shape (m,)."""
     inflow: Floats
-    """Water put in, rain and wells, m2/s, below 0 what pumps ask for, shape (m,).
+    """Inflow from rain and wells, m2/s; negative: the demand of pumps; shape (m,).
 
-    A pump takes the share s of what it asks for: all of it while its node is saturated.
+    A pump takes the share s of its demand: all of it while its node is saturated.
     """
     volume: Floats
     """Volume of the joints at each node at the end of the step, m2, shape (m,)."""
@@ -84,7 +84,7 @@ class Balance:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Solved:
-    """Water in a network, and what has flowed in and out; rates in m2/s."""
+    """Water in a network, with its inflow and outflow; rates in m2/s."""
 
     pressure: Floats
     """Pressure at the nodes, Pa, shape (m,)."""
@@ -93,17 +93,17 @@ class Solved:
     flow: Floats
     """Flow in each channel from its first to its second node, shape (k,)."""
     given: Floats
-    """What flows in at GIVEN nodes, below 0: out, shape (m,)."""
+    """Inflow at GIVEN nodes, below 0: outflow, shape (m,)."""
     outflow: Floats
-    """What leaves the joints at SEEPAGE nodes, 0 or more, shape (m,)."""
+    """Outflow from the joints at SEEPAGE nodes, 0 or more, shape (m,)."""
     runoff: Floats
-    """What was put in at SEEPAGE nodes and cannot enter, 0 or more, shape (m,)."""
+    """Part of the inflow Q at SEEPAGE nodes that cannot enter, 0 or more, shape (m,)."""
     missing: Floats
-    """What pumps asked for and did not get, 0 or more, shape (m,)."""
+    """Unmet demand of pumps, 0 or more, shape (m,)."""
     stored: float
-    """What is stored, 0 in steady flow."""
+    """Rate of storage, 0 in steady flow."""
     unaccounted: float
-    """What is in, less what is out and stored, by rounding alone."""
+    """Inflow less outflow and storage, not 0 by rounding alone."""
     throughput: float
     """All that comes in, or 1e-3 C p of a channel where that is larger: measure of the above."""
     iterations: int

@@ -1,4 +1,4 @@
-"""What water does at the nodes of a network: heads, wells, rain, faces in air.
+"""Conditions of water at the nodes of a network: heads, wells, rain, faces in air.
 
 Boundaries are lines; the outer nodes on them belong to them.  Outer nodes of no boundary give
 water off where the rock is bare, and are tight on the left, right and bottom side of the model.

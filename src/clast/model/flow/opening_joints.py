@@ -1,14 +1,15 @@
 """Water in joints that blocks open and close, as one term of the potential of a step.
 
-Blocks open the joints at a node by v = V d.  What a node holds, what has run to it over the time h
-and the void that it is left with, w, balance where
+Blocks open the joints at a node by v = V d.  The water that a node holds, the flow to it over the
+time h and the void w that remains balance where
 
     w = A p + v - b,   A = S + h C,   low <= p <= high,
 
 with S = V/K the compressibility of the water at each node, C the conductances between them, and b
-what comes in anyway and what was there.  Nodes between their bounds have no void, w = 0; at the
-lower bound, 0, water cannot follow and w >= 0 is void; at the upper one, that of a face in air,
-what is too much runs out, w <= 0.  Where a pressure is given both bounds are that.  The energy
+the inflow that does not depend on p and the water held before.  Nodes between their bounds have no
+void, w = 0; at the lower bound, 0, water cannot follow and w >= 0 is void; at the upper one, that
+of a face in air, the excess runs out, w <= 0.  Where a pressure is given both bounds are that.  The
+energy
 
     psi(v) = max over p of  -p.(v - b) - 1/2 p.A p
 
@@ -67,7 +68,7 @@ class Pressures:
     free: Bools
     """Which are between their bounds, shape (m,)."""
     rest: Floats
-    """w = A p + v - b, m2: void at the lower bound, less what runs out at the upper, shape (m,)."""
+    """w = A p + v - b, m2: void at the lower bound, less the excess at the upper, shape (m,)."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -142,7 +143,7 @@ class OpeningJoints:
         return rate
 
     def beside(self, displacement: Floats) -> OpeningJoints:
-        """Return the same for what comes on top of ``displacement`` (n, 6), m."""
+        """Return the same for displacements on top of ``displacement`` (n, 6), m."""
         return replace(self, known=self.known - self.opened(displacement), factors=Factors())
 
     def __repr__(self) -> str:

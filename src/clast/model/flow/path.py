@@ -1,6 +1,6 @@
 """The path to the zero of a function that is linear in pieces: it always ends.
 
-From any x0 it is the line of points at which F has what is left of F(x0) in every component,
+From any x0 it is the line of points at which the same share of F(x0) is left in every component,
 
     F(x(t)) = (1 - t) F(x0),  0 <= t <= 1
 
@@ -34,7 +34,7 @@ CHANGES = 40
 def followed(problem: Problem, x: Floats, error: float, most: int) -> tuple[Floats, int]:
     """Return where the path from x (m,), Pa, is after ``most`` pieces or ends, and their number.
 
-    ``error`` is that of the balance, as a share of what flows.
+    ``error`` is that of the balance, as a share of the flow.
     """
     random = np.random.default_rng(0)
     x = x + SHIFT * min(error, 1.0) * problem.scale * (random.random(len(x)) - 0.5)
@@ -75,7 +75,7 @@ def _changed(
 def _first(
     problem: Problem, piece: Piece, water: Water, x: Floats, along: Floats
 ) -> tuple[float, tuple[str, int] | None]:
-    """Return what share of a way (m,), Pa, leads to the first kink, and which one that is."""
+    """Return the share of a way (m,), Pa, up to the first kink, and that kink."""
     balance = problem.balance
     kind, drop, upper, lower = balance.kind, balance.drop, balance.upper, balance.lower
     free = (kind != GIVEN) & (not balance.confined)
@@ -97,7 +97,7 @@ def _first(
 
 
 def _shares(high: Bools, value: Floats, by: Floats, where: Bools) -> Floats:
-    """Return what share of a way leads each value to 0, from above where ``high``; inf: none."""
+    """Return the share of a way at which each value is 0, from above where ``high``; inf: none."""
     toward = where & np.where(high, by < 0.0, by > 0.0)
     share = np.full(len(value), np.inf)
     share[toward] = np.maximum(-value[toward] / by[toward], 0.0)

@@ -2,13 +2,14 @@
 
 One unknown x at a node holds its pressure and its saturation: p = max(x, 0), s = 1 + min(x, 0)/P,
 with one P for all, the weight of the highest column of a channel.  At SEEPAGE nodes p ends at the
-pressure there, and x above it stands for the outflow.  What leaves the nodes, F(x), is linear where
-no node changes between dry, wet and giving off, and no channel between running and standing full:
+pressure there, and x above it stands for the outflow.  The net outflow of the nodes, F(x), storage
+included, is linear where no node changes between dry, wet and giving off, and no channel between
+running and standing full:
 
     running   q = C (p_u + s_u G), of which l knows nothing;
     full      q = C (p_u + G - p_l), of which u knows nothing while it is dry.
 
-F is an M-function: what a node holds raises what leaves it, and lowers what leaves its neighbours
+F is an M-function: the x of a node raises its own net outflow, and lowers those of its neighbours
 by no more in sum.  So with storage it has one zero, and slopes of positive determinant everywhere
 (``slopes.py``).
 """
@@ -34,7 +35,7 @@ TINY = float(np.finfo(np.float64).tiny)
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Problem:
-    """A balance with what was stored at the beginning of the step."""
+    """A balance with the water stored at the beginning of the step."""
 
     balance: Balance
     pressure: Floats
@@ -80,13 +81,13 @@ class Piece:
 
     @property
     def key(self) -> bytes:
-        """Return what tells it from other pieces."""
+        """Return a key that tells it from other pieces."""
         return b"".join(np.packbits(part).tobytes() for part in self.__dict__.values())
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Water:
-    """What water does for given unknowns."""
+    """Pressures, saturations and flows for given unknowns."""
 
     pressure: Floats
     """Pressure at nodes, Pa, shape (m,)."""
@@ -97,11 +98,11 @@ class Water:
     flow: Floats
     """Flow of channels from upper to lower node, m2/s, shape (k,)."""
     stored: Floats
-    """What nodes store, m2/s, shape (m,)."""
+    """Rate of storage of nodes, m2/s, shape (m,)."""
     missing: Floats
-    """What pumps lack, m2/s, shape (m,)."""
+    """Unmet demand of pumps, m2/s, shape (m,)."""
     left: Floats
-    """What leaves nodes, less what enters, F, m2/s, shape (m,)."""
+    """Net outflow of nodes, storage included, F, m2/s, shape (m,)."""
     terms: Floats
     """Size of the terms of F before they cancel, m2/s, shape (m,)."""
 
@@ -129,7 +130,7 @@ def upwind_at(problem: Problem, x: Floats) -> Piece:
 
 
 def water_at(problem: Problem, piece: Piece, x: Floats) -> Water:
-    """Return what water does for unknowns (m,), Pa, by the linear function of a piece."""
+    """Return pressures and flows for unknowns (m,), Pa, by the linear function of a piece."""
     balance, rate, count = problem.balance, problem.rate, len(x)
     pressure = np.where(piece.wet, x, 0.0)
     pressure = np.where((balance.kind == GIVEN) | piece.above, balance.pressure, pressure)
@@ -162,7 +163,7 @@ def water_at(problem: Problem, piece: Piece, x: Floats) -> Water:
 
 
 def error_of(problem: Problem, water: Water) -> float:
-    """Return by how much the balance of a free node is out, at most, as a share of what flows."""
+    """Return the largest error of the balance of a free node, as a share of the flow."""
     flows = np.abs(water.flow).max(initial=0.0), np.abs(problem.balance.inflow).max(initial=0.0)
     size = max(*flows, 1e-3 * water.terms.max(initial=0.0), TINY)
     return float(np.abs(water.left[problem.free]).max(initial=0.0) / size)

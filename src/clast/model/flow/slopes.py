@@ -24,13 +24,13 @@ class Change:
     """A change of the slopes by the product of a column and a row."""
 
     way: Floats
-    """What the column leads to by the slopes as they were, shape (m,)."""
+    """Changes of unknowns due to the column by the slopes before the change, shape (m,)."""
     at: Ints
     """Nodes where the row is not 0, shape (r,)."""
     row: Floats
     """The row there, shape (r,)."""
     pivot: float
-    """By what the determinant grows."""
+    """Factor by which the determinant grows."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -38,11 +38,11 @@ class Factor:
     """The factored slopes of a piece, or of one that it came to by changes."""
 
     solve: Callable[[Floats], Floats]
-    """Return the changes of unknowns that raise what leaves nodes by so much, (m,) each."""
+    """Return the changes of unknowns that raise net outflows of nodes by so much, (m,) each."""
     changes: tuple[Change, ...] = ()
 
     def __call__(self, left: Floats) -> Floats:
-        """Return the changes of unknowns, Pa, that raise what leaves nodes by ``left``, (m,)."""
+        """Return the changes of unknowns, Pa, that raise net outflows by ``left``, (m,)."""
         x = self.solve(left)
         for one in self.changes:
             x = x - one.way * ((one.row @ x[one.at]) / one.pivot)
@@ -116,7 +116,7 @@ def of_channels(problem: Problem, piece: Piece, which: Ints) -> tuple[Floats, Fl
 
 
 def of_nodes(problem: Problem, piece: Piece, which: Ints) -> Floats:
-    """Return how what nodes (r,) store, pump and give off grows with their x, m2/(s Pa), (r,)."""
+    """Return how storage, pumping and outflow of nodes (r,) grow with their x, m2/(s Pa), (r,)."""
     balance = problem.balance
     wet, above = piece.wet[which], piece.above[which]
     volume = problem.rate * balance.volume[which]

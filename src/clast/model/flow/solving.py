@@ -7,7 +7,7 @@ anywhere, only gives a start where none is near.
 
 Steady states differ by water at rest that nothing feeds, in closed ends, and by the saturation of
 dry nodes above columns that no water passes.  The smallest is returned, which dry joints come to:
-what no water reaches is dry.
+joints that no water reaches are dry.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class _Found:
     x: Floats
     """Unknowns, Pa, shape (m,)."""
     error: float
-    """Largest error of the balance of a free node, as a share of what flows."""
+    """Largest error of the balance of a free node, as a share of the flow."""
     done: bool
     """Whether it is within rounding."""
     iterations: int
@@ -99,7 +99,7 @@ def advanced(balance: Balance, before: Solved, step: float) -> Solved:
 
 
 def _refuse_closed_parts(balance: Balance) -> None:
-    """Raise NoFlow where what flows into a connected part of the network cannot leave it."""
+    """Raise NoFlow where the inflow of a connected part of the network cannot leave it."""
     part = connected(balance.node[:, 0], balance.node[:, 1], len(balance.kind))
     ways_out = np.bincount(part, balance.kind != INNER)
     left, turned_over = np.bincount(part, balance.inflow), np.bincount(part, np.abs(balance.inflow))
@@ -239,7 +239,7 @@ def _reached(problem: Problem, x: Floats) -> Bools:
 
 
 def _result(problem: Problem, x: Floats, iterations: int) -> Solved:
-    """Return what is handed on of a solution (m,), Pa."""
+    """Return the water in the network for the unknowns (m,), Pa, of a solution."""
     balance = problem.balance
     water = water_at(problem, piece_at(problem, x), x)
     free = balance.free
