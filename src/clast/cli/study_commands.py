@@ -288,7 +288,7 @@ def rockfall(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Follow rocks that fall on a profile: where they go, how high and fast, and what holds them.
+    """Follow rocks that fall on a profile: paths, heights, speeds, and the barriers that hold them.
 
     The case has [rockfall], [surface.NAME] and [[source]].
     """

@@ -166,7 +166,7 @@ def print_collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: boo
 
 
 def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
-    """Write tables and report of rockfall; print where rocks ended and what barriers held."""
+    """Write tables and report of rockfall; print where rocks ended and the hits of barriers."""
     from collections import Counter
 
     from clast.study.rockfall.report import write_report

@@ -20,7 +20,8 @@ PIPE_WIDTH = 100
 """Width of tables where there is no terminal, characters."""
 MISSED, BAD_INPUT, STOPPED, SIGNALLED = 1, 2, 3, 128
 """Exit codes: a verification failed, bad input, a run that could not go on (its partial results are
-kept), and what systems add to the number of the signal that ended a program: 130 for the key."""
+kept), and the base to which systems add the number of the signal that ended a program: 130 for the
+key."""
 
 
 def table_of(

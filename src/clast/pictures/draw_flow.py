@@ -45,7 +45,7 @@ LEAST = 0.01
 
 
 def flows_of(results: Recording, frame: int) -> list[tuple[str, Floats, float]]:
-    """Return name, place, m, and flow out of the rock, m2/s, of what takes or gives water."""
+    """Return name, place, m, and flow out of the rock, m2/s, of boundaries and wells."""
     rows = [(name, results.inflow(name)) for name in results.flow_name if name != ALL_JOINTS]
     if not rows:
         return []
@@ -63,7 +63,7 @@ def flows_of(results: Recording, frame: int) -> list[tuple[str, Floats, float]]:
 def levels_of(results: Recording, frame: int) -> dict[int, Floats]:
     """Return the levels of the heads that press in a frame, m, (5, 2), by numbers of boundaries.
 
-    That is the head of joints that come out there, across what lies below it.
+    That is the head of joints that come out there, across the part of the boundary below it.
     """
     channels, flow, levels = results.channels, as_it_was(results).flow(frame), {}
     if not len(channels.of_line) or channels.weight == 0.0:

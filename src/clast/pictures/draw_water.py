@@ -30,7 +30,7 @@ BLUE, PALE = "#1f6fb4", "#5aa5dc"
 """Colours of the level and of pressures."""
 LONGEST, CLEAR = 0.6, 0.3
 """Ordinate of the largest pressure in lengths of the longest arrow of a contact, and how much of
-what lies behind diagrams their fill covers: colours of blocks are seen through and beside them."""
+the background of diagrams their fill covers: colours of blocks are seen through and beside them."""
 TRIANGLE_SIZE, TRIANGLE_PLACE = 8.0, 0.06
 """Size of the triangle, points, and its place from the left, as a share of the picture."""
 
@@ -88,7 +88,7 @@ def pressures_of(
 
 
 def dry_of(results: Recording, water: Water, frame: int) -> Floats:
-    """Return the ranges of x, m, in which a surface lies in what is excavated, (k, 2), in order."""
+    """Return the ranges of x, m, in which a surface lies in excavated ground, (k, 2), in order."""
     absent = absent_in_frame(results, frame)
     excavated = absent & ~results.awaited(frame)
     if not excavated.any():

@@ -1,7 +1,7 @@
 """Numbers of water in joints: channels as lines, in pieces along which the number hardly changes.
 
-Lines run as the water flows, and are as wide as the flow is large.  What has neither pressure nor
-flow is dry: no field has a value there.
+Lines run as the water flows, and are as wide as the flow is large.  A channel with neither pressure
+nor flow is dry: no field has a value there.
 """
 
 from __future__ import annotations

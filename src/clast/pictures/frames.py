@@ -48,7 +48,7 @@ POINT_NAMES_MAX = 12
 class FrameDrawing:
     """Draws frames of a run with one field, in one part.
 
-    ``part`` has the corners (2,), m, of what is shown: all blocks in the frames and at the start,
+    ``part`` has the corners (2,), m, of the area shown: all blocks in the frames and at the start,
     or the zoom of ``look``.  Raises CaseError for a field that is not known and for a part without
     blocks.
     """

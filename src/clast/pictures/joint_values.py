@@ -59,7 +59,7 @@ def _from_sums(
     columns: Callable[[FrameContacts], tuple[Floats, Floats]],
     value: Callable[[Floats, Floats], Floats],
 ) -> Callable[[Recording, int], Faces]:
-    """Return what gives the faces of a frame a value of two sums over the contacts of each."""
+    """Return the function that gives each face of a frame a value of two sums over its contacts."""
 
     def values(results: Recording, frame: int) -> Faces:
         contacts = results.contacts(frame)
@@ -74,7 +74,7 @@ def _percent(part: Floats, whole: Floats) -> Floats:
 
 
 def _friction_angle(shear: Floats, normal: Floats) -> Floats:
-    """Return atan of shear over normal, degrees; 90 for what cohesion holds without pressure."""
+    """Return atan of shear over normal, degrees; 90 where cohesion holds without pressure."""
     return np.degrees(np.arctan2(np.abs(shear), np.maximum(0.0, normal)))
 
 

@@ -28,8 +28,8 @@ THIN, THICK = 0.4, 5.0
 
 
 Layer = Callable[[Recording, int], tuple[list[Any], Callable[[Any], None]]]
-"""Returns, of a frame, the entries of the legend and what draws the layer on axes; the legend is
-empty where there is nothing to draw."""
+"""Returns, of a frame, the entries of the legend and the function that draws the layer on axes; the
+legend is empty where there is nothing to draw."""
 
 
 def _centres(results: Recording, frame: int) -> Floats:

@@ -60,7 +60,7 @@ def carries(lining: LiningHistory) -> Bools:
 def diagram(
     one: LiningQuantity, results: Recording, frame: int
 ) -> tuple[list[Any], Callable[[Axes], None]]:
-    """Return the legend of a diagram, its extremes, and what draws it on axes."""
+    """Return the legend of a diagram, its extremes, and the function that draws it on axes."""
     from matplotlib.lines import Line2D
 
     drawn: list[tuple[str, Floats, Bools]] = []

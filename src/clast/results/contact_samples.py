@@ -81,7 +81,7 @@ def opening_and_slip(
 
 
 def shear_strengths(contacts: Contacts, response: ContactResponse, rows: Ints) -> Floats:
-    """Return N tan(phi) + c L of some contacts in the step, N/m, (k,): what sliding ones carry."""
+    """Return N tan(phi) + c L of some contacts in the step, N/m, (k,): the shear strength."""
     given = ~np.isnan(contacts.friction_base)
     normal = np.where(given, contacts.friction_base, response.normal_force)
     return largest_forces(contacts, normal)[1][rows]

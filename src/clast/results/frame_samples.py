@@ -179,7 +179,7 @@ def flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
 
 
 def flows_of(water: Any) -> tuple[Floats, Floats]:
-    """Return what flows into the joints and out of them at the nodes, m2/s, (m,) each."""
+    """Return the flows into the joints and out of them at the nodes, m2/s, (m,) each."""
     solved = water.solved
     put_in = water.conditions.inflow + solved.missing
     into = np.maximum(solved.given, 0.0) + np.maximum(put_in, 0.0) - solved.runoff
@@ -192,7 +192,7 @@ LITRES = 1e3 * 60.0 * 10.0
 
 
 def flow_notes(model: Model, state: State) -> tuple[str, ...]:
-    """Return what flows at boundaries and wells at the end, largest pressure, Re, what is lost."""
+    """Return flows at boundaries and wells at the end, largest pressure, Re, unaccounted flow."""
     if model.flow is None:
         return ()
     water, names = joint_water(model, state), FLOWS.names(model)
@@ -218,7 +218,7 @@ def flow_notes(model: Model, state: State) -> tuple[str, ...]:
 
 
 def measured_flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
-    """Return the function of time and of what flows in and out of each measured flow, (k,) each."""
+    """Return the function of time, inflow and outflow of each measured flow, (k,) each."""
     every, names = flow_rows(model, reference), FLOWS.names(model)
     measured = model.flow.measured if model.flow else ()
     which = np.array([names.index(of) for _, of in measured], np.int64)

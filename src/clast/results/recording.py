@@ -438,7 +438,7 @@ class Recording:
     def inflow(self, name: str) -> FlowHistory:
         """Return the water at a boundary, well or opening, a row per instant, as a table.
 
-        Its ``inflow`` is what comes out of the rock, m2/s: into a tunnel.  A measured flow goes by
+        Its ``inflow`` is the flow out of the rock, m2/s: into a tunnel.  A measured flow goes by
         its own name, too.
         """
         table = FLOW_TABLE if name in self.flow_name else MEASURED_FLOW_TABLE

@@ -269,7 +269,7 @@ class FlowHistory(Columns):
 
     @property
     def inflow(self) -> Floats:
-        """What comes out of the rock, less what goes into it, m2/s, (t,): into an opening."""
+        """Flow out of the rock less flow into it, m2/s, (t,): into an opening."""
         return np.asarray(self["out_of_rock"] - self["into_rock"])
 
 
@@ -287,7 +287,7 @@ class LiningHistory:
     """Forces and moments along a lining of k joints, at the start and after every step; t rows.
 
     ``normal_force``, ``shear_force``, ``moment``, ``utilisation`` and ``state`` have shape (t, k).
-    N is positive in tension, Q is the force to the left on what lies before a joint, M is positive
+    N is positive in tension, Q is the force to the left on the part before a joint, M is positive
     where it stretches the left face: that of the opening, seen counter-clockwise.
     """
 

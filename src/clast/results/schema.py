@@ -565,7 +565,7 @@ class OfModel:
 
     name: str
     value: str | Callable[[Model], Any]
-    """Place of its values in the model, or what returns them: texts, or an array."""
+    """Place of its values in the model, or a function that returns them: texts, or an array."""
     meaning: str
     of: Things | None = None
     """Only written where there are any of these; None: always."""

@@ -51,7 +51,7 @@ def _require(condition: Any, fault: str) -> None:
 
 
 def parts_of_model(file: Any, frames: int) -> Parts:
-    """Return what /model of a file with so many frames holds; raises MalformedError."""
+    """Return the content of /model of a file with so many frames; raises MalformedError."""
     parts = _blocks(file)
     blocks, corners = len(parts["block_name"]), int(parts["block_start"][-1])
     parts |= {**_edge_joints(file, corners), **_points(file), **_bolts(file, frames)}

@@ -401,7 +401,7 @@ def joints_of(tables: Sequence[LineTable]) -> tuple[tuple[str, ...], Ints]:
 
 
 def sets_of(tables: Sequence[LineTable]) -> tuple[tuple[str, ...], Ints]:
-    """Return the names of what cuts, and the number of each table's, shape (k,).
+    """Return the names of the sets that cut, and the number of each table's, shape (k,).
 
     Tables of one name are one; those of several joints, as beds and head joints are, have these
     added.

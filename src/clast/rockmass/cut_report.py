@@ -168,7 +168,7 @@ class CutReport:
 
 @dataclass(frozen=True, kw_only=True)
 class CutLines:
-    """All lines before they meet, and what is known of them."""
+    """All lines before they meet, with their tables and the changes made to them."""
 
     site: Site
     """The domain to cut."""

@@ -76,8 +76,8 @@ class Cut:
     """Index into ``joint_names`` of the edge from each vertex to the next, shape (nv,); -1 where no
     other block is, or where no joint is named: by pair of blocks, rocks, or the default."""
     edge_set: Ints
-    """Index into ``set_names`` of what cut the edge from each vertex to the next, shape (nv,); -1
-    where no other block is, and where a weld splits a ring."""
+    """Index into ``set_names`` of the set that cut the edge from each vertex to the next, shape
+    (nv,); -1 where no other block is, and where a weld splits a ring."""
     opening: Ints
     """Index into ``opening_names`` of the opening that each block is part of, -1, shape (nb,)."""
     rock_names: tuple[str, ...]

@@ -288,7 +288,7 @@ def sided(graph: Graph, kinds: Sequence[tuple[int, Any]]) -> Graph:
 
     Faces between which no outline runs are alike: the largest of them decides for all, so that no
     sliver along an outline is taken for something else.  ``kinds`` are kinds and polygons of the
-    domain, which comes first, and of openings: what lies in several is of the last.
+    domain, which comes first, and of openings: a face inside several is of the last.
     """
     if len(graph.edge) == 0:
         return graph

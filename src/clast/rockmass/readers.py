@@ -1,8 +1,8 @@
 """Finished blocks in: archives, tables and drawings of closed lines.
 
-| file | what is a block |
+| file | form of blocks |
 | --- | --- |
-| .npz | what ``write_blocks_npz`` wrote |
+| .npz | as ``write_blocks_npz`` writes them |
 | .csv | rows of one ``block`` in their order: block, x, y [, joint [, rock]] [, vertex] |
 | .dxf | a closed line or a face on any layer but JOINTS; its rock is the layer's name |
 | any other | a block of Shi's block file |

@@ -35,7 +35,7 @@ class Listener:
         return tuple(k for k, one in enumerate(self._actions) if isinstance(one, ReportsEvents))
 
     def events(self, before: State, result: StepResult) -> Iterator[Event]:
-        """Yield what actions report of a step, and the joints that it wears to the residual."""
+        """Yield the events of a step that actions report, and joints worn to the residual in it."""
         after = result.state
         states = states_of(self._actions, self.model, before) if self._reporting else ()
         for number in self._reporting:

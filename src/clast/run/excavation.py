@@ -42,9 +42,9 @@ def excavated(
 
     The forces that they exert on their neighbours are released by the share ``release``, one number
     or one for each of ``blocks``: ``relax`` (0 to 1) of it ends at once, the rest falls to nothing
-    within ``relax_time``, s; what is not released is held.  Blocks already excavated do not count.
-    Raises ModelError for shares and times out of range, for values that are not block numbers,
-    and where no block would be left.
+    within ``relax_time``, s; the part that is not released is held.  Blocks already excavated do
+    not count.  Raises ModelError for shares and times out of range, for values that are not block
+    numbers, and where no block would be left.
     """
     if not 0.0 <= relax <= 1.0:
         raise ModelError(

@@ -13,7 +13,7 @@ from types import FrameType
 from typing import NoReturn
 
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
-"""The interrupt key, what systems send before they kill, and the end of the terminal."""
+"""The interrupt key, the signal that systems send before they kill, and the end of the terminal."""
 
 
 class Interrupted(KeyboardInterrupt):

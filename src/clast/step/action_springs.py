@@ -2,10 +2,10 @@
 
 The modified process and open-close iteration solve equations in which each contact has one
 stiffness.  A spring that yields, slackens or takes up its play in the step must not be held like
-that: taken as yielded it has no stiffness, and what it joins is thrown apart.  With the contacts
-held linear the step is the minimum of a convex potential, and Newton's method with an exact line
-search finds the forces of all such springs, as it does in the convex process.  Where none of them
-changes it is one solve.
+that: taken as yielded it has no stiffness, and the blocks that it joins are thrown apart.  With
+the contacts held linear the step is the minimum of a convex potential, and Newton's method with an
+exact line search finds the forces of all such springs, as it does in the convex process.  Where
+none of them changes it is one solve.
 """
 
 from __future__ import annotations

@@ -78,8 +78,8 @@ UNCUT_FALL_DISPLACEMENTS = 0.2
 max_displacement."""
 
 TOLERANCE_OF_DRIVEN = 1e-3
-"""Tolerance where motions are prescribed, in units of the usual one: what is out of balance on a
-body that is driven has the work of its whole path."""
+"""Tolerance where motions are prescribed, in units of the usual one: a force out of balance on a
+body that is driven does work along its whole path."""
 
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
 """Counts of a step, before it has counted anything."""
@@ -368,7 +368,7 @@ class Search:
         return within, part.potential, part.point, part.blocks
 
     def without_spent(self, contacts: Contacts, response: ContactResponse) -> Contacts:
-        """Return the contacts without bonds that break and chords of strength that give back."""
+        """Return the contacts without bonds that break and chords of strength that are unloaded."""
         if is_any(contacts.bonded & ~response.bonded):
             return without_bonds(contacts, response)
         if self.asperities is not None:

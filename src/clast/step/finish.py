@@ -87,7 +87,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
 def _after_sliding(
     context: StepContext, solution: StepSolution, end: StepEnd
 ) -> tuple[StepSolution, ContactResponse, Wear]:
-    """Return the solution with the energies of joints that open, what is kept, and all wear."""
+    """Return the solution with the energies of joints that open, the response to keep, and wear."""
     table, law = context.model.joint_table, context.method.contact_law
     contacts, response = solution.contacts, solution.response
     rate = context.method.dynamic_ratio / context.step

@@ -148,7 +148,7 @@ def _struck(
     flight: tuple[Floats, Floats],
     limits: tuple[float, float, float],
 ) -> ImpactResult:
-    """Return the result where contacts strike, else what is ``unchanged``.
+    """Return the result where contacts strike, else ``unchanged``.
 
     ``answers`` are the restitution of contacts (m,) and which carry (m,), ``flight`` velocities
     (n, 6) and accelerations (n, 2) of the blocks, ``limits`` those of ``impulses.ImpactLimits``.
@@ -204,8 +204,8 @@ def _resting(model: Model, law: ContactLaw, step: float) -> float:
 def _pressed(context: StepContext, contacts: Contacts, rate: Floats) -> Bools:
     """Return which contacts (m,) close so slowly that they rest under the pressure on their blocks.
 
-    What g h is for blocks that bear their weight, m g = sum of N, is for those that are squeezed
-    the speed that the sum of N on a block gives it in that time (``slowest_impact``).
+    The limit is g h for blocks that carry their weight, m g = sum of N; for those that are squeezed
+    it is the speed that the sum of N on a block gives it in that time (``slowest_impact``).
     """
     model, count = context.model, context.model.block_count
     time = _resting(model, context.method.contact_law, context.step)

@@ -77,8 +77,8 @@ class DrivenBlocks:
     def terms(self, base: DiagonalTerms, inertia: Floats, area: Floats) -> DiagonalTerms:
         """Return the equations of d' without springs; ``inertia`` (n, 6, 6) is M/(theta h2).
 
-        In a long step inertia is nothing beside springs: what is prescribed is stiff beside the
-        stiffness of its block, too, of the ``area`` (n,), m2.
+        In a long step inertia is nothing beside springs: prescribed components are stiff beside the
+        stiffness of their block, too, of the ``area`` (n,), m2.
         """
         rows = np.flatnonzero(self.blocks)
         moved = self.displacement[rows]

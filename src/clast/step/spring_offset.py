@@ -6,8 +6,8 @@ stretched as it had never been pulled, and the blocks would get that energy for 
 contact begins with the force that it, or the contact it takes over from within its pair of blocks,
 ended the last step with; from there its spring follows the gap.  The spring's point of rest lies
 behind the edge then, and comes back: with the vertex, and by a share of critdis in each step, so
-that blocks lie in each other by no more than their forces explain.  The work of that is among what
-the time integration brings in.
+that blocks lie in each other by no more than their forces explain.  Its work is part of the
+energy that the time integration brings in.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ class Study:
         fail: Expression that is true where a run fails, e.g. "crest > 0.05".
         factor: How the factor of safety of each run is looked for; None: no factor.
         keep: Runs whose results are kept: "none", "all" or "worst N".
-        together: True: the lists of a sweep are gone through side by side.
+        together: True: a sweep takes the values of its lists side by side.
     """
 
     def __init__(

@@ -1,10 +1,10 @@
-"""A rock that bears on the profile: it slides, rolls over its corners, or comes to rest.
+"""A rock in contact with the profile: it slides, rolls over its corners, or comes to rest.
 
 A step of length h takes the mean velocity w = (v + v')/2 for which contacts do not close, friction
 is within Coulomb's bound and rolling resistance within its moment, with contacts as they are half
 way.  The arm of a corner is shortened by sin(q/2)/(q/2), q the turn of the step: a corner that
 neither closes nor slips is then exactly where it was, and as gravity works on h w, the energy of
-the step is kept but for what friction takes (Simo, Tarnow and Wong 1992, energy-momentum methods).
+the step is kept but for the work of friction (Simo, Tarnow and Wong 1992, energy-momentum methods).
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ def step_length(rock, state, gravity, pairs):
 
 @kernel()
 def stepped(ground, rock, state, gravity, bearing, length):
-    """Return the state (6,) after a step, and what friction and rolling resistance took, J.
+    """Return the state (6,) after a step, and the work of friction and of rolling resistance, J.
 
-    ``bearing`` is the pairs (p, 3) that bear, their contacts (p, 13), and which of them slip (p,).
+    ``bearing`` is the pairs (p, 3) in contact, their contacts (p, 13), and which of them slip (p,).
     """
     pairs, contacts, slipping = bearing
     inverse = 1.0 / rock.numbers[:2]

@@ -36,7 +36,7 @@ def deck_of(value: Distribution | float) -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Where rocks start, and what they are; decks (DECK,) are the values that are drawn."""
+    """Where rocks start, and their properties; decks (DECK,) are the values that are drawn."""
 
     name: str
     line: Floats
@@ -129,7 +129,7 @@ class Campaign:
         return Path(source=source.name, rock=rock, volume=volume, course=course, state=state)
 
     def _course(self, seed: int) -> paths.Course:
-        """Return what is written of a path, before it begins."""
+        """Return the empty record of a path, before it begins."""
         barriers, stations = len(self.barriers), len(self.stations)
         return paths.Course(
             records=np.zeros((RECORDS_MAX, 14)),

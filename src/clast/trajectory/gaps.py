@@ -80,7 +80,7 @@ def surface_of(ground, kind, k, nx, ny):
 def pairs_within(ground, rock, state, broken, reach):
     """Return the pairs (p, 3) of kind, i and k that are within ``reach`` of the rock's circle.
 
-    ``broken`` says which barriers are gone.
+    ``broken`` says which barriers have failed.
     """
     n, radius = len(rock.length), rock.numbers[2]
     pairs = np.empty((n * (len(ground.length) + len(ground.corner)), 3), np.int64)

@@ -61,7 +61,7 @@ def one_contact(gain, slip, a, b, c, sticks, tan):
 
 @kernel()
 def solve(contacts, velocity, inverse, spin_target):
-    """Give contacts (p, 13) their impulses and the velocity (3,) what these change of it.
+    """Set the impulses of contacts (p, 13) and add the change that they cause to the velocity (3,).
 
     ``inverse`` is 1/m and 1/I.  Contacts take turns until none changes (block Gauss-Seidel);
     return whether they came to that.

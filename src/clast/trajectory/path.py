@@ -24,12 +24,12 @@ from clast.trajectory.impact import SLIDE, TAN, blow, contact_speeds, energy_of,
 REST, LEFT, HELD, TIME = range(4)
 """How a path ends: at rest, out of the profile, held by a barrier, at the time limit."""
 FLIES, BEARS, STOPS = range(3)
-"""What a rock does next."""
+"""Next motion of a rock: it flies, moves in contact with the profile, or stops."""
 START, BLOW, ON_GROUND, END = range(4)
 """Kinds of records."""
 KIND, CLOCK, X, Y, ANGLE, BEFORE, AFTER, FACE, BARRIER, LOST = 0, 1, 2, 3, 4, 5, 8, 11, 12, 13
 """Columns of records (14): time, s, centroid, m, angle, rad, velocity and spin before and after (3
-each), m/s and rad/s, surface, barrier, and what a blow took, J."""
+each), m/s and rad/s, surface, barrier, and energy lost in a blow, J."""
 HEIGHT, TRANSLATION, ROTATION, TOTAL, FAST = range(5)
 """Columns of stations: height of the centroid above the profile, m, energies, J, speed, m/s."""
 BY_BLOWS, BY_FRICTION, BY_ROLLING, BY_BARRIERS, HAD, KEPT = range(6)
@@ -39,10 +39,10 @@ HIT_TIME, HIT_HEIGHT, HIT_ENERGY, HIT_SPEED, HIT_HELD = range(5)
 """Columns of hits of a barrier: first time, s, height above its foot, m, energy, J, speed, m/s,
 whether it held the rock."""
 GENTLE, BEARING = 1e-4, 1e-8
-"""Speed of a rebound that is none, and speed after a blow up to which a contact bears, in units of
-(radius gravity)^1/2."""
+"""Speed up to which a rebound is none, and speed after a blow up to which a contact lasts, in units
+of (radius gravity)^1/2."""
 SLOW = 1e-6
-"""Speed below which a rock that bears is at rest, in the same unit."""
+"""Speed below which a rock in contact is at rest, in the same unit."""
 STUCK = 1e-2
 """Speed, in the same unit, and movement, in units of speed and step, of a rock that is stuck."""
 CALM = 10
@@ -50,7 +50,7 @@ CALM = 10
 
 
 class Course(NamedTuple):
-    """What is written of a path while it goes on."""
+    """Records of a path while it goes on."""
 
     records: Floats
     """Starts, blows, stretches on the ground, ends, (most, 14)."""
@@ -74,7 +74,7 @@ class Course(NamedTuple):
 
 @kernel()
 def measures_of(ground, rock, state):
-    """Return what is measured of a rock: height above the profile, energies, speed."""
+    """Return the measured quantities of a rock: height above the profile, energies, speed."""
     moving, turning = energy_of(state[3:], rock)
     height = state[1] - height_below(ground, state[0], state[1])
     return height, moving, turning, moving + turning, np.hypot(state[3], state[4])
@@ -103,7 +103,7 @@ def write(course, kind, state, before, face, barrier, lost):
 
 @kernel()
 def pass_stations(ground, rock, course, state, after, gravity, span):
-    """Write down what a rock is like at the stations that it passes in a span of time, s."""
+    """Record the measured quantities of a rock at the stations that it passes in a time span, s."""
     low, high = min(state[0], after[0]), max(state[0], after[0])
     first = np.searchsorted(ground.stations, low)
     for s in range(first, len(ground.stations)):
@@ -135,7 +135,7 @@ def end_at(course, how):
 
 @kernel()
 def fly(ground, rock, course, state, gravity):
-    """Fly to the next touch; return what comes next (a blow counts as flight)."""
+    """Fly to the next touch; return the next motion (a blow counts as flight)."""
     pull = np.hypot(gravity[0], gravity[1])
     while True:
         left = course.clock[1] - course.clock[0]
@@ -229,7 +229,7 @@ def is_stuck(rock, before, after, length, speed):
 
 @kernel()
 def bear(ground, rock, course, state, gravity, pairs, contacts):
-    """Slide and roll with contacts that bear; return what comes next."""
+    """Slide and roll with contacts that last; return the next motion."""
     _unit, speed = scales(rock, gravity)
     contacts[:, TAN] = contacts[:, SLIDE]
     slipping = np.zeros(len(pairs), np.bool_)

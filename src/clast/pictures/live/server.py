@@ -113,7 +113,7 @@ class _Request(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Read what is there; raises TimeoutError where the time is over."""
+        """Read the bytes that are there; raises TimeoutError where the time is over."""
         left = self.until - time.monotonic()
         if left <= 0.0:
             raise TimeoutError

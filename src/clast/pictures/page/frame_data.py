@@ -73,7 +73,7 @@ CONTACT_NUMBERS = {
 FACE_COLUMNS = 6
 """Columns of a face: its ends, its value, its edge; of a channel there is its width as well."""
 CONTACT_NAMES = ("vertex", "by", "mode", "joint")
-"""What tells it: vertex, block that the vertex enters, mode and joint."""
+"""Columns that identify it: vertex, block that the vertex enters, mode and joint."""
 
 
 def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
@@ -256,7 +256,7 @@ def _faces(about: _About, name: str, order: Floats, rows: Rows) -> Rows:
 
 
 def _flow_values(results: Recording) -> dict[str, Callable[[Recording, int], Faces]]:
-    """Return what gives the channels of a frame the numbers of each field; no gravity: no head."""
+    """Return the functions that give channels of a frame each field; no gravity: no head."""
     weightless = results.channels.weight == 0.0
     fields = {name: one.values for name, one in FLOW_FIELDS.items()}
     return {name: one for name, one in fields.items() if not (weightless and name == "head")}

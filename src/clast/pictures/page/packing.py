@@ -147,9 +147,9 @@ def room_of_each(sizes: Sequence[int], budget: float) -> float:
 class Rows:
     """Rows of each frame, and in which order they are kept where there is no room for all.
 
-    The order is that of places, the same in all frames, so that what is left out is left out in all
-    of them; the largest of a frame stays.  All rows of a large run do not find room in memory: what
-    is twice the budget is cut at once.
+    The order is that of places, the same in all frames, so that rows left out are left out in all
+    of them; the largest of a frame stays.  All rows of a large run do not fit in memory: as soon as
+    they exceed twice the budget they are cut back to it.
     """
 
     bytes: int

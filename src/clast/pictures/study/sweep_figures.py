@@ -100,7 +100,7 @@ class SweepGrid:
     lost: Flags
     """Where a run was made that has no result."""
     words: tuple[str, str] = ("stands", "fails")
-    """What runs do that do not fail, and those that do."""
+    """Outcomes of runs that do not fail, and of those that do."""
 
 
 def is_by_logarithms(values: Floats) -> bool:

@@ -2,7 +2,7 @@
 
 A file is HDF5 with, behind it, its length and checksum, which HDF5 passes over:
 
-    /checkpoint    what is held, as JSON; attributes say the layout and the version of clast
+    /checkpoint    its content, as JSON; attributes give the layout and the version of clast
     /arrays/N      the arrays that it refers to, those of tables as their bytes
     sums:          length of the HDF5 part (u64, little-endian), its SHA-256, 8 bytes "clastchk"
 """

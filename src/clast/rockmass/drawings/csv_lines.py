@@ -1,6 +1,6 @@
 """Tables of traces, outlines and joint surveys in: CSV with a heading.
 
-| columns | what it is |
+| columns | content |
 | --- | --- |
 | x1, y1, x2, y2 [, joint [, set]] | one straight trace a row |
 | id [, part], x, y [, joint [, set]] | traces of several points: rows of one id (and part) |

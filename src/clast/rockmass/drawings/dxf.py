@@ -2,12 +2,12 @@
 
 The layers, in capitals or not:
 
-| layer | what is on it |
+| layer | content |
 | --- | --- |
 | BOUNDARY | the outline of the domain: one closed line, or lines that close end to end |
 | JOINTS, JOINTS_name | joints, of the strength [joint.default] or [joint.name] |
 | OPENINGS, OPENINGS_name | closed outlines of openings |
-| REGIONS_rock | closed outlines of what is of that rock |
+| REGIONS_rock | closed outlines of areas of that rock |
 | BOLTS, BOLTS_kind | straight lines from head to end |
 | FIXED | points, and lines along which every block is held at one point |
 

@@ -1,6 +1,6 @@
 """Lines and outlines of geographic information systems: GeoJSON, WKT, GeoPackage, shapefile.
 
-| file | what is in it |
+| file | content |
 | --- | --- |
 | .geojson, .json | a GeoJSON geometry, feature, or collection of features |
 | .wkt | one geometry a line, in well-known text |
@@ -154,7 +154,7 @@ def _wkt(path: Path, layer: str | None) -> Iterator[Feature]:
 
 
 def _said(error: Exception) -> str:
-    """Return what a reader of geometries says, without the name of its kind of error."""
+    """Return the message of a reader of geometries, without the name of its kind of error."""
     return str(error).partition(": ")[2] or str(error)
 
 

@@ -103,7 +103,7 @@ class NumberText:
         return CaseError(what, where=where, remedy=remedy)
 
     def number(self, what: str) -> float:
-        """Return the next number; CaseError where ``what`` is missing or is not a number."""
+        """Return the next number; CaseError where it is missing or is not a number."""
         if self._next == len(self._words):
             remedy = "check that the file is complete and its counts are right"
             raise self.fault(f"ends before {what}", remedy, self._line(self._next))
@@ -140,7 +140,7 @@ class NumberText:
     def rest(
         self, counted: str = "", reason: str = "it follows the end of the expected data"
     ) -> tuple[LeftOut, ...]:
-        """Return the words that were not read, shortened, after what they count."""
+        """Return the words that were not read, shortened, after the text ``counted``."""
         words = [word for word, _ in self._words[self._next :]]
         if not words:
             return ()

@@ -1,13 +1,14 @@
 """How much movement of a static run is still to come.
 
-A step solves equations that hold for blocks as they stand at its start.  What its movement adds to
-the moments of the forces on them drives the next step, which adds less again.  Near an equilibrium
-each movement is q times the one before, with q = P/P_cr for a wall under a load P, and
+A step solves equations that hold for blocks as they stand at its start.  The moments that its
+movement adds to those of the forces on them drive the next step, which adds less again.  Near an
+equilibrium each movement is q times the one before, with q = P/P_cr for a wall under a load P, and
 
     w q/(1 - q)
 
 is still to come after one of w.  With q >= 1 there is no equilibrium near by, however small w.  It
-is that of the blocks that move most, along their movement: what has come to rest plays no part.
+is that of the blocks that move most, along their movement: blocks that have come to rest play no
+part.
 
 Where q is steady, the forces that the movements to come will bring about are known as well: those
 out of balance now, times q + q^2 + ...  The next step anticipates them (Aitken 1926).

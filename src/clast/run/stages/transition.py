@@ -358,7 +358,7 @@ def _bonded(
 def _beside(model: Model, contacts: Contacts, coming: Bools, direction: Floats) -> Bools:
     """Return which contacts are along ends and inner faces of segments that come, (m,).
 
-    What is sprayed on fills gaps of the outer face; these stay open.
+    A lining that is sprayed on fills gaps of the outer face; these stay open.
     """
     others = np.zeros(len(direction) + 1, np.bool_)  # and of -1, which is none
     for last in model.block_start[1:][coming]:

@@ -316,7 +316,7 @@ def divide(table: Mapping[str, float], factor: float) -> dict[str, float]:
     """Return the strengths of a joint divided by a factor.
 
     Of a rough joint it is the mobilised friction angle whose tangent is divided, and nothing else;
-    a dilation angle stays what it is, up to the friction angle.
+    a dilation angle stays as it is, up to the friction angle.
     """
     if ROUGH in table:
         kept = {key: table[key] for key in ANGLES if key in table}

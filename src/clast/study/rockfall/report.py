@@ -30,7 +30,7 @@ ENVELOPES = {
     "energy": ("kinetic energy, kJ", 1e-3),
     "speed": ("speed, m/s", 1.0),
 }
-"""What is drawn along the profile: its name, and its unit as a share of that of the tables."""
+"""Quantities drawn along the profile: name, and unit as a share of that of the tables."""
 
 
 def path_lines(results: RockfallResults) -> list[Floats]:

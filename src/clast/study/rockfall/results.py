@@ -48,7 +48,7 @@ BARRIER_HEADS = {
     "energy_p95": "energy P95, kJ",
     "energy_max": "largest, kJ",
 }
-"""What a reader is told of barriers; the tables have the rest."""
+"""Columns of barriers shown to readers, and their headings; the tables have the rest."""
 COLLECTOR_HEADS = {
     "name": "collector",
     "count": "rocks",
@@ -59,7 +59,7 @@ COLLECTOR_HEADS = {
     "speed_p95": "speed P95, m/s",
     "speed_max": "largest, m/s",
 }
-"""What a reader is told of collectors."""
+"""Columns of collectors shown to readers, and their headings."""
 
 
 def told(rows: Sequence[Row], heads: Mapping[str, str]) -> list[list[Any]]:
@@ -89,7 +89,7 @@ class RockfallResults:
     folder: Path
     campaign: Campaign
     paths: Mapping[str, list[Any]]
-    """Column -> values, a row for each path: what fell, where it ended and its largest values."""
+    """Column -> values, a row for each path: the rock, where it ended and its largest values."""
     records: Floats
     """Starts, blows, stretches on the ground and ends of all paths, (r, 15)."""
     passed: Floats
@@ -152,7 +152,7 @@ class RockfallResults:
         return rows
 
     def barriers(self) -> list[Row]:
-        """Return what came to each barrier, how it hit, and the share of it that was held."""
+        """Return the rocks that came to each barrier, their hits, and the share that was held."""
         rows = []
         for number, name in enumerate(self.campaign.barriers):
             station = self.campaign.stations.index(name)
