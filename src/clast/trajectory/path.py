@@ -38,7 +38,7 @@ energy at the start and at the end, J."""
 HIT_TIME, HIT_HEIGHT, HIT_ENERGY, HIT_SPEED, HIT_HELD = range(5)
 """Columns of hits of a barrier: first time, s, height above its foot, m, energy, J, speed, m/s,
 whether it held the rock."""
-GENTLE, BEARING = 1e-4, 1e-8
+GENTLE, BEARING = 1e-4, 1e-6
 """Speed up to which a rebound is none, and speed after a blow up to which a contact lasts, in units
 of (radius gravity)^1/2."""
 SLOW = 1e-6
