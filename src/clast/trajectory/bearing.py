@@ -27,6 +27,7 @@ from clast.trajectory.impact import (
     T,
     contact_speeds,
     solve,
+    total_energy,
 )
 
 FINE, COARSE = 0.01, 0.1
@@ -51,12 +52,31 @@ def scales(rock, gravity):
 
 
 @kernel()
+def lies_flat(pairs):
+    """Return whether two corners of a rock are on one segment."""
+    return len(pairs) == 2 and (pairs[:, 0] == ON_SEGMENT).all() and pairs[0, 2] == pairs[1, 2]
+
+
+@kernel()
+def settle(ground, rock, state, pairs, contacts):
+    """Let a rock that both its corners carry move along their segment alone; return the loss, J.
+
+    A step holds its mean velocity to the segment; the rest of it would change its sign for ever.
+    """
+    if not lies_flat(pairs) or contacts[:, N].min() <= 0.0:
+        return 0.0
+    before, way = total_energy(state[3:], rock), ground.way[pairs[0, 2]]
+    along = state[3] * way[0] + state[4] * way[1]
+    state[3], state[4], state[5] = along * way[0], along * way[1], 0.0
+    return before - total_energy(state[3:], rock)
+
+
+@kernel()
 def step_length(rock, state, gravity, pairs):
     """Return the length of the next step, s."""
     unit, _speed = scales(rock, gravity)
     radius = rock.numbers[2]
-    flat = len(pairs) == 2 and (pairs[:, 0] == ON_SEGMENT).all() and pairs[0, 2] == pairs[1, 2]
-    if flat and abs(state[5]) * unit <= STILL:
+    if lies_flat(pairs) and abs(state[5]) * unit <= STILL:
         length = COARSE * unit
     else:
         length = FINE * unit / (1.0 + (abs(state[5]) * unit if np.isfinite(unit) else 0.0))

@@ -18,8 +18,8 @@ from clast.trajectory import path as paths
 from clast.trajectory.ground import DECK, Ground, height_below
 from clast.trajectory.rock import Rock, moments, random_polygon, rock_of
 
-RECORDS_MAX = 20_000
-"""Records of a path, at most."""
+RECORDS = 2_000
+"""Room for the records of a path; one with more is followed again with four times the room."""
 CLEAR = 1e-3
 """Height above the profile to which a rock that would stand in it is raised, in its size."""
 ENDS = ("rest", "out", "held", "time")
@@ -124,15 +124,19 @@ class Campaign:
         place = (1.0 - share) * source.line[0] + share * source.line[1]
         state = np.array([*place, 0.0, *map(drawn, source.velocity), drawn(source.spin)])
         state[1] += lift(self.ground, self.profile, rock, place)
-        course = self._course(int(rng.integers(2**63)))
-        paths.follow(self.ground, rock, course, state, self.gravity)
-        return Path(source=source.name, rock=rock, volume=volume, course=course, state=state)
+        seed, room = int(rng.integers(2**63)), RECORDS
+        while True:
+            course, last = self._course(seed, room), state.copy()
+            paths.follow(self.ground, rock, course, last, self.gravity)
+            if course.tally[0] < room:
+                return Path(source=source.name, rock=rock, volume=volume, course=course, state=last)
+            room *= 4
 
-    def _course(self, seed: int) -> paths.Course:
-        """Return the empty record of a path, before it begins."""
+    def _course(self, seed: int, room: int) -> paths.Course:
+        """Return the empty record of a path, before it begins, with room for so many records."""
         barriers, stations = len(self.barriers), len(self.stations)
         return paths.Course(
-            records=np.zeros((RECORDS_MAX, 14)),
+            records=np.zeros((room, 14)),
             tally=np.array([0, 0, -1, -1]),
             passed=np.full((stations, 5), np.nan),
             hits=np.full((barriers, 5), np.nan),

@@ -11,6 +11,7 @@ from clast.model.model import Bools, Floats, Ints
 from clast.trajectory.bearing import (
     open_pairs,
     scales,
+    settle,
     step_length,
     step_to_touch,
     which_bear,
@@ -247,7 +248,7 @@ def bear(ground, rock, course, state, gravity, pairs, contacts):
             ground, rock, state, gravity, (pairs, contacts, slipping), length, others
         )
         slipping = which_slip(contacts, slipping, after)
-        course.ledger[BY_FRICTION] += sliding
+        course.ledger[BY_FRICTION] += sliding + settle(ground, rock, after, pairs, contacts)
         course.ledger[BY_ROLLING] += rolling
         pull = (after[3:5] - state[3:5]) / length if length > 0.0 else 0.0 * gravity
         pass_stations(ground, rock, course, state, after, pull, length)
