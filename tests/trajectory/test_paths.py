@@ -2,11 +2,14 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from clast.trajectory import path
+from clast.case.case_file import Case
+from clast.case.templates import TEMPLATES
+from clast.trajectory import campaign, path
 from clast.trajectory.ground import Face
 from scenes.trajectories import followed, ledger_error, regular, surface
 
@@ -312,3 +315,33 @@ def test_four_blows_on_three_slopes_are_those_of_an_independent_integration() ->
         now = np.array([*there[:3], *(np.array(moving[:2]) @ turn), moving[2]])
         assert blow[path.CLOCK] == pytest.approx(clock, abs=1e-9)
         assert blow[path.AFTER : path.FACE] == pytest.approx(now[3:], abs=1e-7)
+
+
+def of_template(number):
+    """Return a path of the template, whatever the number of its rocks."""
+    made = Case.from_text(TEMPLATES["rockfall"], "rockfall").campaign()
+    more = tuple(replace(one, count=10_000) for one in made.sources)
+    return replace(made, sources=more).follow(number)
+
+
+def test_a_rock_that_lies_flat_comes_to_rest() -> None:
+    """This one crept on at 4 mm/s to the limit of its time, its spin turned round in each step."""
+    one = of_template(6130)
+    assert one.course.tally[2] == path.REST
+    assert one.course.clock[0] < 20.0
+    assert not one.state[3:].any()
+
+
+def test_a_rock_that_slides_on_does_not_rattle() -> None:
+    """This one struck 8,825 times, from one corner to the other."""
+    assert of_template(2990).course.tally[1] < 500
+
+
+def test_no_record_of_a_path_is_lost(monkeypatch) -> None:
+    whole = of_template(1)
+    monkeypatch.setattr(campaign, "RECORDS", 3)
+    again = of_template(1)
+    count = whole.course.tally[0]
+    assert again.course.tally[0] == count > 3
+    assert (again.course.records[:count] == whole.course.records[:count]).all()
+    assert again.course.records[count - 1, path.KIND] == path.END

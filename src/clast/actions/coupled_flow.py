@@ -197,7 +197,9 @@ class CoupledFlow(Action):
             shares=shares_of_nodes(network, length),
             aperture=state.aperture,
             conductance=state.conductance,
-            falls=_falls(model, state, state.solved.pressure, saturated(state)),
+            falls=_falls(
+                model, state, state.solved.pressure, saturation_of(state.void, state.volume)
+            ),
             volume=state.volume,
         )
         faces = pressed_faces(state, model, midway.vertices, start.time_of_forces)
@@ -215,7 +217,7 @@ class CoupledFlow(Action):
         found = water.pressures(water.opened(unknowns))
         opening, volume = opened_by(model, flowing, unknowns)
         aperture = hydraulic(model, flowing.before.network, opening)
-        full = _full(found, volume)
+        full = saturation_of(found.rest, volume)
         falls = _falls(model, flowing.before, found.pressure, full)
         largest = max(float(np.abs(found.pressure).max(initial=0.0)), 1.0)
         off = np.abs(aperture - flowing.aperture).max(initial=0.0) / aperture.max(initial=1e-300)
@@ -286,19 +288,26 @@ class CoupledFlow(Action):
 
 def begun(model: Model, time: float) -> CoupledWater:
     """Return the water at the start, in joints as blocks lie there."""
-    flow, water = flow_of(model), water_at(model, time)
-    opening = at_start(model, water.network)
-    volume = volumes_of(model, water.network, opening, water.network.length)
+    water = water_at(model, time)
+    return _coupled(model, water, at_start(model, water.network))
+
+
+def _coupled(model: Model, water: JointWater, opening: Floats) -> CoupledWater:
+    """Return water in joints of mechanical apertures (k, 2), m, at the start of an increment."""
     solved, count = water.solved, water.network.count
-    since = Increment(pressure=solved.pressure, void=np.zeros(count), opened=np.zeros(count))
+    volume = volumes_of(model, water.network, opening, water.network.length)
+    void = np.zeros(count) if flow_of(model).confined else volume * (1.0 - solved.saturation)
     of_flow = {one.name: getattr(water, one.name) for one in fields(JointWater)}
-    void = np.zeros(count) if flow.confined else volume * (1.0 - solved.saturation)
-    stored = energy_stored(model, volume, solved.pressure)
     return CoupledWater(
         **{**of_flow, "volume": volume},
         opening=opening,
         void=void,
-        since=replace(since, void=void, stored=stored),
+        since=Increment(
+            pressure=solved.pressure,
+            void=void,
+            opened=np.zeros(count),
+            stored=energy_stored(model, volume, solved.pressure),
+        ),
     )
 
 
@@ -321,19 +330,15 @@ def energy_stored(model: Model, volume: Floats, pressure: Floats) -> float:
     return float(0.5 * (volume / flow_of(model).bulk_modulus) @ pressure**2)
 
 
-def saturated(water: CoupledWater) -> Floats:
-    """Return the saturation of nodes, shape (m,)."""
-    return np.clip(1.0 - water.void / water.volume, 0.0, 1.0)
+def saturation_of(void: Floats, volume: Floats) -> Floats:
+    """Return the saturation of nodes, (m,), with their voids and volumes (m,), m2."""
+    return np.clip(1.0 - np.maximum(void, 0.0) / volume, 0.0, 1.0)
 
 
 def voids(flowing: Flowing, found: Pressures) -> Floats:
     """Return the void of nodes at the end, m2, (m,): none where a pressure is given."""
     inner = flowing.conditions.kind != GIVEN
     return np.where(inner, np.maximum(found.rest, 0.0), 0.0)
-
-
-def _full(found: Pressures, volume: Floats) -> Floats:
-    return np.clip(1.0 - np.maximum(found.rest, 0.0) / volume, 0.0, 1.0)
 
 
 def _water(contribution: CoupledContribution) -> OpeningJoints:
@@ -358,28 +363,13 @@ def _in_new_network(model: Model, before: CoupledWater) -> CoupledWater:
     from scipy.spatial import KDTree
 
     water = carried(before, begun_at(model, before.time))
-    network, solved = water.network, water.solved
+    network = water.network
     distance, same = KDTree(before.network.middle).query(network.middle)
     known = distance <= network.near[network.node].min(axis=1)
     opening = np.where(known[:, None], before.opening[same], at_start(model, network))
     aperture = hydraulic(model, network, opening)
-    volume = volumes_of(model, network, opening, network.length)
-    void = np.zeros(network.count)
-    if not flow_of(model).confined:
-        void = volume * (1.0 - solved.saturation)
-    of_flow = {one.name: getattr(water, one.name) for one in fields(JointWater)}
-    of_flow["conductance"] = conductance(aperture, network.length, flow_of(model).viscosity)
-    return CoupledWater(
-        **{**of_flow, "aperture": aperture, "volume": volume},
-        opening=opening,
-        void=void,
-        since=Increment(
-            pressure=solved.pressure,
-            void=void,
-            opened=np.zeros(network.count),
-            stored=energy_stored(model, volume, solved.pressure),
-        ),
-    )
+    flows = conductance(aperture, network.length, flow_of(model).viscosity)
+    return _coupled(model, replace(water, aperture=aperture, conductance=flows), opening)
 
 
 def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) -> Floats:
@@ -473,7 +463,7 @@ def _solved(model: Model, flowing: Flowing, found: Pressures, since: Increment) 
     into = np.maximum(given, 0.0).sum() + np.maximum(put_in, 0.0).sum()
     return Solved(
         pressure=p,
-        saturation=np.clip(1.0 - void / flowing.volume, 0.0, 1.0),
+        saturation=saturation_of(void, flowing.volume),
         flow=flow,
         given=given,
         outflow=out - runoff,

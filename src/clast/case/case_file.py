@@ -92,6 +92,8 @@ if TYPE_CHECKING:
     from clast.step.method import Method
     from clast.trajectory.campaign import Campaign
 
+BLOCKS = {"block", "geometry", "block_file", "domain"}
+"""Tables that blocks come from."""
 FALLING = ("surface", "source", "barrier", "collector")
 """Tables of rockfall beside [rockfall]."""
 NAMING = "file"
@@ -230,7 +232,7 @@ class Case(BaseModel):
     @classmethod
     def _rocks_need_no_blocks(cls, content: Any) -> Any:
         """Let a case that has only rockfall leave out what runs of blocks need."""
-        if isinstance(content, dict) and "rockfall" in content:
+        if isinstance(content, dict) and "rockfall" in content and not BLOCKS & content.keys():
             return {"time": {"step": 1e-3, "end": 1.0}, "rock": {}, **content}
         return content
 
@@ -415,7 +417,7 @@ class Case(BaseModel):
     @property
     def has_blocks(self) -> bool:
         """Whether the case has blocks, or a rock mass that is cut into blocks."""
-        return any((self.block, self.geometry, self.block_file, self.domain))
+        return any(getattr(self, key) for key in BLOCKS)
 
     def campaign(self) -> Campaign:
         """Return the rocks that fall on the profile; raises CaseError where there is none."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.builder_methods import record_of
+from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import Coordinate, Length, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.viscous_boundaries import Where
@@ -25,7 +23,7 @@ CLOUDBURST = 1e-3
 """Rain, m/s, above which it is in another unit."""
 
 
-class FlowTable(Table):
+class FlowTable(ByKeys):
     """Water that flows in joints with an aperture; blocks are impermeable."""
 
     state: Literal["steady", "transient", "hydrostatic"] = "steady"
@@ -80,23 +78,6 @@ class FlowTable(Table):
             raise refusal("belongs to water at rest", remedy, "level")
         return self
 
-    @classmethod
-    def keys_of(cls, value: Any) -> dict[str, Any] | None:
-        """Return the keys of the table of a script."""
-        return value.model_dump(exclude_unset=True) if isinstance(value, cls) else None
-
-    @classmethod
-    def judge(cls, value: Any, key: str) -> None:
-        """Refuse anything but the keys of the table."""
-        if not isinstance(value, cls):
-            what = f"{shortened(repr(value))} does not describe a flow"
-            raise ModelError(what, where=key, remedy='give the keys of [flow]: {"state": "steady"}')
-        record_of(cls, cls.keys_of(value) or {}, (key,))
-
-    def add_to(self, builder: Any, key: str, folder: Path) -> None:
-        """Let water flow in the joints of the builder's blocks."""
-        builder.flow = self
-
 
 class FlowWhere(Where):
     """Where a boundary of the flow is: one of these."""
@@ -111,14 +92,9 @@ class FlowWhere(Where):
         return self
 
 
-class FlowBoundary(Table):
-    """Head, pressure, flow or faces in air at outer nodes of the joints."""
+class FlowValue(Table):
+    """Water at a boundary of the flow: one of these."""
 
-    name: StrictStr | None = None
-    """Name by which stages and results refer to it."""
-    where: FlowWhere
-    """Which nodes: {side = "left"}, {edges = [[p, q], ...]}, {polygon = [...]} or
-    {opening = "tunnel"}."""
     head: Coordinate | None = None
     """Height y up to which water stands in the joints, m."""
     pressure: Annotated[Number, within(ranges.STRESS)] | None = None
@@ -131,6 +107,32 @@ class FlowBoundary(Table):
     """True: faces in air, which give water off and take none."""
     impermeable: Literal[True] | None = None
     """True: no water passes."""
+
+    @model_validator(mode="after")
+    def _is_one_thing(self) -> Self:
+        # a head may be that of an amplitude
+        others = any(getattr(self, key) is not None for key in KINDS[1:])
+        if getattr(self, "amplitude", None) is None or others:
+            check_one(self, KINDS, f"give one of {', '.join(KINDS)}")
+        if self.rain is not None and self.rain > CLOUDBURST:
+            what = f"{self.rain:g} m/s is more than any rain: {3.6e6 * self.rain:.3g} mm/h"
+            raise refusal(what, "give m/s: 1 mm/h is 2.8e-7", "rain")
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Which of the keys it has."""
+        return next((key for key in KINDS if getattr(self, key) is not None), "head")
+
+
+class FlowBoundary(FlowValue):
+    """Head, pressure, flow or faces in air at outer nodes of the joints."""
+
+    name: StrictStr | None = None
+    """Name by which stages and results refer to it."""
+    where: FlowWhere
+    """Which nodes: {side = "left"}, {edges = [[p, q], ...]}, {polygon = [...]} or
+    {opening = "tunnel"}."""
     amplitude: StrictStr | None = None
     """The [amplitude.NAME] of heads over time, m, in the place of head."""
     seepage_above: StrictBool = True
@@ -139,21 +141,11 @@ class FlowBoundary(Table):
     """Whether the water presses on outer faces below the head."""
 
     @model_validator(mode="after")
-    def _is_one_thing(self) -> Self:
-        if self.amplitude is None or any(getattr(self, key) is not None for key in KINDS[1:]):
-            check_one(self, KINDS, f"give one of {', '.join(KINDS)}")
-        if self.rain is not None and self.rain > CLOUDBURST:
-            what = f"{self.rain:g} m/s is more than any rain: {3.6e6 * self.rain:.3g} mm/h"
-            raise refusal(what, "give m/s: 1 mm/h is 2.8e-7", "rain")
+    def _has_heads_that_change(self) -> Self:
         if self.amplitude is not None and self.kind != "head":
             remedy = "leave it out, or give a head"
             raise refusal("only a head changes with time", remedy, "amplitude")
         return self
-
-    @property
-    def kind(self) -> str:
-        """Which of the keys it has."""
-        return next((key for key in KINDS if getattr(self, key) is not None), "head")
 
 
 class Well(Table):

@@ -5,11 +5,11 @@ Numbers may be distributions, as texts: "normal(0.35, 0.04)".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validator
@@ -17,6 +17,7 @@ from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validato
 from clast import spelling
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import OR_TEXT, Coordinate, Fraction, Length, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import Fault, check_one, refusal, refusals
 from clast.model import ranges
@@ -71,10 +72,9 @@ def between(low: float, high: float) -> AfterValidator:
 
 Varied = Annotated[Number | StrictStr, OR_TEXT]
 VariedSpeed = Annotated[Varied, between(-1e4, 1e4)]
-Rows = Callable[[Distribution | float], Floats]
 
 
-class RockfallTable(Table):
+class RockfallTable(ByKeys):
     """The profile that rocks fall on, and how many places along it are measured."""
 
     profile: Loop | None = None
@@ -105,22 +105,6 @@ class RockfallTable(Table):
         elif self.surface:
             raise refusal("is given, but the file names the surfaces", "leave it out", "surface")
         return self
-
-    @classmethod
-    def keys_of(cls, value: Any) -> dict[str, Any] | None:
-        """Return the keys of the table of a script."""
-        return value.model_dump(exclude_unset=True) if isinstance(value, cls) else None
-
-    @classmethod
-    def judge(cls, value: Any, key: str) -> None:
-        """Refuse anything but the keys of the table."""
-        if not isinstance(value, cls):
-            what = f"{shortened(repr(value))} does not describe a profile"
-            raise ModelError(what, where=key, remedy="give the keys of [rockfall]")
-
-    def add_to(self, builder: Any, key: str, folder: Path) -> None:
-        """Let rocks fall on the profile."""
-        builder.rockfall = self
 
     def line(self, folder: Path) -> tuple[Floats, list[str]]:
         """Return points (k + 1, 2), m, and the surface of each segment, from left to right."""

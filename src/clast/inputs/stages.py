@@ -13,7 +13,6 @@ from clast.inputs.declaring.alternatives import Number, default_of, within
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import (
     OR_TABLE,
-    Coordinate,
     Fraction,
     Interval,
     Positive,
@@ -21,8 +20,8 @@ from clast.inputs.declaring.table import (
     Table,
     as_plain,
 )
-from clast.inputs.declaring.validation_messages import check_one, faults_of, keys_text, refusal
-from clast.inputs.flow import KINDS
+from clast.inputs.declaring.validation_messages import faults_of, keys_text, refusal
+from clast.inputs.flow import FlowValue
 from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
 from clast.model.stages import Stage
@@ -53,28 +52,6 @@ class StrengthTable(Table):
         if not self.model_fields_set:
             remedy = "give friction_angle or a strength such as cohesion, or leave the joint out"
             raise refusal("changes nothing of the joint", remedy)
-        return self
-
-
-class FlowChange(Table):
-    """What a boundary of the flow is from a stage on: one of these."""
-
-    head: Coordinate | None = None
-    """Height y up to which water stands in the joints, m."""
-    pressure: Annotated[Number, within(ranges.STRESS)] | None = None
-    """Pressure, Pa."""
-    flux: Annotated[Number, within(ranges.SPEED)] | None = None
-    """Flow into the rock by length of the boundary, m/s."""
-    rain: Annotated[Number, Field(ge=0.0), within(ranges.SPEED)] | None = None
-    """Rain on the horizontal, m/s."""
-    seepage: Literal[True] | None = None
-    """True: faces in air."""
-    impermeable: Literal[True] | None = None
-    """True: no water passes."""
-
-    @model_validator(mode="after")
-    def _is_one_thing(self) -> Self:
-        check_one(self, KINDS, f"give one of {', '.join(KINDS)}")
         return self
 
 
@@ -132,7 +109,7 @@ class StageTable(Table):
     """Names of loads, pressures and amplitudes that act from its start on, and not before."""
     flow: FlowOfStage | None = None
     """The flow from its start on: {state = "transient"}; as before if absent."""
-    flow_boundary: dict[str, FlowChange] = Field({})
+    flow_boundary: dict[str, FlowValue] = Field({})
     """Boundaries of the flow from its start on: {lake = {head = 40}}."""
     ground_motion: StrictBool = False
     """True: [ground_motion] acts in this stage; its record begins with the stage."""

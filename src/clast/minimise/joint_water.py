@@ -24,8 +24,8 @@ from clast.compute.reductions import alike
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import block_matrix
 from clast.linear.factor_cache import FactorOfStep
-from clast.linear.system import BlockSystem, contact_motions
-from clast.minimise.line_search import common_length, slopes
+from clast.linear.system import BlockSystem
+from clast.minimise.line_search import common_length
 from clast.minimise.potential import Line, Point, Potential, Product
 from clast.model.flow.opening_joints import SYMMETRIC, OpeningJoints
 from clast.model.model import Bools, Floats
@@ -78,19 +78,9 @@ class WetPotential(Potential):
 
     def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
         """Return how far to go along ``direction`` to the least potential, and evaluations."""
-        opening, slip = contact_motions(self.springs, direction)
-        motions = (point.gap, opening, point.slip, slip)
-        at, forces, water = self.islands, point.forces, self.water
-        bend, start, smooth = slopes(
-            at.of_blocks,
-            at.of_links,
-            at.count,
-            self.base.diagonal,
-            point.residual,
-            direction,
-            (forces.normal_force, forces.shear_force),
-            (opening, slip),
-        )
+        water = self.water
+        motions, (bend, start, smooth) = self.slopes_along(point, direction)
+        _, opening, _, slip = motions
         opened, opens = water.opened(point.unknowns), water.opened(direction)
         first = water.pressures(opened).pressure
         smooth, curvature = float(smooth.sum()), float(bend.sum())
@@ -108,21 +98,19 @@ class WetPotential(Potential):
 
         length, evaluations = common_length(along, float(start.sum()))
         return Line(
-            direction=direction, motions=motions, lengths=np.full(at.count, length)
+            direction=direction, motions=motions, lengths=np.full(self.islands.count, length)
         ), evaluations
 
     def _solver(self, point: Point, factor: FactorOfStep) -> Product:
         """Return the solution for a force; the factor is made anew where something has changed."""
         found = self.water.pressures(self.water.opened(point.unknowns))
         stiffness = point.forces.normal_stiffness, point.forces.shear_stiffness
-        known, cache = self.water.factors.blocks, self.water.factors
-        same = len(known) > 0 and np.array_equal(known[1], found.free)
-        if not (same and all(map(alike, known[0], stiffness))):
+        known: _Factor | None = self.water.factors.blocks
+        if known is None or not known.serves(stiffness, found.free):
             factor.factorised += 1
-            made = _Factor.of(self.hessian(point), self.water, found.free)
-            cache.blocks = stiffness, found.free, made
-        last: _Factor = cache.blocks[2]
-        return last.solve
+            known = _Factor.of(self.hessian(point), self.water, stiffness, found.free)
+            self.water.factors.blocks = known
+        return known.solve
 
 
 def sum_of_products(one: Floats, other: Floats) -> float:
@@ -140,9 +128,23 @@ class _Factor:
     """Unknowns of blocks."""
     scale: Floats
     """Unit of each unknown, shape (count + free,)."""
+    stiffness: tuple[Floats, Floats]
+    """Normal and shear stiffness of the springs that it is made of, N/m per m, (s,) each."""
+    free: Bools
+    """Nodes that are free in it, shape (m,)."""
+
+    def serves(self, stiffness: tuple[Floats, Floats], free: Bools) -> bool:
+        """Return whether it is that of other stiffnesses and free nodes, too."""
+        return np.array_equal(self.free, free) and all(map(alike, self.stiffness, stiffness))
 
     @classmethod
-    def of(cls, system: BlockSystem, water: OpeningJoints, free: Bools) -> _Factor:
+    def of(
+        cls,
+        system: BlockSystem,
+        water: OpeningJoints,
+        stiffness: tuple[Floats, Floats],
+        free: Bools,
+    ) -> _Factor:
         """Return the factor of a system and of the water at nodes that are ``free`` (m,)."""
         from scipy.sparse import block_array, csc_array, diags_array
         from scipy.sparse.linalg import splu
@@ -164,7 +166,14 @@ class _Factor:
             factor = splu(scaled, **SYMMETRIC)
         except RuntimeError as error:
             raise StepRejected(StepOutcome.SINGULAR, "blocks and water in joints") from error
-        return cls(factor=factor, matrix=scaled, count=count, scale=scale)
+        return cls(
+            factor=factor,
+            matrix=scaled,
+            count=count,
+            scale=scale,
+            stiffness=stiffness,
+            free=free,
+        )
 
     def solve(self, force: Floats) -> Floats:
         """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""

@@ -53,6 +53,8 @@ MOMENTUM_SHARE = 1e-4
 """Weight of the energy of motion among the forces that tolerances refer to."""
 
 
+Motions = tuple[Floats, Floats, Floats, Floats]
+"""Gap, its change, slip and its change of each spring, m, (m,) each."""
 Product = Callable[[Floats], Floats]
 """A linear function of (n, 6)."""
 
@@ -307,13 +309,9 @@ class Potential:
 
         return times, solved
 
-    def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
-        """Return how far to go along ``direction`` to the least potential, and evaluations.
-
-        Each island has a length of its own, unless a law gives the forces of the springs.
-        """
+    def slopes_along(self, point: Point, direction: Floats) -> tuple[Motions, Any]:
+        """Return the motions of springs, and curvature, slope and that of blocks by islands."""
         opening, slip = contact_motions(self.springs, direction)
-        motions = (point.gap, opening, point.slip, slip)
         at, forces = self.islands, point.forces
         terms = slopes(
             at.of_blocks,
@@ -325,7 +323,15 @@ class Potential:
             (forces.normal_force, forces.shear_force),
             (opening, slip),
         )
-        bend, start, smooth = terms
+        return (point.gap, opening, point.slip, slip), terms
+
+    def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
+        """Return how far to go along ``direction`` to the least potential, and evaluations.
+
+        Each island has a length of its own, unless a law gives the forces of the springs.
+        """
+        at = self.islands
+        motions, (bend, start, smooth) = self.slopes_along(point, direction)
         if self.law is None:
             lengths, evaluations = lengths_along(
                 at.of_links, motions, self.springs.arrays, smooth, bend, start

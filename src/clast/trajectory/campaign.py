@@ -5,7 +5,7 @@ All that a path is follows from the seed and its number: no digit depends on who
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
@@ -184,8 +184,9 @@ PATH_COLUMNS = (
     *("lost_in_barriers", "unaccounted"),
 )
 """Columns of the table of paths; unaccounted is a share of the energy above the lowest point."""
-RECORD_COLUMNS = 15
-"""Number of the path, and the columns of ``path.Course.records``."""
+WIDTHS = {"records": 15, "passed": 7, "hits": 7}
+"""Columns of the arrays of a portion: those of ``path.Course``, each behind the path's number, and
+of passages and hits behind that of the station or barrier."""
 
 
 def path_row(campaign: Campaign, number: int, one: Path) -> list[Any]:
@@ -210,8 +211,7 @@ def path_row(campaign: Campaign, number: int, one: Path) -> list[Any]:
 def portion(campaign: Campaign, numbers: Sequence[int]) -> tuple[list[list[Any]], dict[str, Any]]:
     """Return the rows of some paths, and their arrays.
 
-    ``records`` are (r, 15), ``passed`` (q, 7) path, station and its values, ``hits`` (h, 7) path,
-    barrier and its values.
+    They are the records, passages and hits of ``WIDTHS``.
     """
     rows, records, passed, hits = [], list[Floats](), list[Floats](), list[Floats]()
     for number in numbers:
@@ -220,14 +220,13 @@ def portion(campaign: Campaign, numbers: Sequence[int]) -> tuple[list[list[Any]]
         records.append(_numbered(number, one.course.records[: one.course.tally[0]]))
         passed += _present(number, one.course.passed)
         hits += _present(number, one.course.hits)
+    return rows, joined({"records": records, "passed": passed, "hits": hits})
 
-    def joined(parts: list[Floats], width: int) -> Floats:
-        return np.concatenate([np.empty((0, width)), *parts])
 
-    return rows, {
-        "records": joined(records, RECORD_COLUMNS),
-        "passed": joined(passed, 7),
-        "hits": joined(hits, 7),
+def joined(parts: Mapping[str, Sequence[Floats]]) -> dict[str, Floats]:
+    """Return the arrays of ``WIDTHS`` from their parts."""
+    return {
+        name: np.concatenate([np.empty((0, width)), *parts[name]]) for name, width in WIDTHS.items()
     }
 
 

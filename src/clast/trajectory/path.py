@@ -304,9 +304,12 @@ def follow(ground, rock, course, state, gravity):
             rates = np.empty(len(pairs))
             for j in range(len(pairs)):
                 rates[j] = contact_speeds(contacts[j], state[3:])[0]
-            if rates.min() < -BEARING * speed:
+            # without gravity, the rounding of the speed is what is left of a contact that lasts
+            fast = np.hypot(state[3], state[4]) + rock.numbers[2] * abs(state[5])
+            lasting = BEARING * max(speed, SLOW * fast)
+            if rates.min() < -lasting:
                 continue  # the contacts go on striking each other
-            bears = rates <= BEARING * speed
+            bears = rates <= lasting
             if not bears.any():
                 break
             onward = bear(ground, rock, course, state, gravity, pairs[bears], contacts[bears])

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clast.block import polygon
 from clast.model.model import Floats
 
 
@@ -27,18 +28,9 @@ class Rock(NamedTuple):
 
 
 def moments(vertices: Floats) -> tuple[float, Floats, float]:
-    """Return area, m2, centroid (2,), m, and polar moment of area about it, m4, of a polygon.
-
-    Green's theorem; the area is negative where the vertices run clockwise.
-    """
-    origin = vertices[0]
-    x, y = (vertices - origin).T
-    u, v = np.roll(x, -1), np.roll(y, -1)
-    cross = x * v - u * y
-    area = float(cross.sum() / 2.0)
-    centroid = np.array([np.sum((x + u) * cross), np.sum((y + v) * cross)]) / (6.0 * area)
-    second = np.sum(cross * (x * x + x * u + u * u + y * y + y * v + v * v)) / 12.0
-    return area, centroid + origin, float(second - area * (centroid @ centroid))
+    """Return area, m2, centroid (2,), m, and polar moment of area about it, m4, of a polygon."""
+    area, centroid, second = polygon.moments(vertices, np.array([0, len(vertices)]))
+    return float(area[0]), centroid[0], float(second[0, 0] + second[0, 1])
 
 
 def rock_of(vertices: Floats, density: float, thickness: float) -> Rock:

@@ -173,6 +173,27 @@ class PlaneOfBuilder:
         vars(builder)["plane"] = plane
 
 
+class ByKeys(Table):
+    """A single table that a script gives by its keys alone."""
+
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys of the table of a script."""
+        return value.model_dump(exclude_unset=True) if isinstance(value, cls) else None
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Refuse anything but the keys of the table."""
+        if not isinstance(value, cls):
+            what = f"{shortened(repr(value))} is no such table"
+            raise ModelError(what, where=key, remedy=f"give the keys of [{key}]")
+        record_of(cls, cls.keys_of(value) or {}, (key,))
+
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
+        """Give the table to the builder."""
+        setattr(builder, key, self)
+
+
 def single(key: str, kind: type[Table], usual: Any = None) -> Any:
     """Return the attribute of a builder that is the table ``[key]``."""
     return Single(key, kind, usual)

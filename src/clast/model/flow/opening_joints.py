@@ -33,12 +33,13 @@ SETS_MAX = 60
 
 
 class Factors:
-    """The last factor of A between nodes that are free, and where those were."""
+    """The last factors and pressures of a step: starts for its next solution, nothing else."""
 
     def __init__(self) -> None:
         self._free, self._factor = b"", None
         self.pressure: Floats = np.zeros(0)
-        self.blocks: tuple[Any, ...] = ()
+        self.blocks: Any = None
+        """That of blocks and water together (minimise/joint_water.py)."""
 
     def of(self, matrix: Any, free: Bools) -> Any:
         """Return the factor of the rows and columns of A (m, m) that are ``free`` (m,)."""

@@ -28,7 +28,7 @@ from clast.study.rockfall.portions import study_of
 from clast.study.study_api import HowMade
 from clast.study.trial_table import pyarrow_for
 from clast.trajectory import path
-from clast.trajectory.campaign import PATH_COLUMNS, Campaign
+from clast.trajectory.campaign import PATH_COLUMNS, WIDTHS, Campaign, joined
 
 QUANTITIES = ("height", "translational", "rotational", "energy", "speed")
 """Measured at stations, in the order of their columns."""
@@ -104,15 +104,11 @@ class RockfallResults:
         for result in folder.results():
             if "rows" in result:
                 rows += result["rows"]
-                with np.load(folder.place(result["run"]) / ARRAYS) as arrays:
-                    parts.append(dict(arrays))
+                with np.load(folder.place(result["run"]) / ARRAYS) as kept:
+                    parts.append(dict(kept))
         columns = {name: [row[k] for row in rows] for k, name in enumerate(PATH_COLUMNS)}
-        widths = {"records": 15, "passed": 7, "hits": 7}
-        joined = {
-            key: np.concatenate([np.empty((0, width)), *(part[key] for part in parts)])
-            for key, width in widths.items()
-        }
-        return cls(folder.path, folder.base.campaign(), columns, **joined)
+        arrays = joined({name: [part[name] for part in parts] for name in WIDTHS})
+        return cls(folder.path, folder.base.campaign(), columns, **arrays)
 
     def __len__(self) -> int:
         return len(self.paths["path"])
