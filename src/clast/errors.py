@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
+from typing import Self
 
+Place = tuple[str | int, ...]
+"""Keys and list positions (from 0) that lead to a value of a case file."""
+Points = tuple[tuple[float, float], ...]
+"""A point, or the points of a line, [x, y], m."""
+
+FAULTS_LISTED_MAX = 10
+"""Most faults that one message lists."""
 LONGEST_LINE = 400
 """Most characters of a line of a message: text echoed from the input may be of any length."""
 
@@ -35,26 +45,78 @@ class ClastError(Exception):
     """Base of every error that clast raises on purpose; its text is meant for the user."""
 
 
+@dataclass(frozen=True)
+class Fault:
+    """One thing to put right."""
+
+    what: str
+    remedy: str = ""
+    place: Place = ()
+    """Where it stands in the case file; empty where that is not known."""
+    at: Points = ()
+    """Where it is in the section, m; empty where that is not known."""
+
+
+class Remark(str):
+    """A note or a warning, with its ``place`` in the case file and ``at``, its points, m."""
+
+    place: Place
+    at: Points
+
+    def __new__(cls, text: str, place: Place = (), at: Points = ()) -> Self:
+        """Make a remark of a text."""
+        made = super().__new__(cls, text)
+        made.place, made.at = place, at
+        return made
+
+
 class CaseError(ClastError):
     """A case file or command line that cannot be used: says where and how to correct it.
 
     ``where`` names file, table and key (or block and vertex), ``what`` is the fault and ``remedy``
-    what to do; the message is made of the three.
+    what to do; the message is made of the three.  ``faults`` has each fault of a case file by
+    itself; ``place`` and ``at`` are those of the first.
     """
 
-    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+    def __init__(
+        self, what: str, *, where: str = "", remedy: str = "", faults: tuple[Fault, ...] = ()
+    ) -> None:
         self.what = what
         self.where = where
         self.remedy = remedy
+        self.faults = faults or (Fault(what, remedy),)
         lines = [f"{where}: {what}" if where else what]
         if remedy:
             lines.append(f"  {remedy}")
         text = "\n".join(lines).split("\n")
         super().__init__("\n".join(shortened(line, LONGEST_LINE) for line in text))
 
+    @property
+    def place(self) -> Place:
+        """Keys and list positions (from 0) of the first fault; empty where they are not known."""
+        return self.faults[0].place
+
+    @property
+    def at(self) -> Points:
+        """Point of the first fault in the section, or points of a line, m; empty where unknown."""
+        return self.faults[0].at
+
 
 class ModelError(CaseError):
     """A system of blocks that cannot be simulated: bad polygons, materials, supports or loads."""
+
+
+def raise_all(errors: Sequence[ModelError]) -> None:
+    """Raise the error that there is, or one that lists several, each with its remedy."""
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        lines = [f"{len(errors)} things to put right"]
+        for one in errors[:FAULTS_LISTED_MAX]:
+            lines += [f"  {one.where}: {one.what}", *([f"    {one.remedy}"] if one.remedy else [])]
+        if len(errors) > FAULTS_LISTED_MAX:
+            lines.append(f"  and {len(errors) - FAULTS_LISTED_MAX} more")
+        raise ModelError("\n".join(lines))
 
 
 class ResultsLost(CaseError):

@@ -26,16 +26,16 @@ from pydantic import (
 )
 
 from clast import spelling
-from clast.errors import CaseError, ClastError, ModelError
+from clast.errors import CaseError, ClastError, Fault, ModelError, Points, Remark
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import InputBuilder
 from clast.inputs.declaring import table as case_writing
 from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.field_docs import explain
+from clast.inputs.declaring.places import located, located_error, remark
 from clast.inputs.declaring.table import Acceleration, Share, Table
 from clast.inputs.declaring.validation_messages import (
-    Fault,
     error_of,
     faults_of,
     refusals,
@@ -302,8 +302,10 @@ class Case(BaseModel):
         try:
             return validate(content)
         except ValidationError as error:
-            faults, file = faults_of(error, explained(cls)), (info.context or {}).get(FILE, "case")
             tables = content if isinstance(content, dict) else {}
+            known = explained(cls)
+            faults = [located(one, "", tables, known) for one in faults_of(error, known)]
+            file = (info.context or {}).get(FILE, "case")
             raise error_of(faults, file=file, content=tables) from None
 
     @classmethod
@@ -356,7 +358,7 @@ class Case(BaseModel):
         Keys of a table that are not given stay, as do rocks, joints and the like of other names;
         lists are replaced.  References go where the system of blocks changes.  Raises CaseError.
         """
-        content = self.model_dump(by_alias=True, exclude_unset=True)
+        content = self._content()
         kinds = {one.alias or key: one.annotation for key, one in Case.model_fields.items()}
         for key, value in tables.items():
             named = get_origin(kinds.get(key)) is dict
@@ -386,7 +388,7 @@ class Case(BaseModel):
         return self._written(case_writing.refuse_object)
 
     def _written(self, instead: case_writing.Instead) -> str:
-        content = self.model_dump(by_alias=True, exclude_unset=True)
+        content = self._content()
         return case_text.to_toml({"schema": 1, **case_writing.without_objects(content, instead)})
 
     def model(self) -> Model:
@@ -502,7 +504,8 @@ class Case(BaseModel):
         """Return a summary of the case, with warnings of anything that seems unsound."""
         model = self.model()
         summary = self._examined(model, self.method(model))
-        return dataclasses.replace(summary, warnings=(*summary.warnings, *self._not_compared()))
+        warnings = (*summary.warnings, *self._remarks(self._not_compared(), model))
+        return dataclasses.replace(summary, warnings=warnings)
 
     def foreseen(self, model: Model, method: Method) -> tuple[str, ...]:
         """Return the warnings known before the first step of a run."""
@@ -518,7 +521,29 @@ class Case(BaseModel):
         remarks = [text for _, table in self._tables() for text in table.remarks(self._folder)]
         cut = self._cut.warnings if self._cut else ()
         doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, schedule.stages)
-        return dataclasses.replace(summary, warnings=(*summary.warnings, *cut, *remarks, *doubts))
+        warnings = (*summary.warnings, *cut, *remarks, *doubts)
+        return dataclasses.replace(
+            summary,
+            warnings=self._remarks(warnings, model),
+            notes=self._remarks(summary.notes, model),
+        )
+
+    def _remarks(self, texts: Iterable[str], model: Model) -> tuple[Remark, ...]:
+        """Return warnings or notes with their places in the file and in the section."""
+
+        def outline(name: str) -> Points:
+            if name not in model.block_name:
+                return ()
+            block = model.block_name.index(name)
+            corners = slice(*model.block_start[block : block + 2])
+            return tuple(map(tuple, (model.vertices[corners] + model.origin).tolist()))
+
+        content = self._content()
+        return tuple(remark(text, content, type(self), outline) for text in texts)
+
+    def _content(self) -> dict[str, Any]:
+        """Return the values that the case gives, by their keys."""
+        return self.model_dump(by_alias=True, exclude_unset=True)
 
     def _not_compared(self) -> Iterator[str]:
         """Say which references the run does not reach; the run itself says so at its end."""
@@ -536,10 +561,11 @@ class Case(BaseModel):
         try:
             yield
         except ModelError as error:
-            if error.where.startswith(f"{self._file}: "):
+            if f"{error.where}: ".startswith(f"{self._file}: "):
                 raise
-            where = f"{self._file}: {error.where}"
-            raise ModelError(error.what, where=where, remedy=error.remedy) from None
+            faults = located_error(error, self._content(), type(self))
+            where = ": ".join(filter(None, (self._file, error.where)))
+            raise ModelError(error.what, where=where, remedy=error.remedy, faults=faults) from None
 
     def schedule(self) -> Schedule:
         """Return when to simulate and when to keep a frame."""

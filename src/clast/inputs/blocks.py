@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast import spelling
-from clast.errors import ModelError, shortened
+from clast.errors import FAULTS_LISTED_MAX, Fault, ModelError, shortened
 from clast.inputs.declaring.builder_methods import record_of
-from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
+from clast.inputs.declaring.table import Length, Loop, Motion, Point, Stresses, Table
 from clast.inputs.declaring.text import asked_by
-from clast.inputs.declaring.validation_messages import FAULTS_LISTED_MAX, Fault, refusals
+from clast.inputs.declaring.validation_messages import refusals
 from clast.model.model import Bools, Floats
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class LoopTable(Properties, Numbers):
 class GeometryTable(Table):
     """Blocks by numbered vertices."""
 
-    vertices: Loop
+    vertices: list[Point]
     """Coordinates [x, y] of all vertices, m; the first is number 1."""
     blocks: list[LoopTable]
     """Blocks as counter-clockwise loops of vertex numbers; clockwise ones are reversed."""

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import StrictStr
 
 from clast.errors import ModelError, shortened
-from clast.inputs.declaring.table import Point, Positive, Table
+from clast.inputs.declaring.table import Ends, Positive, Table
 from clast.model.drawpoints import Drawpoint
 from clast.model.model import Floats
 from clast.model.ranges import check_names
@@ -19,7 +19,7 @@ class DrawpointTable(Table):
 
     name: StrictStr
     """Name."""
-    line: tuple[Point, Point]
+    line: Ends
     """Its ends [[x, y], [x, y]], m: blocks leave once their centroid has come from its left side to
     its right, seen from the first point to the second."""
     rate: Positive | None = None

@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.builder_methods import ByKeys
-from clast.inputs.declaring.table import Coordinate, Length, Point, Positive, Table
+from clast.inputs.declaring.table import Coordinate, Ends, Length, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.viscous_boundaries import Where
 from clast.inputs.water import check_density
@@ -155,7 +155,7 @@ class Well(Table):
     """Name by which stages and results refer to it."""
     at: Point | None = None
     """Point of a joint [x, y], m."""
-    line: tuple[Point, Point] | None = None
+    line: Ends | None = None
     """Borehole from a point to another: every joint that it crosses."""
     pressure: Annotated[Number, within(ranges.STRESS)] | None = None
     """Pressure, Pa; 0 for a drain."""

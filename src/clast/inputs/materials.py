@@ -8,10 +8,10 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast.errors import ModelError
+from clast.errors import Fault, ModelError
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
-from clast.inputs.declaring.validation_messages import Fault, refusal, refusals
+from clast.inputs.declaring.validation_messages import refusal, refusals
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.place_blocks import Names
 from clast.model import joints, model, ranges

@@ -12,9 +12,9 @@ from pydantic import StrictStr, model_validator
 from clast import spelling
 from clast.actions.motions import Motions, OneMotion
 from clast.block import polygon
-from clast.errors import ModelError, shortened
-from clast.inputs.declaring.table import Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, check_one
+from clast.errors import Fault, ModelError, shortened
+from clast.inputs.declaring.table import Point, Positive, Shift, Table
+from clast.inputs.declaring.validation_messages import check_one
 from clast.inputs.declaring.values import number_of
 from clast.inputs.in_situ import Side
 from clast.inputs.placing.bolt_lines import Ground
@@ -94,7 +94,7 @@ class Reference(Table):
 
     point: StrictStr
     """Measured point."""
-    displacement: Point
+    displacement: Shift
     """Displacement [u, v] since the start, or since a stage has reset it, m."""
     time: Positive | None = None
     """When, s; the end of the run if absent."""

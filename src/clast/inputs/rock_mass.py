@@ -11,10 +11,19 @@ from numpy.typing import NDArray
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast import spelling
-from clast.errors import ModelError, shortened
+from clast.errors import Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import OR_TABLE, Inputs, Length, Loop, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, check_one, refusal, refusals
+from clast.inputs.declaring.table import (
+    OR_TABLE,
+    Inputs,
+    Length,
+    Line,
+    Loop,
+    Point,
+    Positive,
+    Table,
+)
+from clast.inputs.declaring.validation_messages import check_one, refusal, refusals
 from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.ranges import check_text
@@ -51,6 +60,7 @@ class FileTable(Table):
 
 
 Boundary = Annotated[Loop | FileTable, OR_TABLE]
+Profile = Annotated[Line | FileTable, OR_TABLE]
 
 
 class DomainTable(Table):
@@ -58,7 +68,7 @@ class DomainTable(Table):
 
     boundary: Boundary | None = None
     """Corners [x, y] of its outline, m; or {file = "site.dxf", layer = "BOUNDARY"}."""
-    profile: Boundary | None = None
+    profile: Profile | None = None
     """Points [x, y] of the ground surface from side to side, an open line, m; or
     {file = "site.csv"}; instead of boundary."""
     depth: Length | None = None
@@ -101,7 +111,7 @@ class DomainTable(Table):
 class TraceTable(Table):
     """Mapped joints: one polyline, or those of a file."""
 
-    points: Loop | None = None
+    points: Line | None = None
     """Points [x, y] of a polyline in order, m."""
     file: StrictStr | None = None
     """Traces in a file beside the case file: .csv (x1, y1, x2, y2 or id, x, y, with part, joint

@@ -15,11 +15,21 @@ import numpy as np
 from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validator
 
 from clast import spelling
-from clast.errors import CaseError, ModelError, shortened
+from clast.errors import CaseError, Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.builder_methods import ByKeys
-from clast.inputs.declaring.table import OR_TEXT, Coordinate, Fraction, Length, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import Fault, check_one, refusal, refusals
+from clast.inputs.declaring.table import (
+    OR_TEXT,
+    Coordinate,
+    Ends,
+    Fraction,
+    Length,
+    Line,
+    Point,
+    Shift,
+    Table,
+)
+from clast.inputs.declaring.validation_messages import check_one, refusal, refusals
 from clast.model import ranges
 from clast.model.distribution_texts import DRAWN, read
 from clast.model.distributions import Distribution
@@ -77,7 +87,7 @@ VariedSpeed = Annotated[Varied, between(-1e4, 1e4)]
 class RockfallTable(ByKeys):
     """The profile that rocks fall on, and how many places along it are measured."""
 
-    profile: Loop | None = None
+    profile: Line | None = None
     """Points [x, y] of the profile from left to right, m; overhangs are allowed."""
     surface: list[StrictStr] = Field([])
     """Surface of each segment of the profile, or one for all: [surface.NAME]."""
@@ -241,7 +251,7 @@ class SourceTable(Table):
     """Name."""
     at: Point | None = None
     """Point [x, y] of their centroids, m; rocks that would stand in the profile are raised."""
-    line: tuple[Point, Point] | None = None
+    line: Ends | None = None
     """Ends [[x, y], [x, y]] of the line on which they start, m."""
     rocks: Annotated[StrictInt, Field(ge=1, le=1_000_000)]
     """Number of rocks."""
@@ -255,7 +265,7 @@ class SourceTable(Table):
     """Number of corners of random rocks."""
     elongation: Annotated[Varied, between(1.0, 20.0)] = 1.2
     """Ratio of the axes of the ellipse that the corners of random rocks lie on."""
-    shape: Loop | None = None
+    shape: list[Shift] | None = None
     """Convex polygon [x, y] of all its rocks, counter-clockwise, scaled to their volume."""
     velocity: tuple[VariedSpeed, VariedSpeed] = (0.0, 0.0)
     """Velocity [x, y], m/s; numbers or distributions."""

@@ -9,10 +9,10 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, StrictStr, model_validator
 
-from clast.errors import ModelError, shortened
+from clast.errors import Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Coordinate, Loop, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault, refusals
+from clast.inputs.declaring.table import Coordinate, Line, Positive, Table
+from clast.inputs.declaring.validation_messages import refusals
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.surface import (
     BESIDE,
@@ -34,7 +34,7 @@ ROUND_OFF = 1e-9
 """How far beyond its ends an axle is still on a path, in units of its length."""
 
 
-def _turns(points: Loop, key: str) -> Iterator[Fault]:
+def _turns(points: Line, key: str) -> Iterator[Fault]:
     """Report a line that has no two points, or does not go one way."""
     if len(points) < 2:
         yield Fault(f"has {len(points)} point(s)", "give at least 2", (key,))
@@ -49,7 +49,7 @@ def _turns(points: Loop, key: str) -> Iterator[Fault]:
 class Fill(Table):
     """Fill that rests on the blocks below its surface: a weight without strength."""
 
-    surface: Loop
+    surface: Line
     """Points [x, y] of its surface, from one side to the other, m."""
     density: Annotated[Positive, within(ranges.DENSITY)]
     """Density, kg/m3."""
@@ -67,7 +67,7 @@ class Fill(Table):
 class LoadTrain(Table):
     """Axles of a vehicle or a train on a path over the blocks, at one position."""
 
-    path: Loop
+    path: Line
     """Points [x, y] of the line that the wheels run on, in the direction of travel, m."""
     position: Coordinate
     """Distance of the front from the beginning of the path, along it, m."""
@@ -170,7 +170,7 @@ def _label(kind: str, number: int, name: str | None) -> str:
     return f"{kind} '{shortened(name)}'"
 
 
-def _rising(points: Loop, origin: Floats) -> Floats:
+def _rising(points: Line, origin: Floats) -> Floats:
     """Return a line about the origin with x rising, m, shape (m, 2)."""
     line = np.array(points) - origin
     return line if line[0, 0] < line[-1, 0] else line[::-1].copy()

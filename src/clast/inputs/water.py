@@ -19,7 +19,7 @@ from clast.inputs.declaring.table import (
     OR_TEXT,
     Coordinate,
     Inputs,
-    Loop,
+    Line,
     Point,
     Table,
 )
@@ -50,7 +50,7 @@ UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81
 SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
 
 
-Drain = Annotated[Annotated[Point | Loop, OR_LINE] | StrictStr, OR_TEXT]
+Drain = Annotated[Annotated[Point | Line, OR_LINE] | StrictStr, OR_TEXT]
 
 
 def check_density(density: float) -> None:
@@ -83,7 +83,7 @@ class Water(Table):
     """Name by which stages refer to it."""
     level: Coordinate | None = None
     """Height y of a horizontal surface, m; or give a line."""
-    line: Annotated[Loop | LineFile, OR_TABLE] | None = None
+    line: Annotated[Line | LineFile, OR_TABLE] | None = None
     """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; it is horizontal beyond its
     ends.
     """

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from clast.errors import ModelError, shortened
+from clast.errors import FAULTS_LISTED_MAX, ModelError, raise_all, shortened
 from clast.model import ranges
 from clast.model.arrays import areas, entries, following, owners, polygons_of
 from clast.model.model import Bools, Floats, Ints, StartOverlaps
@@ -34,8 +34,6 @@ PENETRATION_MAX = 0.05
 """Overlaps above this share of the narrower block's width are not contact penetration."""
 BLOCK_WIDTH_MIN = 1e-9
 """Blocks narrower than this, m, are not blocks."""
-FAULTS_LISTED_MAX = 10
-"""Most faults that one message lists."""
 
 
 @dataclass(frozen=True)
@@ -362,13 +360,14 @@ def locate(
         for k, blocks in zip(lacking, _carrying(shapes[lacking], wide, tree), strict=True):
             if named[k] < 0 or named[k] in blocks:
                 carrying[k] = blocks
-    return np.array(
-        [
-            _carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree)
-            for k, blocks in enumerate(carrying)
-        ],
-        dtype=np.int64,
-    )
+    found, errors = [], []
+    for k, blocks in enumerate(carrying):
+        try:
+            found.append(_carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree))
+        except ModelError as error:
+            errors.append(error)
+    raise_all(errors)
+    return np.array(found, dtype=np.int64)
 
 
 def beside_reach(outlines: BlockOutlines, tolerance: float) -> Floats:

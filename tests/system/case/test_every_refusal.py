@@ -915,5 +915,44 @@ def test_refusals_are_word_by_word_what_they_were():
     assert now == before
 
 
+NOWHERE = {"reaction of a total", "reactions of a name", "edge of no joint"}
+"""Faults of reactions, and of blocks that are given by arrays: no table has them."""
+
+
+def is_there(place: tuple[Any, ...], content: Any) -> bool:
+    """Return whether a place leads to a table or a value, or to a key that is missing."""
+    for part in place[:-1]:
+        try:
+            content = content[part]
+        except (KeyError, IndexError, TypeError):
+            return False
+    return bool(place)
+
+
+def test_every_refusal_has_a_place_that_the_file_has():
+    without, count = set(), 0
+    for text in (BASE, ROCK_MASS):
+        content = tomllib.loads(text)
+        for path in keys_in(content):
+            for value in WRONG.values():
+                case = changed(content, list(path), value)
+                for place in places_of(partial(made_of, case)):
+                    count += 1
+                    assert is_there(place, case), (path, value, place)
+    for name, settings in SETTINGS.items():
+        for place in places_of(partial(broken, settings)):
+            count += 1
+            without |= {name} if not place else set()
+    assert without == NOWHERE
+    assert count > 2000
+
+
+def places_of(attempt: Callable[[], object]) -> Iterator[tuple[Any, ...]]:
+    try:
+        attempt()
+    except CaseError as error:
+        yield from (fault.place for fault in error.faults)
+
+
 if __name__ == "__main__":
     KEPT.write_text("\n".join([*refusals(), *written()]) + "\n", encoding="utf-8")

@@ -15,10 +15,11 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from clast.errors import CaseError
+from clast.errors import CaseError, Place
 from clast.inputs.declaring.alternatives import GivenObject, Number, within
+from clast.inputs.declaring.annotations import Drawn
 from clast.inputs.declaring.text import is_tables
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Place, place_text
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, place_text
 from clast.model import ranges
 
 Positive = Annotated[Number, Field(gt=0.0)]
@@ -26,7 +27,8 @@ Interval = Annotated[Positive, within(ranges.INTERVAL)]
 Length = Annotated[Positive, within(ranges.LENGTH)]
 Strength = Annotated[Number, Field(ge=0.0), within(ranges.STRESS)]
 Coordinate = Annotated[Number, within(ranges.COORDINATE)]
-Point = tuple[Coordinate, Coordinate]
+Shift = tuple[Coordinate, Coordinate]
+Point = Annotated[Shift, Drawn("point")]
 Force = Annotated[Number, within(ranges.FORCE)]
 Speed = Annotated[Number, within(ranges.SPEED)]
 Motion = tuple[Speed, Speed, Speed]
@@ -36,7 +38,9 @@ Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 Instant = Annotated[Number, within(ranges.TIME)]
 Stress = Annotated[Number, within(ranges.STRESS)]
 Stresses = tuple[Stress, Stress, Stress]
-Loop = list[Point]
+Loop = Annotated[list[Point], Drawn("polygon")]
+Line = Annotated[list[Point], Drawn("polyline")]
+Ends = Annotated[tuple[Point, Point], Drawn("polyline")]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ and list positions from the top of the file, or of a table, down to the bad valu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from clast import spelling
-from clast.errors import CaseError, shortened
+from clast.errors import FAULTS_LISTED_MAX, CaseError, Fault, Place, shortened
 from clast.inputs.declaring.text import is_tables
 
 UDEC_WORDS = {
@@ -53,9 +53,6 @@ UDEC = {word: key for key, words in UDEC_WORDS.items() for word in words.split()
 """Table or key of clast by UDEC's word, lower-case: see docs/how-to/from-other-programs.md."""
 
 
-Place = tuple[str | int, ...]
-"""Keys and list positions (from 0) that lead to a value."""
-
 PLAIN, TABLE = "<value>", "<table>"
 """Tags of the two things that a key may be given as (``Either``), for pydantic alone."""
 
@@ -66,17 +63,6 @@ class Own(str):
 
 UNKNOWN_KEY = "there is no such key"
 """Fault of a key that no table has."""
-FAULTS_LISTED_MAX = 10
-"""Most faults that one message lists."""
-
-
-@dataclass(frozen=True)
-class Fault:
-    """One thing to put right."""
-
-    what: str
-    remedy: str = ""
-    place: Place = ()
 
 
 def refusal(what: str, remedy: str = "", *place: str) -> PydanticCustomError:
@@ -128,14 +114,15 @@ def error_of(
     if len(faults) == 1:
         only = faults[0]
         where = ": ".join(filter(None, (file, place_text(only.place, content))))
-        return kind(only.what, where=where, remedy=only.remedy)
+        return kind(only.what, where=where, remedy=only.remedy, faults=(only,))
     lines = []
     for fault in faults[:FAULTS_LISTED_MAX]:
         lines.append("  " + ": ".join(filter(None, (place_text(fault.place, content), fault.what))))
         lines += [f"    {fault.remedy}"] if fault.remedy else []
     if len(faults) > FAULTS_LISTED_MAX:
         lines.append(f"  and {len(faults) - FAULTS_LISTED_MAX} more")
-    return kind(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
+    what = f"{len(faults)} things to put right\n" + "\n".join(lines)
+    return kind(what, where=file, faults=tuple(faults))
 
 
 def place_text(place: Place, content: Mapping[str, Any]) -> str:

@@ -23,7 +23,7 @@ from clast.actions.linings import (
 from clast.actions.links import LinkRows, Links
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Length, Loop, Point, Positive, Strength, Table
+from clast.inputs.declaring.table import Ends, Length, Line, Positive, Strength, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.linings.joined_ends import ENDS_APART_MAX, JoinedEnd, beyond, joined_ends
@@ -51,9 +51,9 @@ class Lining(Table):
     """Name; its segments are blocks called NAME/1, NAME/2, ..."""
     opening: StrictStr | None = None
     """Opening that it lines on the inside."""
-    polyline: Loop | None = None
+    polyline: Line | None = None
     """Points [x, y] that it follows, m; it is closed if the last equals the first."""
-    part: tuple[Point, Point] | None = None
+    part: Ends | None = None
     """With opening: it begins at the first point and ends at the second, counter-clockwise, m."""
     side: Literal["left", "right", "middle"] | None = None
     """With polyline: its side, looking along it; if absent, that of the rock, else left."""

@@ -17,11 +17,10 @@ import numpy as np
 import shapely
 
 from clast import spelling
-from clast.errors import CaseError, ModelError
+from clast.errors import CaseError, Fault, ModelError, Place, Remark
 from clast.inputs.blocks import BlockTable
 from clast.inputs.builder import InputBuilder
 from clast.inputs.declaring.text import asked_by
-from clast.inputs.declaring.validation_messages import Fault, Place
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.placing.plausibility import doubted_sets, seen_sets
 from clast.inputs.rock_mass import (
@@ -417,7 +416,8 @@ def _findings(report: CutReport) -> Iterator[str]:
             amount = f"{finding.length:.4g} m" if key == "dangling" else str(finding.count)
             first = [place_text(one, report.tolerance) for one in finding.places[:1]]
             at = f", first at {first[0]}" if first else ""
-            yield f"cut: {amount} {what}{at}"
+            places = tuple((float(x), float(y)) for x, y in finding.places)
+            yield Remark(f"cut: {amount} {what}{at}", ("domain",), places)
     if report.short_edges:
         yield f"cut: {report.short_edges} edges remain shorter than smallest_edge"
     if report.small_blocks:
