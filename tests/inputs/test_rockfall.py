@@ -71,9 +71,15 @@ def test_a_profile_is_read_from_lines_of_a_drawing(tmp_path) -> None:
 
 ROCK = CASE["surface"]["rock"]
 SOURCE = CASE["source"][0]
+RUN = {"name": "failed", "file": "none.vtkhdf"}
 FENCE = {"name": "fence", "x": 40.0, "height": 2.0}
 BROKEN = {
-    "no profile": ({"rockfall": {"profile": None}}, "neither profile nor file"),
+    "no profile": ({"rockfall": {"profile": None, "surface": []}}, "neither profile nor file"),
+    "surfaces alone": ({"rockfall": {"profile": None}}, "is given without a profile"),
+    "profile and file": ({"rockfall": {"file": "a.csv"}}, "has profile and file"),
+    "no volume": ({"source": [{**SOURCE, "volume": None}]}, "volume"),
+    "volume of a block": ({"source": [{**RUN, "volume": 2.0}]}, "blocks of a run"),
+    "speed of no run": ({"source": [{**SOURCE, "faster_than": 2.0}]}, "no file of a run"),
     "one point": ({"rockfall": {"profile": [[0, 0]]}}, "has 1 point"),
     "a point twice": ({"rockfall": {"profile": [[0, 0], [0, 0], [1, 0]]}}, "point 2 at the place"),
     "a loop": (
@@ -120,6 +126,11 @@ def test_tables_without_a_profile_and_runs_without_blocks_are_refused() -> None:
         clast.Case.validated({key: CASE[key] for key in ("surface", "source")} | BASE, "x")
     with pytest.raises(clast.CaseError, match="clast rockfall"):
         case_with().run()
+
+
+def test_a_source_without_its_run_is_refused() -> None:
+    with pytest.raises(clast.CaseError, match=r"none.vtkhdf: there is no such file"):
+        case_with(source=[RUN]).campaign()
 
 
 BASE = {"time": {"step": 1e-3, "end": 1.0}, "rock": {}}

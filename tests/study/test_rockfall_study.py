@@ -116,3 +116,79 @@ def test_a_study_in_pieces_has_the_tables_of_one_as_a_whole(results, tmp_path, m
     for name in ("paths", "blows", "stations", "barriers"):
         ours = (results.folder / f"{name}.csv").read_bytes()
         assert (other.folder / f"{name}.csv").read_bytes() == ours
+
+
+WALL = """
+schema = 1
+time = { step = 1e-4, end = 0.02 }
+[rock.stone]
+young = 1e9
+poisson = 0.2
+density = 2500.0
+[joint.default]
+friction_angle = 0.0
+[[block]]
+name = "floor"
+rock = "stone"
+fixed = true
+vertices = [[0, -1], [20, -1], [20, 0], [0, 0]]
+[[block]]
+name = "wall"
+rock = "stone"
+vertices = [[10, 0], [11, 0], [11, 3], [10, 3]]
+[rockfall]
+[surface.stone]
+normal_restitution = 0.0
+friction_angle = 30.0
+[[source]]
+name = "slope"
+at = [4, 1.6]
+rocks = 2
+volume = 0.5
+length = 1.0
+velocity = [15, 2]
+spin = -2.0
+"""
+
+
+def test_a_rock_that_strikes_a_block_is_handed_over_to_a_run_of_blocks(tmp_path) -> None:
+    case = clast.Case.from_text(WALL, "wall.toml")
+    results = clast.rockfall(case, tmp_path / "out", workers=1)
+    rows = {row["block"]: row for row in results.blocks()}
+    assert rows["wall"]["rocks"] == 2
+    assert not rows["wall"]["fixed"]
+    first = next(one for one in results.blows() if one[0] == 1 and one[6] == "wall")
+    mass, speed = results.paths["mass"][0], np.hypot(first[7], first[8])
+    assert rows["wall"]["translational_max"] >= 0.5 * mass * speed**2 * (1 - 1e-12)
+    assert "'wall' the hardest" in results.remark_on_blocks
+    with (tmp_path / "out" / "blocks.csv").open() as file:
+        assert {row["block"] for row in csv.DictReader(file)} == set(rows)
+
+    handed = clast.load(results.hand_over(1))
+    assert handed.rockfall is None
+    assert handed.block[-1].velocity == pytest.approx(first[7:10])
+    run = handed.run(warn=lambda text: None)
+    start, end = run.model.velocity[:, :3], run.state.velocity[:, :3]
+    rock, wall = run.block_name.index("falling rock"), run.block_name.index("wall")
+    assert run.model.mass[rock] == pytest.approx(mass)
+    # the floor has no friction: the momentum along it that the rock loses is the wall's
+    assert end[wall, 0] > 0.5
+    given = run.model.mass[wall] * end[wall, 0]
+    taken = run.model.mass[rock] * (start[rock, 0] - end[rock, 0])
+    assert given == pytest.approx(taken, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("number", "change", "said"),
+    [
+        (3, "", "numbered from 1 to 2"),
+        (1, "velocity = [-9, 2]", "strikes no block that can move"),
+    ],
+)
+def test_only_a_path_that_strikes_a_free_block_is_handed_over(
+    number: int, change: str, said: str, tmp_path
+) -> None:
+    text = WALL.replace("velocity = [15, 2]", change or "velocity = [15, 2]")
+    results = clast.rockfall(clast.Case.from_text(text, "x.toml"), tmp_path / "out", workers=1)
+    with pytest.raises(clast.CaseError, match=said):
+        results.hand_over(number)

@@ -61,6 +61,7 @@ from clast.inputs.method import Damping, MethodTable, OutputTable, TimeTable, ch
 from clast.inputs.placing import plausibility
 from clast.inputs.placing.place_rock_mass import DEFAULT as DEFAULT_JOINT
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
+from clast.inputs.placing.place_rockfall import RockfallInputs, blocks_of_model
 from clast.inputs.rock_mass import (
     BlockPatternTable,
     DomainTable,
@@ -71,7 +72,6 @@ from clast.inputs.rock_mass import (
 from clast.inputs.rockfall import (
     BarrierTable,
     CollectorTable,
-    RockfallInputs,
     RockfallTable,
     SourceTable,
     Surface,
@@ -432,6 +432,7 @@ class Case(BaseModel):
             sources=self.source,
             barriers=self.barrier,
             collectors=self.collector,
+            blocks=blocks_of_model(self.model()) if self.has_blocks else None,
             gravity=self.gravity,
             folder=self._folder,
         )

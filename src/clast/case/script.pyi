@@ -100,7 +100,7 @@ class ModelBuilder:
     """Profile that rocks fall on: the keys of [rockfall].
 
     Keys:
-        profile: Points [x, y] of the profile from left to right, m; overhangs are allowed.
+        profile: Points [x, y] of the profile from left to right, m; overhangs are allowed. Blocks of the case stand on it; alone they are the profile.
         surface: Surface of each segment of the profile, or one for all: [surface.NAME].
         file: Table (.csv) with x, y and the surface from each point on, or drawing (.dxf) of lines whose layers are named like surfaces, in place of profile and surface.
         seed: Seed of all random numbers.
@@ -932,8 +932,10 @@ class ModelBuilder:
         at: Pair | None = None,
         *,
         line: Points | None = None,
-        rocks: int,
-        volume: float | str,
+        file: str | None = None,
+        faster_than: float = 0.1,
+        rocks: int | None = None,
+        volume: float | str | None = None,
         density: float | str = 2700.0,
         length: float | None = None,
         corners: float | str = 6.0,
@@ -948,7 +950,9 @@ class ModelBuilder:
             name: Name.
             at: Point [x, y] of their centroids, m; rocks that would stand in the profile are raised.
             line: Ends [[x, y], [x, y]] of the line on which they start, m.
-            rocks: Number of rocks.
+            file: Result file of a run: its blocks that move at its end are the rocks, the others stand.
+            faster_than: Speed above which a block of that run is a rock, m/s.
+            rocks: Number of rocks; as many as blocks if absent, which take turns if there are fewer.
             volume: Volume of a rock, m3; a number or a distribution.
             density: Density, kg/m3.
             length: Length of rocks out of the plane, m; the cube root of the volume if absent.

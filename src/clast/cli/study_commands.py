@@ -290,7 +290,7 @@ def rockfall(
 ) -> None:
     """Follow rocks that fall on a profile: paths, heights, speeds, and the barriers that hold them.
 
-    The case has [rockfall], [surface.NAME] and [[source]].
+    The case has [rockfall], [surface.NAME] and [[source]]; blocks that it has stand still.
     """
     from clast.case.case_file import Case
     from clast.study.folder import StudyFolder
@@ -300,6 +300,17 @@ def rockfall(
     study = study_of(loaded.campaign())
     there = StudyFolder.made(_folder(case, output), loaded, study)
     _go_on(there, _how(workers, scheduler, array), as_json, quiet)
+
+
+@app.command()
+def hand_over(
+    folder: Folder,
+    path: Annotated[int, typer.Argument(metavar="PATH", help="Number of the path.")],
+) -> None:
+    """Write the run of the blocks that a path of rockfall strikes, from that blow on."""
+    from clast.study.rockfall.hand_over import hand_over as written
+
+    tell(f"case: {written(folder, path)}")
 
 
 @app.command()

@@ -189,6 +189,8 @@ def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool
                 for name, *numbers in told(barriers, BARRIER_HEADS)
             ]
             print_table(table_of("barriers", tuple(BARRIER_HEADS.values()), lines))
+        if remark := results.remark_on_blocks:
+            say(f"warning: {remark}")
         tell("\n".join([*(f"table: {file}" for file in files), f"report: {report}"]))
 
 

@@ -5,17 +5,15 @@ Numbers may be distributions, as texts: "normal(0.35, 0.04)".
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validator
 
-from clast import spelling
-from clast.errors import CaseError, Fault, ModelError, shortened
+from clast.errors import CaseError, Fault, ModelError
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import (
@@ -34,7 +32,7 @@ from clast.model import ranges
 from clast.model.distribution_texts import DRAWN, read
 from clast.model.distributions import Distribution
 from clast.model.model import Floats
-from clast.trajectory.campaign import Campaign, Source, deck_of
+from clast.trajectory.campaign import Source, deck_of
 from clast.trajectory.ground import (
     ARM,
     FRICTION,
@@ -45,11 +43,9 @@ from clast.trajectory.ground import (
     SLIDING,
     SPEED,
     STICKING,
-    Face,
-    ground_of,
-    height_below,
 )
 from clast.trajectory.rock import is_convex, moments
+from clast.trajectory.standing import Blocks
 
 
 def quantity(value: float | str) -> Distribution | float:
@@ -88,7 +84,8 @@ class RockfallTable(ByKeys):
     """The profile that rocks fall on, and how many places along it are measured."""
 
     profile: Line | None = None
-    """Points [x, y] of the profile from left to right, m; overhangs are allowed."""
+    """Points [x, y] of the profile from left to right, m; overhangs are allowed.  Blocks of the
+    case stand on it; alone they are the profile."""
     surface: list[StrictStr] = Field([])
     """Surface of each segment of the profile, or one for all: [surface.NAME]."""
     file: StrictStr | None = None
@@ -103,7 +100,8 @@ class RockfallTable(ByKeys):
 
     @model_validator(mode="after")
     def _has_a_profile(self) -> Self:
-        check_one(self, ("profile", "file"), "give points [[x, y], ...], or the name of a file")
+        if self.profile is not None and self.file is not None:
+            raise refusal("has profile and file, of which one is needed", "leave one of them out")
         if self.profile is not None:
             faults = list(profile_faults(self.profile))
             count = len(self.profile) - 1
@@ -112,12 +110,20 @@ class RockfallTable(ByKeys):
                 faults = [Fault(what, "name one for all, or one for each", ("surface",))]
             if faults:
                 raise refusals(faults)
-        elif self.surface:
+        elif self.surface and self.file is not None:
             raise refusal("is given, but the file names the surfaces", "leave it out", "surface")
+        elif self.surface:
+            remedy = "give points [[x, y], ...] as profile, or the name of a file"
+            raise refusal("is given without a profile", remedy, "surface")
         return self
 
-    def line(self, folder: Path) -> tuple[Floats, list[str]]:
-        """Return points (k + 1, 2), m, and the surface of each segment, from left to right."""
+    def line(self, folder: Path) -> tuple[Floats | None, list[str]]:
+        """Return points (k + 1, 2), m, and the surface of each segment, from left to right.
+
+        None where no profile is given: there is one of blocks, or none.
+        """
+        if self.profile is None and self.file is None:
+            return None, []
         if self.profile is not None:
             count = len(self.profile) - 1
             points = np.array(self.profile, np.float64)
@@ -244,6 +250,12 @@ class Surface(Table):
         return rows
 
 
+DRAWN_KEYS = ("volume", "corners", "elongation", "shape", "velocity", "spin")
+"""Keys of rocks that blocks of a run have by themselves."""
+OF_BLOCKS = "is given, but rocks are blocks of a run, which have theirs"
+NO_RUN = "is given, but no file of a run"
+
+
 class SourceTable(Table):
     """Rocks that start at a point or anywhere on a line."""
 
@@ -253,9 +265,13 @@ class SourceTable(Table):
     """Point [x, y] of their centroids, m; rocks that would stand in the profile are raised."""
     line: Ends | None = None
     """Ends [[x, y], [x, y]] of the line on which they start, m."""
-    rocks: Annotated[StrictInt, Field(ge=1, le=1_000_000)]
-    """Number of rocks."""
-    volume: Annotated[Varied, between(1e-9, 1e9)]
+    file: StrictStr | None = None
+    """Result file of a run: its blocks that move at its end are the rocks, the others stand."""
+    faster_than: Annotated[Number, Field(gt=0.0)] = 0.1
+    """Speed above which a block of that run is a rock, m/s."""
+    rocks: Annotated[StrictInt, Field(ge=1, le=1_000_000)] | None = None
+    """Number of rocks; as many as blocks if absent, which take turns if there are fewer."""
+    volume: Annotated[Varied, between(1e-9, 1e9)] | None = None
     """Volume of a rock, m3; a number or a distribution."""
     density: Annotated[Varied, between(1.0, 1e5)] = 2700.0
     """Density, kg/m3."""
@@ -274,7 +290,22 @@ class SourceTable(Table):
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        check_one(self, ("at", "line"), "give a point [x, y], or a line [[x, y], [x, y]]")
+        remedy = "give a point [x, y], a line [[x, y], [x, y]], or the result file of a run"
+        check_one(self, ("at", "line", "file"), remedy)
+        given = self.model_fields_set
+        if self.file is None:
+            faults = [
+                Fault("is missing", f"e.g. {key} = {example}", (key,))
+                for key, example in (("rocks", 1000), ("volume", 0.5))
+                if getattr(self, key) is None
+            ]
+            faults += [Fault(NO_RUN, "leave it out", (key,)) for key in given & {"faster_than"}]
+        else:
+            faults = [
+                Fault(OF_BLOCKS, "leave it out", (key,)) for key in DRAWN_KEYS if key in given
+            ]
+        if faults:
+            raise refusals(faults)
         if self.shape is not None:
             points = np.array(self.shape, np.float64)
             if len(points) < 3 or not is_convex(points):
@@ -282,26 +313,30 @@ class SourceTable(Table):
                 raise refusal("is not a convex polygon", remedy, "shape")
         return self
 
-    def source(self, origin: Floats) -> Source:
-        """Return the source, about an origin (2,), m."""
+    def source(self, origin: Floats, blocks: Blocks | None) -> Source:
+        """Return the source, about an origin (2,), m; ``blocks`` are those of a run that move."""
 
         def deck(value: float | str) -> Floats:
             return deck_of(quantity(value))
 
-        ends = self.line or (self.at, self.at)
+        if blocks is not None:
+            known = np.where(np.isnan(blocks.density), deck(self.density)[0], blocks.density)
+            blocks = replace(blocks.about(origin), density=known)
+        ends = self.line or (self.at or origin.tolist(),) * 2
         shape = None if self.shape is None else np.array(self.shape, np.float64)
         return Source(
             name=self.name,
             line=np.array(ends, np.float64) - origin,
-            count=self.rocks,
+            count=self.rocks or (len(blocks.name) if blocks else 1),
             velocity=(deck(self.velocity[0]), deck(self.velocity[1])),
             spin=deck(self.spin),
-            volume=deck(self.volume),
+            volume=deck(self.volume or 1.0),
             density=deck(self.density),
             thickness=self.length,
             corners=deck(self.corners),
             elongation=deck(self.elongation),
             shape=None if shape is None else shape / np.sqrt(moments(shape)[0]),
+            blocks=blocks,
         )
 
 
@@ -324,6 +359,12 @@ class BarrierTable(Table):
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 30.0
     """Friction angle of a wall, degrees."""
 
+    @property
+    def wall(self) -> Surface:
+        """The surface of its faces."""
+        angle = min(self.friction_angle, 89.9)
+        return Surface(normal_restitution=self.restitution, friction_angle=angle)
+
 
 class CollectorTable(Table):
     """A place along the profile at which passing rocks are measured."""
@@ -332,95 +373,3 @@ class CollectorTable(Table):
     """Name."""
     x: Annotated[Number, within(ranges.COORDINATE)]
     """Its place, m."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RockfallInputs:
-    """The tables of a case about rockfall."""
-
-    table: RockfallTable
-    surfaces: Mapping[str, Surface]
-    sources: Sequence[SourceTable]
-    barriers: Sequence[BarrierTable]
-    collectors: Sequence[CollectorTable]
-    gravity: tuple[float, float]
-    folder: Path
-
-    def campaign(self) -> Campaign:
-        """Return the profile and all that falls on it; raises ModelError with the remedy."""
-        points, names = self.table.line(self.folder)
-        self._check(points, names)
-        origin = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        line = points - origin
-        known = list(self.surfaces)
-        profile = Face(points=line, surface=[known.index(name) for name in names])
-        decks = [one.decks() for one in self.surfaces.values()]
-        bare = ground_of(profile, (), np.array(decks), np.empty(0), np.empty(0))
-        lines, faces = [], []
-        for number, one in enumerate(self.barriers):
-            wall = Surface(
-                normal_restitution=one.restitution, friction_angle=min(one.friction_angle, 89.9)
-            )
-            lean = np.radians(one.inclination)
-            top = line[:, 1].max() + 1.0
-            foot = np.array([one.x - origin[0], height_below(bare, one.x - origin[0], top)])
-            end = foot + one.height * np.array([np.sin(lean), np.cos(lean)])
-            surface = len(decks)
-            decks.append(wall.decks())
-            faces.append(
-                Face(points=np.array([foot, end, foot]), surface=[surface] * 2, barrier=number)
-            )
-            lines.append((foot, end))
-        low, high = line[0, 0], line[-1, 0]
-        equal = low + (high - low) * (np.arange(self.table.stations) + 0.5) / self.table.stations
-        places = [(float(x), "") for x in equal]
-        places += [(one.x - float(origin[0]), one.name) for one in self.collectors]
-        places += [(one.x - float(origin[0]), one.name) for one in self.barriers]
-        places.sort()
-        capacity = [one.capacity or np.inf for one in self.barriers]
-        stations = np.array([x for x, _ in places])
-        return Campaign(
-            ground=ground_of(profile, faces, np.array(decks), np.array(capacity), stations),
-            origin=origin,
-            profile=line,
-            surfaces=(*known, *(one.name for one in self.barriers)),
-            barriers=tuple(one.name for one in self.barriers),
-            barrier_lines=np.array(lines).reshape(-1, 2, 2),
-            stations=tuple(name for _, name in places),
-            sources=tuple(one.source(origin) for one in self.sources),
-            gravity=np.array(self.gravity, np.float64),
-            seed=self.table.seed,
-            time_limit=self.table.time_limit,
-        )
-
-    def _check(self, points: Floats, names: Sequence[str]) -> None:
-        """Raise ModelError for names that do not exist or are there twice, and odd places."""
-        if not self.sources:
-            raise ModelError("is missing, so nothing falls", where="[[source]]", remedy=SOURCE)
-        for name in names:
-            if name not in self.surfaces:
-                what = f"there is no surface '{shortened(name)}'"
-                remedy = spelling.advice(name, list(self.surfaces), kind="surface")
-                raise ModelError(what, where="[rockfall], surface", remedy=remedy)
-        low, high = points[0, 0], points[-1, 0]
-        ranges.check_names("source", [one.name for one in self.sources])
-        given = partial(_beside, low, high)
-        placed = [("barrier", one.name, one.x) for one in self.barriers]
-        placed += [("collector", one.name, one.x) for one in self.collectors]
-        ranges.check_names("collector or barrier", [name for _, name, _ in placed])
-        for kind, name, x in placed:
-            given(f"{kind} '{shortened(name)}'", [x])
-        for source in self.sources:
-            ends = source.line or (source.at,)
-            given(f"source '{shortened(source.name)}'", [end[0] for end in ends if end])
-
-
-SOURCE = "give one: name, at = [x, y], rocks = 1000, volume = 0.5"
-
-
-def _beside(low: float, high: float, where: str, places: Sequence[float]) -> None:
-    """Raise ModelError for a place beside the profile."""
-    for x in places:
-        if not low < x < high:
-            what = f"is at x = {x:g}, beside the profile, which reaches from {low:g} to {high:g}"
-            raise ModelError(what, where=where, remedy="move it, or lengthen the profile")

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
 from clast.model.distributions import Distribution
-from clast.model.model import Floats
+from clast.model.model import Floats, Ints
 from clast.trajectory import path as paths
 from clast.trajectory.ground import DECK, Ground, height_below
 from clast.trajectory.rock import Rock, moments, random_polygon, rock_of
+from clast.trajectory.standing import Blocks
 
 RECORDS = 2_000
 """Room for the records of a path; one with more is followed again with four times the room."""
@@ -58,6 +58,8 @@ class Source:
     """Deck of the ratio of the axes."""
     shape: Floats | None
     """Polygon of all its rocks, any size, (n, 2); random ones where it is None."""
+    blocks: Blocks | None = None
+    """Blocks that its rocks are, in turns, as they move; line and decks are then of no use."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +90,10 @@ class Campaign:
     """Foot and top of each barrier, m, (b, 2, 2)."""
     stations: tuple[str, ...]
     """Name of each station of the ground: that of a collector or a barrier, or ""."""
+    blocks: Blocks | None
+    """Blocks that stand; None where there are none."""
+    face_block: Ints
+    """Which of them each segment of the ground is on, -1 for none, (k,)."""
     sources: tuple[Source, ...]
     gravity: Floats
     """Acceleration of gravity, m/s2, (2,)."""
@@ -100,15 +106,39 @@ class Campaign:
         """How many paths there are."""
         return sum(source.count for source in self.sources)
 
-    def source_of(self, number: int) -> Source:
-        """Return the source of a path, from 1."""
-        last = accumulate(source.count for source in self.sources)
-        return next(s for s, end in zip(self.sources, last, strict=True) if number <= end)
+    def block_of(self, face: int) -> str:
+        """Return the block that a segment is on, "" for none; -1 is no segment."""
+        number = self.face_block[face] if face >= 0 else -1
+        return "" if self.blocks is None or number < 0 else self.blocks.name[number]
+
+    def source_of(self, number: int) -> tuple[Source, int]:
+        """Return the source of a path, from 1, and its number there, from 0."""
+        for source in self.sources:
+            if number <= source.count:
+                break
+            number -= source.count
+        return source, number - 1
 
     def follow(self, number: int) -> Path:
         """Return the path with a number, from 1."""
         rng = np.random.Generator(np.random.Philox(key=[self.seed, number]))
-        source = self.source_of(number)
+        source, among = self.source_of(number)
+        if source.blocks is None:
+            rock, volume, state = self._drawn(source, rng)
+        else:
+            rock, volume, state = block_as_rock(source, among % len(source.blocks.name))
+        state[1] += lift(self.ground, rock, state[:2])
+        seed, room = int(rng.integers(2**63)), RECORDS
+        while True:
+            course, last = self._course(seed, room), state.copy()
+            paths.follow(self.ground, rock, course, last, self.gravity)
+            if course.tally[0] < room:
+                return Path(source=source.name, rock=rock, volume=volume, course=course, state=last)
+            room *= 4
+
+    @staticmethod
+    def _drawn(source: Source, rng: np.random.Generator) -> tuple[Rock, float, Floats]:
+        """Return a random rock of a source, its volume, m3, and its state at the start, (6,)."""
 
         def drawn(deck: Floats) -> float:
             return float(deck[int(rng.random() * DECK)])
@@ -122,15 +152,8 @@ class Campaign:
         rock = rock_of(size * shape, density, thickness)
         share = rng.random()
         place = (1.0 - share) * source.line[0] + share * source.line[1]
-        state = np.array([*place, 0.0, *map(drawn, source.velocity), drawn(source.spin)])
-        state[1] += lift(self.ground, self.profile, rock, place)
-        seed, room = int(rng.integers(2**63)), RECORDS
-        while True:
-            course, last = self._course(seed, room), state.copy()
-            paths.follow(self.ground, rock, course, last, self.gravity)
-            if course.tally[0] < room:
-                return Path(source=source.name, rock=rock, volume=volume, course=course, state=last)
-            room *= 4
+        state = [*place, 0.0, *map(drawn, source.velocity), drawn(source.spin)]
+        return rock, volume, np.array(state)
 
     def _course(self, seed: int, room: int) -> paths.Course:
         """Return the empty record of a path, before it begins, with room for so many records."""
@@ -148,7 +171,18 @@ class Campaign:
         )
 
 
-def lift(ground: Ground, profile: Floats, rock: Rock, place: Floats) -> float:
+def block_as_rock(source: Source, number: int) -> tuple[Rock, float, Floats]:
+    """Return a block of a source as a rock, its volume, m3, and its state, (6,)."""
+    blocks = source.blocks
+    assert blocks is not None
+    outline = blocks.outline[number]
+    area, centroid, _ = moments(outline)
+    thickness = source.thickness or np.sqrt(area)
+    rock = rock_of(outline, float(blocks.density[number]), thickness)
+    return rock, area * thickness, np.array([*centroid, 0.0, *blocks.velocity[number]])
+
+
+def lift(ground: Ground, rock: Rock, place: Floats) -> float:
     """Return how far a rock at a place (2,) is raised so that it does not stand in the profile, m.
 
     The profile is the part next below its centre.
@@ -162,7 +196,7 @@ def lift(ground: Ground, profile: Floats, rock: Rock, place: Floats) -> float:
         if top > y:
             need = max(need, top - y)
     lower = sorted(range(len(corners)), key=lambda k: corners[k, 0])
-    for x, y in profile.tolist():
+    for x, y in ground.start.tolist():
         if corners[lower[0], 0] < x < corners[lower[-1], 0] and y <= reference:
             need = max(need, y - _bottom(corners, x))
     return need + CLEAR * size if need > 0.0 else 0.0

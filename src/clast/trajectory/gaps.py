@@ -66,14 +66,14 @@ def barrier_of(ground, kind, k):
 
 
 @kernel()
-def surface_of(ground, kind, k, nx, ny):
-    """Return the surface of a pair: at a corner that of the segment whose normal is closer."""
+def face_of(ground, kind, k, nx, ny):
+    """Return the segment of a pair: at a corner the one whose normal is closer."""
     if kind == ON_SEGMENT:
-        return ground.surface[k]
+        return k
     one, other = ground.beside[k]
     first = ground.normal[one, 0] * nx + ground.normal[one, 1] * ny
     second = ground.normal[other, 0] * nx + ground.normal[other, 1] * ny
-    return ground.surface[one if first >= second else other]
+    return one if first >= second else other
 
 
 @kernel()

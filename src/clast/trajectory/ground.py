@@ -58,7 +58,7 @@ class Ground(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Face:
-    """A line of segments with air on its left."""
+    """A line of segments with air on its left; a polygon where it ends at its first point."""
 
     points: Floats
     """Points, m, (k + 1, 2)."""
@@ -71,7 +71,7 @@ class Face:
 def ground_of(
     profile: Face, others: Sequence[Face], decks: Floats, capacity: Floats, stations: Floats
 ) -> Ground:
-    """Return the ground of a profile and the faces of its barriers."""
+    """Return the ground of a profile and other faces: blocks apart from it, barriers."""
     start, way, length = list[Floats](), list[Floats](), list[Floats]()
     surface, barrier = list[int](), list[int]()
     corner, beside = list[Floats](), list[tuple[int, int]]()
@@ -79,11 +79,13 @@ def ground_of(
         steps = np.diff(face.points, axis=0)
         size = np.hypot(*steps.T)
         unit, first = steps / size[:, None], sum(len(part) for part in start)
-        turns = unit[:-1, 0] * unit[1:, 1] - unit[:-1, 1] * unit[1:, 0]
-        back = np.sum(unit[:-1] * unit[1:], axis=1) < STRAIGHT - 1.0
-        for k in np.flatnonzero((turns < -STRAIGHT) | back).tolist():
+        after = np.roll(unit, -1, axis=0)
+        stands_out = unit[:, 0] * after[:, 1] - unit[:, 1] * after[:, 0] < -STRAIGHT
+        stands_out |= np.sum(unit * after, axis=1) < STRAIGHT - 1.0
+        stands_out[-1] &= len(size) > 2 and bool((face.points[0] == face.points[-1]).all())
+        for k in np.flatnonzero(stands_out).tolist():
             corner.append(face.points[k + 1])
-            beside.append((first + k, first + k + 1))
+            beside.append((first + k, first + (k + 1) % len(size)))
         start.append(face.points[:-1])
         way.append(unit)
         length.append(size)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.trajectory.gaps import barrier_of, frame, surface_of
+from clast.trajectory.gaps import barrier_of, face_of, frame
 from clast.trajectory.ground import (
     ARM,
     FRICTION,
@@ -141,7 +141,7 @@ def drawn_contacts(ground, rock, state, pairs, counter, rough, gentle):
     for j in range(len(pairs)):
         kind, i, k = pairs[j]
         nx, ny, rx, ry, _gap, _margin = frame(ground, rock, state, kind, i, k)
-        decks = ground.decks[surface_of(ground, kind, k, nx, ny)]
+        decks = ground.decks[ground.surface[face_of(ground, kind, k, nx, ny)]]
         one = contacts[j]
         one[NX], one[NY], one[RX], one[RY] = nx, ny, rx, ry
         if len(pairs) == 1 and barrier_of(ground, kind, k) < 0 and decks[ROUGHNESS, -1] > 0.0:

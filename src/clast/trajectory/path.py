@@ -18,7 +18,7 @@ from clast.trajectory.bearing import (
     which_slip,
 )
 from clast.trajectory.flight import flown, next_touch, window
-from clast.trajectory.gaps import ON_SEGMENT, barrier_of, frame, surface_of, touching
+from clast.trajectory.gaps import ON_SEGMENT, barrier_of, face_of, frame, touching
 from clast.trajectory.ground import height_below
 from clast.trajectory.impact import SLIDE, TAN, blow, contact_speeds, energy_of, total_energy
 
@@ -30,7 +30,7 @@ START, BLOW, ON_GROUND, END = range(4)
 """Kinds of records."""
 KIND, CLOCK, X, Y, ANGLE, BEFORE, AFTER, FACE, BARRIER, LOST = 0, 1, 2, 3, 4, 5, 8, 11, 12, 13
 """Columns of records (14): time, s, centroid, m, angle, rad, velocity and spin before and after (3
-each), m/s and rad/s, surface, barrier, and energy lost in a blow, J."""
+each), m/s and rad/s, segment, barrier, and energy lost in a blow, J."""
 HEIGHT, TRANSLATION, ROTATION, TOTAL, FAST = range(5)
 """Columns of stations: height of the centroid above the profile, m, energies, J, speed, m/s."""
 BY_BLOWS, BY_FRICTION, BY_ROLLING, BY_BARRIERS, HAD, KEPT = range(6)
@@ -210,7 +210,7 @@ def strike(ground, rock, course, state, pairs, gentle):
     course.tally[1] += 1
     kind, _i, k = pairs[0]
     seen = frame(ground, rock, state, kind, pairs[0, 1], k)
-    face = surface_of(ground, kind, k, seen[0], seen[1])
+    face = face_of(ground, kind, k, seen[0], seen[1])
     write(course, BLOW, state, before, face, barrier_of(ground, kind, k), lost)
     keep_largest(course.largest, measures_of(ground, rock, before))
     keep_largest(course.largest, measures_of(ground, rock, state))

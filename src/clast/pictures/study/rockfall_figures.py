@@ -43,11 +43,17 @@ def draw_paths(
     names: Sequence[str],
     lines: Sequence[Floats],
     barriers: Floats,
+    blocks: Sequence[Floats],
 ) -> Path:
-    """Draw paths (n, 2) each over a profile (k + 1, 2) with the surface of each segment, m."""
-    from matplotlib.collections import LineCollection
+    """Draw paths (n, 2) each over a profile (k + 1, 2) with the surface of each segment, m.
+
+    Blocks that stand, (c, 2) each, are drawn below them.
+    """
+    from matplotlib.collections import LineCollection, PolyCollection
 
     axes = _axes(WIDE, "x, m", "y, m")
+    stones = PolyCollection(list(blocks), fc="#eeeeee", ec="#999999", linewidths=0.4)
+    axes.add_collection(stones)
     axes.add_collection(LineCollection(list(lines), colors="#777777", linewidths=0.4, alpha=0.5))
     kinds = list(dict.fromkeys(names))
     for number, name in enumerate(kinds):

@@ -15,6 +15,7 @@ from clast.study.folder import StudyFolder, writing
 from clast.study.report_page import Page, file_stem
 from clast.study.rockfall.results import (
     BARRIER_HEADS,
+    BLOCK_HEADS,
     COLLECTOR_HEADS,
     RockfallResults,
     told,
@@ -23,6 +24,8 @@ from clast.trajectory import path
 
 PATHS_DRAWN = 300
 """Paths of the figure, at most: the first ones."""
+BLOCKS_TOLD = 20
+"""Blocks of the page, at most: those that are struck the hardest; blocks.csv has all."""
 PER_FLIGHT = 12
 """Points of a drawn parabola."""
 ENVELOPES = {
@@ -76,6 +79,12 @@ def write_report(folder: StudyFolder, results: RockfallResults) -> Path:
             page.table(list(COLLECTOR_HEADS.values()), told(named, COLLECTOR_HEADS))
         else:
             page.remark("There is none: the table stations.csv has all places along the profile.")
+        blocks = sorted(results.blocks(), key=lambda row: -float(row["translational_max"]))
+        if blocks:
+            page.head("Blocks that are struck")
+            if remark := results.remark_on_blocks:
+                page.remark(remark)
+            page.table(list(BLOCK_HEADS.values()), told(blocks[:BLOCKS_TOLD], BLOCK_HEADS))
         return page.write()
 
 
@@ -89,6 +98,7 @@ def _wide(page: Page, results: RockfallResults) -> Iterator[tuple[Path, str]]:
         names,
         path_lines(results),
         campaign.barrier_lines + campaign.origin,
+        [one + campaign.origin for one in campaign.blocks.outline] if campaign.blocks else (),
     )
     yield file, "paths over the profile"
 

@@ -20,10 +20,12 @@ import numpy as np
 
 from clast.case.api import case_of
 from clast.case.case_file import Case
+from clast.errors import shortened
 from clast.model.model import Floats
 from clast.rockmass.drawings.drawing_files import write_rows
 from clast.study import study_api
 from clast.study.folder import ARRAYS, StudyFolder, writing
+from clast.study.rockfall.hand_over import hand_over
 from clast.study.rockfall.portions import study_of
 from clast.study.study_api import HowMade
 from clast.study.trial_table import pyarrow_for
@@ -35,7 +37,7 @@ QUANTITIES = ("height", "translational", "rotational", "energy", "speed")
 SHARES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
 """Percentiles of all quantities."""
 BLOW_COLUMNS = (
-    *("path", "time", "x", "y", "angle", "surface"),
+    *("path", "time", "x", "y", "angle", "surface", "block"),
     *("vx_before", "vy_before", "spin_before", "vx_after", "vy_after", "spin_after", "lost"),
 )
 Row = dict[str, Any]
@@ -49,6 +51,15 @@ BARRIER_HEADS = {
     "energy_max": "largest, kJ",
 }
 """Columns of barriers shown to readers, and their headings; the tables have the rest."""
+BLOCK_HEADS = {
+    "block": "block",
+    "rocks": "rocks",
+    "blows": "blows",
+    "translational_p95": "energy P95, kJ",
+    "translational_max": "largest, kJ",
+    "lost_max": "most lost in a blow, kJ",
+}
+"""Columns of blocks shown to readers, and their headings."""
 COLLECTOR_HEADS = {
     "name": "collector",
     "count": "rocks",
@@ -120,16 +131,17 @@ class RockfallResults:
 
     def blows(self) -> Iterator[list[Any]]:
         """Give the rows of the table of blows, in the order of paths and times."""
-        names, (x, y) = self.campaign.surfaces, self.campaign.origin
-        barriers = self.campaign.barriers
+        campaign, (x, y) = self.campaign, self.campaign.origin
         for one in self.records[self.records[:, 1 + path.KIND] == path.BLOW]:
             number, values = int(one[0]), one[1:]
             face, barrier = int(values[path.FACE]), int(values[path.BARRIER])
-            named = barriers[barrier] if barrier >= 0 else names[face]
+            surface = campaign.surfaces[campaign.ground.surface[face]]
+            named = campaign.barriers[barrier] if barrier >= 0 else surface
             place = (values[path.CLOCK], values[path.X] + x, values[path.Y] + y)
             rest = values[[*range(path.BEFORE, path.FACE), path.LOST]]
             angle = float(np.degrees(values[path.ANGLE]))
-            yield [number, *map(float, place), angle, named, *map(float, rest)]
+            block = campaign.block_of(face)
+            yield [number, *map(float, place), angle, named, block, *map(float, rest)]
 
     def stations(self) -> list[Row]:
         """Return the statistics of passages along the profile, a row for each station.
@@ -164,13 +176,64 @@ class RockfallResults:
             rows.append(row)
         return rows
 
+    def blocks(self) -> list[Row]:
+        """Return the blows on each block: translational energy before, lost energy, J, speed."""
+        campaign, blocks = self.campaign, self.campaign.blocks
+        if blocks is None:
+            return []
+        blows = self.records[self.records[:, 1 + path.KIND] == path.BLOW]
+        face = blows[:, 1 + path.FACE].astype(np.int64)
+        struck = np.where(face >= 0, campaign.face_block[face], -1)
+        masses = dict(zip(self.paths["path"], self.paths["mass"], strict=True))
+        mass = np.array([masses[int(number)] for number in blows[:, 0]])
+        speed = np.hypot(*blows[:, [1 + path.BEFORE, 2 + path.BEFORE]].T)
+        rows = []
+        for number in np.unique(struck[struck >= 0]).tolist():
+            here = struck == number
+            row: Row = {
+                "block": blocks.name[number],
+                "fixed": bool(blocks.fixed[number]),
+                "rocks": len(np.unique(blows[here, 0])),
+                "blows": int(here.sum()),
+            }
+            found = {
+                "translational": 0.5 * mass[here] * speed[here] ** 2,
+                "lost": blows[here, 1 + path.LOST],
+                "speed": speed[here],
+            }
+            for name, values in found.items():
+                row |= {f"{name}_{key}": value for key, value in summary_of(values).items()}
+            rows.append(row)
+        return rows
+
+    @property
+    def remark_on_blocks(self) -> str:
+        """What paths leave out where they strike blocks that could move; "" where none does."""
+        free = [row for row in self.blocks() if not row["fixed"]]
+        if not free:
+            return ""
+        worst = max(free, key=lambda row: float(row["lost_max"]))
+        return (
+            f"{len(free)} free block(s) were struck, '{shortened(worst['block'])}' the hardest "
+            f"({worst['lost_max'] / 1e3:.3g} kJ lost in a blow): paths take them as fixed; "
+            "clast study hand-over writes the run in which they move"
+        )
+
+    def hand_over(self, number: int) -> Path:
+        """Write the case of blocks that a path's rock strikes (``hand_over``); return its file."""
+        return hand_over(self.folder, number)
+
     def write(self) -> list[Path]:
-        """Write paths.csv, blows.csv, stations.csv and barriers.csv; return their paths."""
+        """Write paths.csv, blows.csv, stations.csv, barriers.csv, blocks.csv; return their paths.
+
+        The last two only where there are such.
+        """
         tables: dict[str, tuple[Sequence[str], Iterator[Sequence[Any]]]] = {
             "paths": (PATH_COLUMNS, zip(*self.paths.values(), strict=True)),
             "blows": (BLOW_COLUMNS, self.blows()),
         }
-        for name, found in (("stations", self.stations()), ("barriers", self.barriers())):
+        for name in ("stations", "barriers", "blocks"):
+            found = getattr(self, name)()
             if found:
                 tables[name] = (list(found[0]), iter([list(row.values()) for row in found]))
         files = []
