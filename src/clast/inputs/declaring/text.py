@@ -196,17 +196,17 @@ def _position(key: str, count: int) -> int:
 def to_toml(content: Mapping[str, Any]) -> str:
     """Return a case file's content as TOML: single values, then tables, then lists of tables."""
     lines = [
-        f"{_key(key)} = {_written(value)}"
+        f"{written_key(key)} = {_written(value)}"
         for key, value in content.items()
         if not isinstance(value, dict) and not is_tables(value)
     ]
     for key, value in content.items():
         if isinstance(value, dict):
-            lines += _table_lines(_key(key), value)
+            lines += _table_lines(written_key(key), value)
         elif is_tables(value):
             for table in value:
-                lines += ["", f"[[{_key(key)}]]"]
-                lines += [f"{_key(k)} = {_written(v)}" for k, v in table.items()]
+                lines += ["", f"[[{written_key(key)}]]"]
+                lines += [f"{written_key(k)} = {_written(v)}" for k, v in table.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -216,9 +216,9 @@ def _table_lines(name: str, table: Mapping[str, Any]) -> list[str]:
         return [
             line
             for key, inner in table.items()
-            for line in _table_lines(f"{name}.{_key(key)}", inner)
+            for line in _table_lines(f"{name}.{written_key(key)}", inner)
         ]
-    return ["", f"[{name}]", *(f"{_key(k)} = {_written(v)}" for k, v in table.items())]
+    return ["", f"[{name}]", *(f"{written_key(k)} = {_written(v)}" for k, v in table.items())]
 
 
 def is_tables(value: Any) -> bool:
@@ -226,7 +226,8 @@ def is_tables(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
 
 
-def _key(key: str) -> str:
+def written_key(key: str) -> str:
+    """Return a key as TOML writes it: in quotes where it must be."""
     return key if BARE_KEY.fullmatch(key) else _text(key)
 
 
@@ -242,7 +243,7 @@ def _written(value: Any) -> str:
     if isinstance(value, str):
         return _text(value)
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_key(k)} = {_written(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{written_key(k)} = {_written(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_written(item) for item in value) + "]"
     return repr(value)

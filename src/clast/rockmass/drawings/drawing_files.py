@@ -6,6 +6,7 @@ import csv
 import io
 import os
 import re
+import shutil
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -105,7 +106,8 @@ def as_text(value: Any) -> Any:
 def replaced_path(path: Path) -> Iterator[Path]:
     """Give the path of an empty file that takes the name ``path`` when it is written.
 
-    Raises CaseError where nothing can be written there; an older file is then left as it was.
+    It has the permissions of an older file.  Raises CaseError where nothing can be written there;
+    an older file is then left as it was.
     """
     try:
         real = path.resolve()
@@ -118,6 +120,8 @@ def replaced_path(path: Path) -> Iterator[Path]:
             yield part
             with part.open("rb") as file:
                 os.fsync(file.fileno())
+            if real.exists():
+                shutil.copymode(real, part)
             os.replace(part, real)
         finally:
             part.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""`clast edit`: a case file as a browser edits it; the file stays the truth."""
