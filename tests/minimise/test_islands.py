@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from benchmarks.scenes import SCENES
 from clast.linear.solvers import Automatic
+from clast.minimise import strategy
 from clast.minimise.islands import connected, listed
 from clast.minimise.strategy import MinimisationStrategy, SmallIslands
 from scenes.potentials import at_rest, by_newton, caught, some_of, strengthened, tolerance_of, work
@@ -131,7 +132,10 @@ def check_minimum(one, found, tolerance):
     check_same(found, one.at(found.unknowns), 1e-7)
 
 
-def test_all_small_islands_come_to_their_minimum(potentials):
+@pytest.mark.parametrize("few", [0, 3, 200])
+def test_all_small_islands_come_to_their_minimum(potentials, few, monkeypatch):
+    """By either factor, whatever their size."""
+    monkeypatch.setattr(strategy, "FEW_BLOCKS", few)
     small = SmallIslands()
     for one in potentials:
         tolerance, how = tolerance_of(one), work()

@@ -40,17 +40,3 @@ def test_balance_of_all_blocks_and_of_some_again(courses, columns):
         one.balance_again(changed, point)
         assert np.array_equal(point.residual, before[0])
         assert np.array_equal(point.distances, before[1])
-
-
-def test_distances_at_several_starts_are_those_at_each():
-    for courses, columns in ((4, 5), (20, 50)):
-        one = caught(wall(courses, columns), 5e9, 1e-3, 1e-3)[0]
-        rng = np.random.default_rng(columns)
-        free = ~one.fixed[:, None]
-        starts = np.stack(
-            [one.untouched(), np.zeros((len(free), 6)), np.full((len(free), 6), 1e-6)]
-        )
-        starts[2] *= free
-        starts[1] += 1e-6 * rng.normal(size=(len(free), 6)) * free
-        wanted = [one.island_distances(one.at(start)) for start in starts]
-        assert one.distances_at(starts) == pytest.approx(np.stack(wanted), rel=1e-12)

@@ -236,36 +236,6 @@ def balance_again(blocks, system, graph, contacts, d, normal, shear, balance):
 
 
 @shared(BLOCKS)
-def _left_rows(first, last, system, graph, contacts, starts, forces, left):
-    """Write r.B^-1 r of blocks at each start: B is read once for all."""
-    normal, shear = forces
-    base, inverse, load, fixed = system
-    vertex_block, arms = contacts
-    residual = np.empty((1, 6))
-    for i in range(first, last):
-        for k in range(len(starts)):
-            if fixed[i]:
-                left[k, i] = 0.0
-                continue
-            s = plus_scaled(row(load, i), -1.0, times(base, i, starts[k], i))
-            s = _plus_forces(s, i, graph, vertex_block, arms, normal[k], shear[k])
-            put_row(residual, 0, s)
-            own = times(inverse, i, residual, 0)
-            left[k, i] = inner(own, row(residual, 0))
-
-
-@kernel()
-def left_at(system, graph, contacts, starts, normal, shear):
-    """Return r.B^-1 r of each block (k, n), as ``unbalanced`` does, at k starts at once.
-
-    ``starts`` (k, n, 6) are the unknowns, ``normal`` and ``shear`` (k, m) N and T there.
-    """
-    left = np.empty(starts.shape[:2])
-    _left_rows(left.shape[1], system, graph, contacts, starts, (normal, shear), left)
-    return left
-
-
-@shared(BLOCKS)
 def _load_rows(first, last, load, fixed, graph, contacts, forces, out):
     """Write load + sum of N n + T t of blocks; 0 where fixed."""
     vertex_block, arms = contacts

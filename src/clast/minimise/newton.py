@@ -163,9 +163,9 @@ def iterate(potential: Potential, point: Point, work: SolverContext) -> tuple[Po
 
 def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
     """Return the point that each island has from the best of ``starts``, (n, 6) each."""
-    every = np.array(starts)
-    choice = potential.distances_at(every).argmin(axis=0)
+    points = [potential.at(one) for one in starts]
+    choice = np.array([potential.island_distances(one) for one in points]).argmin(axis=0)
     if not is_any(choice != choice[0]):
-        return potential.at(starts[choice[0]])
+        return points[choice[0]]
     of_blocks = choice[potential.islands.of_blocks]
-    return potential.at(every[of_blocks, np.arange(len(of_blocks))])
+    return potential.at(np.array(starts)[of_blocks, np.arange(len(of_blocks))])

@@ -17,14 +17,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from clast.compute.compilation import Stages
-from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, summed
 from clast.compute.vec6 import inner, plus_scaled, put_row, row
-from clast.contact.clipped_spring import Forces, Springs, forces_at
+from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import assembly, block_matrix
-from clast.linear.assembly import contact_motions as motions_of_links
-from clast.linear.assembly import left_at
 from clast.linear.factor_cache import FactorOfStep
 from clast.linear.system import (
     BlockSystem,
@@ -249,20 +246,6 @@ class Potential:
         distances: Floats = island_sums(point.distances, at.of_blocks, at.count)
         return distances
 
-    def distances_at(self, starts: Floats) -> Floats:
-        """Return the ``island_distances`` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
-        at, springs = self.islands, self.springs
-        islands = at.of_blocks, at.count
-        if self.law is None:
-            table = springs.edge_block, springs.gap, springs.slip, springs.arrays
-            left: Floats = left_at_starts(*self._balance, table, islands, starts)
-            return left
-        answers = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
-        normal = np.array([one.normal_force for one in answers])
-        shear = np.array([one.shear_force for one in answers])
-        distances = assembly.left_at(*self._balance, starts, normal, shear)
-        return np.array([island_sums(one, *islands) for one in distances])
-
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without springs, K^-1 F; 0 for fixed blocks."""
         free: Floats = block_matrix.products(self.inverse, self.base.force)
@@ -389,27 +372,3 @@ def _sum_of_forces(first, last, force, fixed):
         if not fixed[i]:
             size += np.hypot(force[i, 0], force[i, 1])
     return size
-
-
-@kernel()
-def left_at_starts(system, graph, contacts, table, islands, starts):
-    """Return the distance to the minimum that each island has at each start, J/m, (k, islands).
-
-    ``system``, ``graph`` and ``contacts`` as linear/assembly.py has them; ``table`` are the edge
-    blocks, gaps, slips (m,) and springs of the links (Springs.arrays), ``islands`` those of the
-    blocks (n,) and their number, ``starts`` (k, n, 6) the unknowns.
-    """
-    vertex_block, arms = contacts
-    edge_block, gap, slip, springs = table
-    of_blocks, count = islands
-    normal = np.empty((len(starts), len(gap)))
-    shear = np.empty_like(normal)
-    for k in range(len(starts)):
-        opening, sliding = motions_of_links(vertex_block, edge_block, arms, starts[k])
-        answer = forces_at(gap + opening, slip + sliding, springs)
-        normal[k], shear[k] = answer[0], answer[1]
-    left = left_at(system, graph, contacts, starts, normal, shear)
-    distances = np.empty((len(starts), count))
-    for k in range(len(starts)):
-        distances[k] = island_sums(left[k], of_blocks, count)
-    return distances

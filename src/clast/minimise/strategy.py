@@ -21,6 +21,7 @@ import numpy as np
 
 from clast.compute.reductions import is_any
 from clast.errors import StepOutcome, StepRejected
+from clast.minimise.few_blocks import FEW_BLOCKS, minimise_few
 from clast.minimise.interior_point import InteriorPoint
 from clast.minimise.islands import are_small, minimise_each
 from clast.minimise.newton import Ending, Newton, SolverContext, iterate
@@ -63,20 +64,21 @@ class SmallIslands:
         count = len(wanted)
         if count == 0:
             return point, left
-        if count > 1:
-            # the largest first: the others fill up what time is left
-            wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]
-        moved = copied(point)
-        passes, evaluations = minimise_each(
-            wanted,
-            islands.listing,
-            potential.problem,
-            moved.arrays,
-            np.array([self.finished * tolerance / count, self.iterations]),
-            left,
-        )
-        work.count("passes", int(passes))
-        work.count("line_search", int(evaluations))
+        # the largest first: the others fill up what time is left
+        size = np.diff(islands.listing[0]).take(wanted)
+        order = np.argsort(-size, kind="stable")
+        moved, large = copied(point), np.count_nonzero(size > FEW_BLOCKS)
+        limits = np.array([self.finished * tolerance / count, self.iterations])
+        taken = [
+            minimise(some, islands.listing, potential.problem, moved.arrays, limits, left)
+            for minimise, some in (
+                (minimise_each, wanted[order[:large]]),
+                (minimise_few, wanted[order[large:]]),
+            )
+            if len(some)
+        ]
+        work.count("passes", max(int(passes) for passes, _ in taken))
+        work.count("line_search", max(int(evaluations) for _, evaluations in taken))
         return moved, left
 
     def small(self, potential: Potential) -> Bools:
