@@ -32,12 +32,14 @@ from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import InputBuilder
 from clast.inputs.declaring import table as case_writing
 from clast.inputs.declaring import text as case_text
-from clast.inputs.declaring.field_docs import explain
+from clast.inputs.declaring.annotations import annotate, without_null
+from clast.inputs.declaring.field_docs import describe
 from clast.inputs.declaring.places import located, located_error, remark
 from clast.inputs.declaring.table import Acceleration, Share, Table
 from clast.inputs.declaring.validation_messages import (
     error_of,
     faults_of,
+    keys_of,
     refusals,
     table_in,
 )
@@ -709,8 +711,11 @@ def load(path: str | Path) -> Case:
 def explained(case: type[Case]) -> type[Case]:
     """Return Case, or a class made of it, with the meanings of all keys of all tables."""
     tables: list[type[BaseModel]] = [*_tables_below(Table), case]  # inner tables come first
+    keys = frozenset(keys_of(case))
     for table in tables:
-        explain(table)
+        describe(table)
+        annotate(table, keys)
+        table.model_rebuild(force=True)
     return case
 
 
@@ -723,5 +728,5 @@ def _tables_below(kind: type[Table]) -> Iterator[type[Table]]:
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of the case file."""
-    schema = explained(Case).model_json_schema(by_alias=True)
+    schema = without_null(explained(Case).model_json_schema(by_alias=True))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -76,7 +76,7 @@ class ModelBuilder:
         gradient: Its change by metre of depth below the datum, Pa/m.
         datum: Height y at which the stress holds, m: 0 if absent; the top of the rock for "overburden".
         vertical: In place of a stress: the weight of the rock above, by its mean density.
-        k0: Horizontal by vertical stress, with vertical = "overburden".
+        k0: Horizontal by vertical stress, -, with vertical = "overburden".
         contacts: Whether contacts begin with the forces of the stress, or have to find them by moving.
         boundary: Support of the outline beside the stress that loads it: springs along its normal, in both directions, or none.
         sides: Sides of the box around all blocks that are loaded; all edges on the convex hull if empty.
@@ -239,7 +239,7 @@ class ModelBuilder:
             maximum_aperture: Largest hydraulic aperture, m; five times the aperture if absent.
             hydraulic_law: Hydraulic aperture of a mechanical one E: "cubic": E/flow_factor^(1/3); "barton": E^2/jrc^2.5 in micrometres, at most E; "louis": by relative_roughness.
             flow_factor: Factor by which roughness lowers the flow, of hydraulic_law "cubic"; 1 if absent.
-            relative_roughness: Height of asperities over twice the aperture, 0.033 to 0.5, of hydraulic_law "louis".
+            relative_roughness: Height of asperities over twice the aperture, -, 0.033 to 0.5, of hydraulic_law "louis".
             between: Pairs of blocks with this joint between them: [["a", "b"], ...].
             between_rocks: Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...].
             allow_small_friction_angle: True if a friction angle below 1.6 really is in degrees, not in radians.
@@ -574,8 +574,8 @@ class ModelBuilder:
             seepage_above: Whether faces above the head give water off; false: they are tight.
             presses: Whether the water presses on outer faces below the head.
             side: Side of the box around all blocks: all edges on it.
-            edges: Straight lines [[p, q], ...] along outer edges: all edges on them.
-            polygon: Polygon: all outer edges with their middle in it.
+            edges: Straight lines [[p, q], ...] along outer edges, m: all edges on them.
+            polygon: Polygon, m: all outer edges with their middle in it.
             opening: Opening by its name: its walls, once it is excavated.
         """
         ...
@@ -793,7 +793,7 @@ class ModelBuilder:
 
         Args:
             block: Block.
-            moment: Moment, N (N m per m of thickness), counter-clockwise.
+            moment: Moment, N, counter-clockwise: N m per m of thickness.
             amplitude: Amplitude over time by which it is multiplied; constant if absent.
         """
         ...
@@ -958,7 +958,7 @@ class ModelBuilder:
             length: Length of rocks out of the plane, m; the cube root of the volume if absent.
             corners: Number of corners of random rocks.
             elongation: Ratio of the axes of the ellipse that the corners of random rocks lie on.
-            shape: Convex polygon [x, y] of all its rocks, counter-clockwise, scaled to their volume.
+            shape: Convex polygon [x, y] of all its rocks, -, counter-clockwise, scaled to their volume.
             velocity: Velocity [x, y], m/s; numbers or distributions.
             spin: Spin, counter-clockwise, rad/s.
         """
@@ -1038,8 +1038,8 @@ class ModelBuilder:
             begins: Time, s, from which the dashpots act; springs as stiff as those of fixed points hold the edges before it, in the directions that have dashpots.
             stage: Stage with which the dashpots begin, in the place of begins.
             side: Side of the box around all blocks: all edges on it.
-            edges: Straight lines [[p, q], ...] along outer edges: all edges on them.
-            polygon: Polygon: all outer edges with their middle in it.
+            edges: Straight lines [[p, q], ...] along outer edges, m: all edges on them.
+            polygon: Polygon, m: all outer edges with their middle in it.
         """
         ...
 
@@ -1088,7 +1088,7 @@ class ModelBuilder:
         Args:
             name: Name by which stages and results refer to it.
             at: Point of a joint [x, y], m.
-            line: Borehole from a point to another: every joint that it crosses.
+            line: Borehole from a point to another, m: every joint that it crosses.
             pressure: Pressure, Pa; 0 for a drain.
             head: Height y to which water stands in it, m.
             rate: Flow into the rock, m2/s; below 0 out of it.

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import OR_TEXT, Length, Loop, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.loads import check_length
@@ -107,7 +108,7 @@ class BoltKind(Table):
 class Anchorage(Table):
     """How bolts hold on to rock, and when they are installed."""
 
-    kind: StrictStr
+    kind: Annotated[StrictStr, RefersTo("bolt_kind")]
     """Kind: [bolt_kind.NAME]."""
     anchorage: Literal["ends", "grouted"] = "ends"
     """ends: one spring between head and toe; grouted: one for every joint that it crosses."""

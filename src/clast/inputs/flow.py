@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import Coordinate, Ends, Length, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import check_one, refusal
@@ -16,6 +17,8 @@ from clast.model import ranges
 
 KINDS = ("head", "pressure", "flux", "rain", "seepage", "impermeable")
 """Keys of which a boundary has one."""
+WELLS = ("pressure", "head", "rate")
+"""Keys of which a well has one."""
 CENTIPOISE = 1.0
 """Viscosity, Pa s, from which on it is in another unit."""
 
@@ -85,11 +88,14 @@ class FlowWhere(Where):
     opening: StrictStr | None = None
     """Opening by its name: its walls, once it is excavated."""
 
-    @model_validator(mode="after")
-    def _says_one_thing(self) -> Self:
-        remedy = 'give one of side = "left", edges = [[p, q], ...], polygon and opening'
-        check_one(self, ("side", "edges", "polygon", "opening"), remedy)
-        return self
+    ONE_OF: ClassVar = {
+        'give one of side = "left", edges = [[p, q], ...], polygon and opening': (
+            "side",
+            "edges",
+            "polygon",
+            "opening",
+        )
+    }
 
 
 class FlowValue(Table):
@@ -156,7 +162,7 @@ class Well(Table):
     at: Point | None = None
     """Point of a joint [x, y], m."""
     line: Ends | None = None
-    """Borehole from a point to another: every joint that it crosses."""
+    """Borehole from a point to another, m: every joint that it crosses."""
     pressure: Annotated[Number, within(ranges.STRESS)] | None = None
     """Pressure, Pa; 0 for a drain."""
     head: Coordinate | None = None
@@ -168,18 +174,17 @@ class Well(Table):
     stage: StrictStr | None = None
     """Stage with which it begins; from the start if absent."""
 
+    ONE_OF: ClassVar = {
+        "give a point of a joint, or a line that crosses joints": ("at", "line"),
+        "give the pressure in it, its head, or a rate": WELLS,
+    }
+
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
-        check_one(self, ("at", "line"), "give a point of a joint, or a line that crosses joints")
-        check_one(self, WELLS, "give the pressure in it, its head, or a rate")
         if self.only_outflow and self.rate is not None:
             remedy = "leave it out: the sign of the rate says which way"
             raise refusal("does not go with a rate", remedy, "only_outflow")
         return self
-
-
-WELLS = ("pressure", "head", "rate")
-"""Keys of which a well has one."""
 
 
 class MeasuredFlow(Table):
@@ -187,5 +192,5 @@ class MeasuredFlow(Table):
 
     name: StrictStr
     """Name."""
-    of: StrictStr
+    of: Annotated[StrictStr, RefersTo("flow_boundary", "well", "opening")]
     """Boundary, well or opening by its name."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -13,7 +13,7 @@ from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.model import ranges
 from clast.model.model import Floats
 from clast.model.surroundings import InSituStress
@@ -38,7 +38,7 @@ class InSituTable(Table):
     vertical: Literal["overburden"] | None = None
     """In place of a stress: the weight of the rock above, by its mean density."""
     k0: Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)] | None = None
-    """Horizontal by vertical stress, with vertical = "overburden"."""
+    """Horizontal by vertical stress, -, with vertical = "overburden"."""
     contacts: Literal["in-equilibrium", "none"] = "in-equilibrium"
     """Whether contacts begin with the forces of the stress, or have to find them by moving."""
     boundary: Literal["roller", "fixed", "traction"] = "roller"
@@ -47,10 +47,10 @@ class InSituTable(Table):
     sides: list[Side] = Field([])
     """Sides of the box around all blocks that are loaded; all edges on the convex hull if empty."""
 
+    ONE_OF: ClassVar = {'give stress, or vertical = "overburden" with k0': ("stress", "vertical")}
+
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
-        remedy = 'give stress, or vertical = "overburden" with k0'
-        check_one(self, ("stress", "vertical"), remedy)
         if (self.vertical is None) != (self.k0 is None):
             what = 'vertical = "overburden" and k0 belong together'
             raise refusal(what, "give both, or a stress")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.rock_mass import Seed, check_keys
@@ -54,6 +55,8 @@ class SpreadTable(Table):
     """Largest value, m."""
     values: list[Number] | None = None
     """Values in their order, m."""
+
+    WHEN: ClassVar = {"distribution": DISTRIBUTIONS}
 
     @model_validator(mode="after")
     def _has_its_numbers(self) -> Self:
@@ -110,12 +113,12 @@ class JointSetTable(Table):
     """Point [x, y] on a line of the set, m; the lower left of the domain if absent."""
     stagger: Number = 0.0
     """Shift of every second line, as a share of trace and bridge: 0.5 for a running bond."""
-    within: Annotated[Loop | StrictStr, OR_TEXT] | None = None
+    within: Annotated[Loop | Annotated[StrictStr, RefersTo("region")], OR_TEXT] | None = None
     """Name of a region, or corners [x, y], m, that bound the set; everywhere if absent."""
-    terminates_at: list[StrictStr] | None = None
+    terminates_at: list[Annotated[StrictStr, RefersTo("joint_set", "trace")]] | None = None
     """Sets, also of traces, at which the lines of a cross-jointed set terminate."""
     intensity: Number | None = None
-    """Length of joints per area P21 in m/m2, in place of a spacing."""
+    """Length of joints per area P21, m/m2, in place of a spacing."""
     angle_spread: ScatterTable | None = None
     """Scatter of directions in the section: {distribution = "von-mises", kappa = 60}."""
     fisher_kappa: Number | None = None

@@ -10,6 +10,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.errors import Fault, ModelError
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
 from clast.inputs.declaring.validation_messages import refusal, refusals
 from clast.inputs.declaring.values import number_of
@@ -18,6 +19,8 @@ from clast.model import joints, model, ranges
 from clast.model.joints import JointTable
 from clast.model.model import Ints
 from clast.model.stages import contradiction
+
+BlockName = Annotated[StrictStr, RefersTo("block")]
 
 
 class Rock(Table):
@@ -99,8 +102,8 @@ class Joint(Table):
     flow_factor: Annotated[Number, Field(ge=1.0), within(ranges.FACTOR)] | None = None
     """Factor by which roughness lowers the flow, of hydraulic_law "cubic"; 1 if absent."""
     relative_roughness: Annotated[Number, Field(gt=0.0, le=0.5)] | None = None
-    """Height of asperities over twice the aperture, 0.033 to 0.5, of hydraulic_law "louis"."""
-    between: list[tuple[StrictStr, StrictStr]] = Field([])
+    """Height of asperities over twice the aperture, -, 0.033 to 0.5, of hydraulic_law "louis"."""
+    between: list[tuple[BlockName, BlockName]] = Field([])
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
     between_rocks: list[tuple[StrictStr, StrictStr]] = Field([])
     """Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...]."""

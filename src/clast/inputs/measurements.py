@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import StrictStr, model_validator
+from pydantic import StrictStr
 
 from clast import spelling
 from clast.actions.motions import Motions, OneMotion
 from clast.block import polygon
 from clast.errors import Fault, ModelError, shortened
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import Point, Positive, Shift, Table
-from clast.inputs.declaring.validation_messages import check_one
 from clast.inputs.declaring.values import number_of
 from clast.inputs.in_situ import Side
 from clast.inputs.placing.bolt_lines import Ground
@@ -23,6 +23,8 @@ from clast.model.joints import JointTable
 from clast.model.model import Convergences, Floats, Ints, MeasuredContacts, MeasuredPoints
 from clast.model.ranges import check_names
 from clast.model.supports import Reactions
+
+PointName = Annotated[StrictStr, RefersTo("measured_point")]
 
 
 class MeasuredPoint(Table):
@@ -45,7 +47,7 @@ class MeasuredConvergence(Table):
 
     name: StrictStr
     """Name."""
-    of: tuple[StrictStr, StrictStr]
+    of: tuple[PointName, PointName]
     """Two [[measured_point]]s, e.g. ["left wall", "right wall"]."""
 
 
@@ -59,10 +61,7 @@ class MeasuredContact(Table):
     joint: StrictStr | None = None
     """Joint: the mean of its contacts, each by its length, with extremes."""
 
-    @model_validator(mode="after")
-    def _is_somewhere(self) -> Self:
-        check_one(self, ("at", "joint"), "give a place [x, y] in m, or the name of a joint")
-        return self
+    ONE_OF: ClassVar = {"give a place [x, y] in m, or the name of a joint": ("at", "joint")}
 
 
 class MeasuredReaction(Table):
@@ -82,23 +81,26 @@ class MeasuredReaction(Table):
     about: Point | None = None
     """Reference point [x, y] of its moment, m; the centre of the supports if absent."""
 
-    @model_validator(mode="after")
-    def _names_something(self) -> Self:
-        remedy = 'give one of block = "1", blocks = ["1", "2"], fixed_point = [x, y], side = "left"'
-        check_one(self, ("block", "blocks", "fixed_point", "side"), remedy)
-        return self
+    ONE_OF: ClassVar = {
+        'give one of block = "1", blocks = ["1", "2"], fixed_point = [x, y], side = "left"': (
+            "block",
+            "blocks",
+            "fixed_point",
+            "side",
+        )
+    }
 
 
 class Reference(Table):
     """A known displacement, to compare a run with."""
 
-    point: StrictStr
+    point: PointName
     """Measured point."""
     displacement: Shift
     """Displacement [u, v] since the start, or since a stage has reset it, m."""
     time: Positive | None = None
     """When, s; the end of the run if absent."""
-    source: StrictStr = ""
+    source: Annotated[StrictStr, RefersTo()] = ""
     """Where it comes from, e.g. "closed form: g t2/2"."""
 
 

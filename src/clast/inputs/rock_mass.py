@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 from clast import spelling
 from clast.errors import Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import (
     OR_TABLE,
     Inputs,
@@ -95,10 +96,15 @@ class DomainTable(Table):
     """Sides of the smallest rectangle about the boundary: blocks with a vertex on one of them
     cannot move at all."""
 
+    ONE_OF: ClassVar = {
+        "give the closed outline as boundary, or the ground surface as profile with depth": (
+            "boundary",
+            "profile",
+        )
+    }
+
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
-        remedy = "give the closed outline as boundary, or the ground surface as profile with depth"
-        check_one(self, ("boundary", "profile"), remedy)
         if self.profile is not None and self.depth is None:
             remedy = "give how far the model goes below the lowest point of the profile, m"
             raise refusal("is missing beside profile", remedy, "depth")
@@ -182,7 +188,7 @@ class OpeningTable(Table):
     unit: DrawingUnit = None
     blocks: list[StrictStr] = Field([])
     """Names of blocks, without a domain, that are excavated together; instead of a shape."""
-    weld: StrictStr | None = None
+    weld: Annotated[StrictStr, RefersTo("joint")] | None = None
     """With blocks: the joint [joint.NAME] whose edges are welded until it is excavated, and have no
     joint afterwards.
     """
@@ -190,6 +196,10 @@ class OpeningTable(Table):
     """True for a void from the start; else it is rock."""
     construction_joint: StrictBool = True
     """True: while it is rock its outline is cut and welded; false: it is not cut."""
+
+    WHEN: ClassVar = {
+        "shape": {name: (*needed, *allowed) for name, (_, needed, allowed) in SHAPES.items()}
+    }
 
     @model_validator(mode="after")
     def _is_one_shape(self) -> Self:

@@ -27,7 +27,7 @@ from clast.inputs.declaring.table import (
     Shift,
     Table,
 )
-from clast.inputs.declaring.validation_messages import check_one, refusal, refusals
+from clast.inputs.declaring.validation_messages import refusal, refusals
 from clast.model import ranges
 from clast.model.distribution_texts import DRAWN, read
 from clast.model.distributions import Distribution
@@ -282,16 +282,22 @@ class SourceTable(Table):
     elongation: Annotated[Varied, between(1.0, 20.0)] = 1.2
     """Ratio of the axes of the ellipse that the corners of random rocks lie on."""
     shape: list[Shift] | None = None
-    """Convex polygon [x, y] of all its rocks, counter-clockwise, scaled to their volume."""
+    """Convex polygon [x, y] of all its rocks, -, counter-clockwise, scaled to their volume."""
     velocity: tuple[VariedSpeed, VariedSpeed] = (0.0, 0.0)
     """Velocity [x, y], m/s; numbers or distributions."""
     spin: VariedSpeed = 0.0
     """Spin, counter-clockwise, rad/s."""
 
+    ONE_OF: ClassVar = {
+        "give a point [x, y], a line [[x, y], [x, y]], or the result file of a run": (
+            "at",
+            "line",
+            "file",
+        )
+    }
+
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        remedy = "give a point [x, y], a line [[x, y], [x, y]], or the result file of a run"
-        check_one(self, ("at", "line", "file"), remedy)
         given = self.model_fields_set
         if self.file is None:
             faults = [

@@ -10,6 +10,7 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, m
 
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.alternatives import Number, default_of, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import (
     OR_TABLE,
@@ -25,6 +26,10 @@ from clast.inputs.flow import FlowValue
 from clast.inputs.method import Damping, chosen_damping
 from clast.model import ranges
 from clast.model.stages import Stage
+
+Excavated = Annotated[StrictStr, RefersTo("opening", "block")]
+LOADS = "point_load", "line_load", "pressure", "fill", "load_train", "water", "amplitude"
+LoadName = Annotated[StrictStr, RefersTo(*LOADS)]
 
 
 class StrengthTable(Table):
@@ -88,16 +93,16 @@ class StageTable(Table):
     """Length of a step, s; time.step if absent."""
     every: Interval | None = None
     """Time between frames, s; output.every if absent."""
-    excavate: list[StrictStr] = Field([])
+    excavate: list[Excavated] = Field([])
     """Openings and blocks that are excavated at its start."""
     relax: Fraction = 1.0
     """Share of the support forces released by the stage that ends at once."""
     relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
     """Time over which the rest of the released forces ends, s."""
-    release: Annotated[Fraction | dict[str, Fraction], OR_TABLE] = Field({})
+    release: Annotated[Fraction | dict[Excavated, Fraction], OR_TABLE] = Field({})
     """Share of the support forces of excavated blocks that is released by now, 0 to 1; all of it if
     absent.  A later stage releases the rest: {heading = 1.0}."""
-    install: list[StrictStr] = Field([])
+    install: list[Annotated[StrictStr, RefersTo("bolt", "bolt_kind", "bolt_pattern")]] = Field([])
     """Bolts that are installed at its start, by their names or kinds."""
     joint: dict[str, StrengthTable] = Field({})
     """Strengths of joints from its start on: {bedding = {friction_angle = 25}}."""
@@ -105,7 +110,7 @@ class StageTable(Table):
     """Bonds break as forces reach their strength, or hold until a static stage is in balance."""
     jacks: Literal["lock", "hold"] = "lock"
     """The jacks of bolts that are there come off at its start, or stay on and hold their force."""
-    loads: list[StrictStr] = Field([])
+    loads: list[LoadName] = Field([])
     """Names of loads, pressures and amplitudes that act from its start on, and not before."""
     flow: FlowOfStage | None = None
     """The flow from its start on: {state = "transient"}; as before if absent."""

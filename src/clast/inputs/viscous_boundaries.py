@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import shapely
@@ -12,7 +12,7 @@ from pydantic import Field, StrictStr, model_validator
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.in_situ import Side
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
@@ -31,15 +31,17 @@ class Where(Table):
     side: Side | None = None
     """Side of the box around all blocks: all edges on it."""
     edges: list[tuple[Point, Point]] | None = None
-    """Straight lines [[p, q], ...] along outer edges: all edges on them."""
+    """Straight lines [[p, q], ...] along outer edges, m: all edges on them."""
     polygon: Loop | None = None
-    """Polygon: all outer edges with their middle in it."""
+    """Polygon, m: all outer edges with their middle in it."""
 
-    @model_validator(mode="after")
-    def _says_one_thing(self) -> Self:
-        remedy = 'give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]'
-        check_one(self, ("side", "edges", "polygon"), remedy)
-        return self
+    ONE_OF: ClassVar = {
+        'give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]': (
+            "side",
+            "edges",
+            "polygon",
+        )
+    }
 
 
 class ViscousBoundary(Table):

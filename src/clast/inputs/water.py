@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import shapely
@@ -13,6 +13,7 @@ from pydantic import Field, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import (
     OR_LINE,
     OR_TABLE,
@@ -24,7 +25,7 @@ from clast.inputs.declaring.table import (
     Table,
 )
 from clast.inputs.declaring.text import asked_by
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
@@ -49,8 +50,8 @@ UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81
 """Ranges of density in other units, and the factors that convert them."""
 SHARE = "give a share of the full head from 0 to 1, or the name of an amplitude of such shares"
 
-
-Drain = Annotated[Annotated[Point | Line, OR_LINE] | StrictStr, OR_TEXT]
+OpeningName = Annotated[StrictStr, RefersTo("opening")]
+Drain = Annotated[Annotated[Point | Line, OR_LINE] | OpeningName, OR_TEXT]
 
 
 def check_density(density: float) -> None:
@@ -96,17 +97,18 @@ class Water(Table):
     """Joints that it enters, by name; all if absent."""
     amplitude: Annotated[Number | StrictStr, OR_TEXT] = 1.0
     """Share of the full head, 0 to 1; or the [amplitude.NAME] of such shares: water that rises."""
-    drained_at: Annotated[list[Drain] | StrictStr, OR_TEXT] = Field([])
+    drained_at: Annotated[list[Drain] | OpeningName, OR_TEXT] = Field([])
     """Where there is no pressure: points [x, y] of joints, m, lines [[x, y], [x, y]], openings by
     name, those that stages excavate from then on; along the joints it falls towards them."""
     wetted: Literal["open-and-closed", "closed"] = "open-and-closed"
     """Whether a joint that opens keeps its pressure, or loses it ("closed")."""
 
-    @model_validator(mode="after")
-    def _has_one_surface(self) -> Self:
-        remedy = "give the level y of a horizontal surface, or the points of a phreatic line"
-        check_one(self, ("level", "line"), remedy)
-        return self
+    ONE_OF: ClassVar = {
+        "give the level y of a horizontal surface, or the points of a phreatic line": (
+            "level",
+            "line",
+        )
+    }
 
     @model_validator(mode="after")
     def _has_a_density(self) -> Self:

@@ -90,7 +90,7 @@ class Convex:
     """Newton's method on the incremental potential, with exact line search."""
 
     tolerance: float = 1e-7
-    """The step is solved where the potential is within tolerance^2 x energy of its forces."""
+    """Tolerance, -: the potential ends within tolerance^2 x energy of the forces of a step."""
     iterations: int = 200
     """Newton iterations at most; a step that needs more is cut."""
     friction_updates: int = 1

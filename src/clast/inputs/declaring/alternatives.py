@@ -35,6 +35,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from clast import spelling
 from clast.errors import shortened
+from clast.inputs.declaring.annotations import annotate
 from clast.inputs.declaring.field_docs import field_docstrings
 from clast.inputs.declaring.validation_messages import faults_of, refusal, refusals
 from clast.model.ranges import AllowedRange
@@ -270,12 +271,16 @@ def options_table(choice: Choice, name: str, explained: bool = False) -> type[Ba
     for option in fields(chosen):
         if option.init and option.name != "name":
             options[option.name] = _option(choice, option, meanings.get(option.name))
-    return create_model(
+    table = create_model(
         f"{chosen.__name__}Table",
         __config__=ConfigDict(extra="forbid", allow_inf_nan=False),
         __doc__=(chosen.__doc__ or "").split("\n")[0],
         **options,
     )
+    if explained:
+        annotate(table, frozenset())
+        table.model_rebuild(force=True)
+    return table
 
 
 def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:

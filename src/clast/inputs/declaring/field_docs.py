@@ -27,18 +27,29 @@ UNITS = (
     "N s/m2",
     "N s",
     "N",
+    "J",
     "Pa/m",
+    "Pa s",
     "Pa",
     "degrees/s",
     "degrees",
     "1/s",
+    "m/m2",
+    "m2/s",
+    "m3",
     "m2",
+    "rad/s",
+    "kg/(s m)",
     "m",
     "s",
     "-",
 )
-"""Units as the meanings of keys name them: after a comma, before a stop, comma or semicolon."""
-UNIT = re.compile(r", (" + "|".join(map(re.escape, UNITS)) + r")(?=[.,;])")
+"""Units as the meanings of keys name them: after a comma, before a stop, comma or (semi)colon."""
+UNIT = re.compile(r", (" + "|".join(map(re.escape, UNITS)) + r")(?=[.,:;])")
+PLAIN_NUMBER = re.compile(
+    r"\b(share|factor|number|ratio|multiple|coefficient|reduction|direction|version)s?\b", re.I
+)
+"""Words for numbers without a unit."""
 
 
 def field_docstrings(table: type) -> dict[str, str]:
@@ -69,7 +80,12 @@ def _docstrings(table: type) -> dict[str, str]:
 
 def explain(table: type[BaseModel]) -> None:
     """Give the keys of a table their docstrings as descriptions."""
+    describe(table)
+    table.model_rebuild(force=True)
+
+
+def describe(table: type[BaseModel]) -> None:
+    """Give the keys their docstrings; the table has to be built anew."""
     meanings = field_docstrings(table)
     for key, known in table.model_fields.items():
         known.description = meanings.get(key, known.description)
-    table.model_rebuild(force=True)

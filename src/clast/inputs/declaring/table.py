@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
 
 from clast.errors import CaseError, Place
 from clast.inputs.declaring.alternatives import GivenObject, Number, within
 from clast.inputs.declaring.annotations import Drawn
 from clast.inputs.declaring.text import is_tables
-from clast.inputs.declaring.validation_messages import PLAIN, TABLE, place_text
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, check_one, place_text
 from clast.model import ranges
 
 Positive = Annotated[Number, Field(gt=0.0)]
@@ -77,6 +77,16 @@ class Table(BaseModel):
     model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False)
     NAMED: ClassVar[bool] = False
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
+    ONE_OF: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Groups of keys of which a table has exactly one, by the remedy where it has not."""
+    WHEN: ClassVar[Mapping[str, Mapping[str, Sequence[str]]]] = {}
+    """Key that chooses -> its values -> the keys that go with each of them."""
+
+    @model_validator(mode="after")
+    def _has_one_of_each(self) -> Self:
+        for remedy, keys in self.ONE_OF.items():
+            check_one(self, keys, remedy)
+        return self
 
     def add_to(self, builder: Any, key: str, folder: Path) -> str | None:
         """Add the table to the system of blocks; return the name that it then has.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import shapely
@@ -23,8 +23,9 @@ from clast.actions.linings import (
 from clast.actions.links import LinkRows, Links
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import Ends, Length, Line, Positive, Strength, Table
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.declaring.values import number_of
 from clast.inputs.linings.joined_ends import ENDS_APART_MAX, JoinedEnd, beyond, joined_ends
 from clast.inputs.linings.lines import ROUNDING, CutLine, LinesOfRock, cut_line
@@ -79,7 +80,7 @@ class Lining(Table):
     """Support of its first end by the ground, which is no block."""
     end: End = "free"
     """Support of its last end by the ground."""
-    joins: StrictStr | None = None
+    joins: Annotated[StrictStr, RefersTo("lining")] | None = None
     """Lining to whose ends those of its own are joined that lie at one place with them, free of
     stress when both are there."""
     connection: Literal["clamped", "hinged"] | None = None
@@ -89,10 +90,12 @@ class Lining(Table):
     if absent.
     """
 
+    ONE_OF: ClassVar = {
+        'give one of opening = "NAME" and polyline = [[x, y], ...]': ("opening", "polyline")
+    }
+
     @model_validator(mode="after")
     def _follows_one_line(self) -> Self:
-        remedy = 'give one of opening = "NAME" and polyline = [[x, y], ...]'
-        check_one(self, ("opening", "polyline"), remedy)
         of_lines = (("part", "opening", "an opening"), ("side", "polyline", "a polyline"))
         for key, line, kind in of_lines:
             if getattr(self, key) is not None and getattr(self, line) is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
@@ -13,7 +13,7 @@ from clast.actions.loads import Moments
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import OR_TEXT, Force, Length, Point, Positive, Table
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.ranges import check_names
@@ -69,10 +69,12 @@ class Link(Table):
     stage: StrictStr | None = None
     """Stage that installs it, without force; it exists from the start if absent."""
 
+    ONE_OF: ClassVar = {
+        'give blocks = ["1", "2"], or block = "1" for a link to the ground': ("block", "blocks")
+    }
+
     @model_validator(mode="after")
     def _links_two(self) -> Self:
-        remedy = 'give blocks = ["1", "2"], or block = "1" for a link to the ground'
-        check_one(self, ("block", "blocks"), remedy)
         if self.blocks is not None and self.blocks[0] == self.blocks[1]:
             what = f"links block '{shortened(self.blocks[0])}' with itself"
             remedy = "name two blocks, or one with block for a link to the ground"
@@ -181,7 +183,7 @@ class Moment(Table):
     block: StrictStr
     """Block."""
     moment: Force
-    """Moment, N (N m per m of thickness), counter-clockwise."""
+    """Moment, N, counter-clockwise: N m per m of thickness."""
     amplitude: StrictStr | None = None
     """Amplitude over time by which it is multiplied; constant if absent."""
 

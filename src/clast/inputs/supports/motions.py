@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import StrictStr, model_validator
@@ -20,6 +20,7 @@ from clast.actions.motions import (
 )
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import RefersTo
 from clast.inputs.declaring.table import (
     OR_TABLE,
     OR_TEXT,
@@ -31,7 +32,7 @@ from clast.inputs.declaring.table import (
     Stress,
     Table,
 )
-from clast.inputs.declaring.validation_messages import check_one, refusal
+from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model import ranges
 from clast.model.model import Floats, Ints
@@ -45,18 +46,16 @@ Scale = Annotated[Number, within(ranges.FACTOR)]
 class CourseTable(Table):
     """A component that follows an amplitude."""
 
-    displacement: StrictStr | None = None
+    displacement: Annotated[StrictStr, RefersTo("amplitude")] | None = None
     """Amplitude whose value is the displacement since the motion began, m or degrees."""
-    velocity: StrictStr | None = None
+    velocity: Annotated[StrictStr, RefersTo("amplitude")] | None = None
     """Amplitude whose value is the velocity, m/s or degrees/s."""
     scale: Scale = 1.0
     """Factor on all values of the amplitude."""
 
-    @model_validator(mode="after")
-    def _follows_one(self) -> Self:
-        remedy = 'give one of them: y = {displacement = "settlement"}'
-        check_one(self, ("displacement", "velocity"), remedy)
-        return self
+    ONE_OF: ClassVar = {
+        'give one of them: y = {displacement = "settlement"}': ("displacement", "velocity")
+    }
 
 
 Component = Annotated[Speed | CourseTable, OR_TABLE]
@@ -101,15 +100,21 @@ class Motion(Table):
     """Time over which jumps of velocity are smoothed, s; they are shocks if absent."""
     stage: StrictStr | None = None
     """Stage with which it begins; the start of the run if absent."""
-    until: Annotated[Interval | StrictStr, OR_TEXT] | None = None
+    until: Annotated[Interval | Annotated[StrictStr, RefersTo("stage")], OR_TEXT] | None = None
     """Duration, s, or the stage with which it ends; then free blocks are released with their
     velocity and fixed ones stop, within the time of ease.
     """
 
+    ONE_OF: ClassVar = {
+        'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]': (
+            "block",
+            "blocks",
+            "fixed_point",
+        )
+    }
+
     @model_validator(mode="after")
     def _says_what_moves(self) -> Self:
-        remedy = 'give one of block = "1", blocks = ["1", "2"] and fixed_point = [x, y]'
-        check_one(self, ("block", "blocks", "fixed_point"), remedy)
         if self.fixed_point is not None:
             for key in ("rotation", "about", "force", "stress"):
                 if getattr(self, key) is not None:

@@ -1,0 +1,99 @@
+"""``x-clast`` of the JSON Schema: unit, geometry, names, conditions, from the declarations."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from clast.case.case_file import Case, json_schema
+from clast.errors import CaseError
+from clast.inputs.declaring.annotations import MARK, without_null
+from clast.inputs.declaring.field_docs import UNITS
+
+FREE = {"name", "title", "file", "layer", "layers", "unit", "select", "set", "source", "baseline"}
+"""Last words of keys whose text is no name of a table."""
+VARIED = {"SourceTable", "Surface"}
+"""Tables whose numbers may be texts: distributions."""
+INSIDE = ("anyOf", "items", "prefixItems", "additionalProperties")
+
+
+def kinds_in(schema: Any) -> Iterator[str]:
+    """Give the types of the values of a property, without those of tables inside."""
+    if isinstance(schema, list):
+        for one in schema:
+            yield from kinds_in(one)
+    elif isinstance(schema, dict) and "properties" not in schema:
+        if not {"enum", "const"} & schema.keys():
+            yield str(schema.get("type"))
+        for key in INSIDE:
+            yield from kinds_in(schema.get(key))
+
+
+def properties(schema: Any, title: str = "") -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Give table, key and schema of every property."""
+    if isinstance(schema, list):
+        for one in schema:
+            yield from properties(one)
+    elif isinstance(schema, dict):
+        if isinstance(schema.get("properties"), dict):
+            for key, one in schema["properties"].items():
+                yield str(schema.get("title")), key, one
+        for one in schema.values():
+            yield from properties(one)
+
+
+@pytest.fixture(scope="module")
+def every():
+    return list(properties(json_schema()))
+
+
+def test_every_number_has_a_unit_or_is_said_to_have_none(every):
+    numbers = [one for one in every if {"number", "integer"} & set(kinds_in(one[2]))]
+    assert len(numbers) > 200
+    assert not [one[:2] for one in numbers if one[2][MARK].get("unit") not in UNITS]
+
+
+def test_every_name_refers_to_a_table(every):
+    texts = [(t, k, one) for t, k, one in every if "string" in kinds_in(one) and t not in VARIED]
+    without = {key for _, key, one in texts if "refers_to" not in one[MARK]}
+    assert {key.rsplit("_", 1)[-1] for key in without} <= FREE
+    named = {key: one[MARK]["refers_to"] for _, key, one in every if "refers_to" in one[MARK]}
+    tables = set(json_schema()["properties"])
+    assert all(set(names) <= tables for names in named.values())
+    assert named["kind"] == ["bolt_kind"]
+    assert named["blocks"] == ["block"]
+    assert named["excavate"] == ["opening", "block"]
+    assert "force" not in named
+
+
+def test_geometry_and_conditions_are_those_of_the_declarations():
+    tables = json_schema()["$defs"]
+    opening = tables["OpeningTable"]["properties"]
+    assert opening["center"][MARK]["geometry"] == "point"
+    assert opening["center"][MARK]["when"] == {"shape": ["circle", "horseshoe"]}
+    assert tables["TraceTable"]["properties"]["points"][MARK]["geometry"] == "polyline"
+    assert tables["DomainTable"]["properties"]["boundary"][MARK]["geometry"] == "polygon"
+    assert "geometry" not in tables["Reference"]["properties"]["displacement"][MARK]
+    assert tables["Water"][MARK] == {"one_of": [["level", "line"]]}
+    assert tables["Rock"]["properties"]["young"][MARK]["level"] == "basic"
+    assert tables["Joint"]["properties"]["jrc"][MARK]["level"] == "more"
+
+
+@pytest.mark.parametrize("keys", [(), ("level", "line")])
+def test_a_group_that_the_schema_names_is_one_that_cases_are_checked_for(keys):
+    values = {"level": "1.0", "line": "[[0, 0], [1, 1]]"}
+    text = "[[water]]\n" + "".join(f"{key} = {values[key]}\n" for key in keys)
+    head = (
+        "time = {step = 1e-3, end = 1.0}\nrock.a = {young = 1e9, poisson = 0.2, density = 2.5e3}\n"
+    )
+    with pytest.raises(CaseError) as caught:
+        Case.from_text(head + text, "x")
+    assert caught.value.faults[0].place == ("water", 0)
+    assert "level" in caught.value.what
+
+
+def test_no_value_is_null():
+    assert "'null'" not in str(json_schema())
+    kept = without_null({"anyOf": [{"type": "number"}, {"type": "null"}], "default": None, "a": 1})
+    assert kept == {"type": "number", "a": 1}
+    assert without_null({"default": None}) == {"default": None}
