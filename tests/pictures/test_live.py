@@ -197,7 +197,7 @@ def test_many_that_ask_at_once_are_eight(served):
 )
 def test_a_request_has_one_limit_of_time_in_however_many_pieces(served, monkeypatch, sent):
     """A letter every now and then does not keep a place for ever."""
-    monkeypatch.setattr("clast.pictures.live.server.TIMEOUT", 0.5)
+    monkeypatch.setattr("clast.pictures.live.guarded.TIMEOUT", 0.5)
     server, _ = served
     began = time.monotonic()
     with socket.create_connection(("127.0.0.1", server.port)) as one:
