@@ -39,8 +39,8 @@ MODULES = {
         "incoming_wave layer damped_layer rocking_spectrum "
     ),
     "water": (
-        "flow_channels flow_rest flow_rain flow_dam flow_tensor flow_tunnel flow_uplift flow_slip "
-        "flow_pulse "
+        "flow_channels flow_rest flow_rain flow_crest flow_dam flow_tensor flow_tunnel flow_wells "
+        "flow_uplift flow_slip flow_pulse "
     ),
     "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
     "method": "energy order convergence invariance resumed_run",
