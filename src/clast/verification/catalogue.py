@@ -42,6 +42,10 @@ MODULES = {
         "flow_channels flow_rest flow_rain flow_crest flow_dam flow_tensor flow_tunnel flow_wells "
         "flow_uplift flow_slip flow_pulse "
     ),
+    "rockfall": (
+        "rock_impact rock_blows rock_rest rock_slide rock_roll rock_barrier rock_moved "
+        "rock_spread rock_angle "
+    ),
     "cutting": "persistent_lines random_spacing intensity cells apparent_dip chords",
     "method": "energy order convergence invariance resumed_run",
 }

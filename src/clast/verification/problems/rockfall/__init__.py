@@ -1,0 +1,1 @@
+"""Rocks that fall on a profile."""
