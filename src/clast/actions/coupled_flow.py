@@ -39,11 +39,17 @@ from clast.actions.flow import (
     pressed_faces,
     water_at,
 )
-from clast.actions.openings import gap_rows, lengths_at, shares_of_nodes
+from clast.actions.openings import (
+    LINEAR,
+    gap_rows,
+    lengths_at,
+    shares_in_wedges,
+    shares_of_nodes,
+)
 from clast.actions.water import sums_on_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.guesses import Guesses
-from clast.model.arrays import Floats, Ints, no_floats
+from clast.model.arrays import Bools, Floats, Ints, no_floats
 from clast.model.flow.apertures import at_start, conductance, hydraulic
 from clast.model.flow.balance import GIVEN, SEEPAGE, Solved
 from clast.model.flow.channels import Network
@@ -108,7 +114,9 @@ class Flowing:
     gaps: Any
     """Opening of the ends of channels by d, sparse, (2 k, 6 n)."""
     shares: Any
-    """Shares of nodes in it, m, sparse, (m, 2 k)."""
+    """Linear shares of nodes in it, m, sparse, (m, 2 k)."""
+    length: Floats
+    """Length of channels, m, shape (k,)."""
     aperture: Floats
     """Hydraulic aperture at both ends of channels, m, shape (k, 2)."""
     conductance: Floats
@@ -117,6 +125,8 @@ class Flowing:
     """Fall of pressure by gravity from first to second nodes, Pa, shape (k,)."""
     volume: Floats
     """Volume of nodes, m2, shape (m,)."""
+    wet: Bools
+    """Channels that are full at either end at the start of the step, shape (k,)."""
     pressure: Floats = no_floats()
     """Pressures by the last conductances, Pa, shape (m,); (0,): none."""
     guesses: Guesses = field(default_factory=Guesses)
@@ -148,6 +158,8 @@ class CoupledContribution(Contribution):
 
     flowing: Flowing
     on_faces: Contribution
+    uneven: Floats
+    """What gravity adds to the force that water between nodes exerts by d, N/m, N, (n, 6)."""
 
 
 @dataclass(frozen=True)
@@ -189,18 +201,19 @@ class CoupledFlow(Action):
             state = replace(state, since=since)
         midway, network, after = start.midway, state.network, model.vertex_after
         length = lengths_at(network, midway.vertices, after)
+        full = saturation_of(state.void, state.volume)
         flowing = Flowing(
             before=state,
             conditions=conditions,
             step=state.since.length,
             gaps=gap_rows(network, midway.vertices, after, midway.centroid),
             shares=shares_of_nodes(network, length),
+            length=length,
             aperture=state.aperture,
             conductance=state.conductance,
-            falls=_falls(
-                model, state, state.solved.pressure, saturation_of(state.void, state.volume)
-            ),
+            falls=_falls(model, state, state.solved.pressure, full),
             volume=state.volume,
+            wet=(full[network.node] == 1.0).all(axis=1),
         )
         faces = pressed_faces(state, model, midway.vertices, start.time_of_forces)
         block, force = sums_on_blocks((faces,), midway.centroid)
@@ -255,7 +268,8 @@ class CoupledFlow(Action):
         opened = water.opened(displacement)
         found = water.pressures(opened)
         on_faces, _ = energy_of_linear(contribution.on_faces, displacement)
-        work = float(found.pressure @ opened)
+        added = float(np.vdot(contribution.uneven, displacement))
+        work = float(found.pressure @ opened) + added
         before = flowing.before.since
         energies = _energies(model, flowing, found)
         brought, stored, lost = (
@@ -281,7 +295,7 @@ class CoupledFlow(Action):
             held = energy_stored(model, state.volume, state.solved.pressure)
             gone = held - before.stored
         ledger = Ledger(
-            water=on_faces + brought, water_stored=stored - gone, seepage=lost, removed=gone
+            water=on_faces + brought + added, water_stored=stored - gone, seepage=lost, removed=gone
         )
         return ActionResult(work=on_faces + work, ledger=ledger, state=after)
 
@@ -411,7 +425,8 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
         np.where(given, on.pressure, high),
     )
     acting = np.clip(flowing.before.solved.pressure, low, high)
-    volumes = (flowing.shares @ flowing.gaps).tocsr()
+    shares, own_weight = _in_wedges(model, flowing)
+    volumes = (shares @ flowing.gaps).tocsr()
     water = OpeningJoints(
         volumes=volumes,
         matrix=(between + diags_array(own)).tocsr(),
@@ -420,7 +435,8 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
         high=high,
         acting=acting,
     )
-    pushes = water.forces(acting, volumes.shape[1] // 6)
+    uneven = (flowing.gaps.T @ own_weight).reshape(-1, 6)
+    pushes = water.forces(acting, len(uneven)) + uneven
     block = np.flatnonzero(pushes.any(axis=1))
     return CoupledContribution(
         block=np.concatenate([on_faces.block, block]),
@@ -428,7 +444,22 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
         opening=water,
         flowing=flowing,
         on_faces=on_faces,
+        uneven=uneven,
     )
+
+
+def _in_wedges(model: Model, flowing: Flowing) -> tuple[Any, Floats]:
+    """Return the shares of nodes, sparse, (m, 2 k), and the forces that gravity adds, (2 k,).
+
+    Between nodes the head is that of a wedge, and the pressure what its weight leaves of that.
+    """
+    flow, node = flow_of(model), flowing.node
+    within = shares_in_wedges(flowing.aperture)
+    within = np.where(flowing.wet[:, None, None], within, LINEAR)
+    height = flowing.before.network.at[node, 1]
+    added = np.einsum("ken,kn->ke", within - LINEAR, flow.weight * height)
+    shares = shares_of_nodes(flowing.before.network, flowing.length, within)
+    return shares, (flowing.length[:, None] * added).ravel()
 
 
 def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, float, float]:

@@ -1,8 +1,15 @@
 """How channels and their nodes open when the blocks beside them move.
 
-Between two straight faces the opening is linear, g = (1 - s) g_0 + s g_1, and so is the pressure.
-So a node takes L/3 of the opening at its own end of a channel and L/6 of that at the other one, and
-pressures push blocks by the same numbers: their work on blocks is pressure times opening of nodes.
+Between two straight faces the opening is linear, g = (1 - s) g_0 + s g_1, and so is the aperture a.
+Pressures push blocks by the shares that nodes take of openings, so that their work on blocks is
+pressure times opening of nodes.  In even channels and dry ones these are linear, too: a node takes
+L/3 of the opening at its own end of a channel and L/6 of that at the other one.  Water that flows
+through a wedge loses its head where that is narrow, dp/ds ~ a^-3:
+
+    p = p_0 + (p_1 - p_0) f,    f = (a_0^-2 - a^-2)/(a_0^-2 - a_1^-2)
+
+With linear shares a joint that opens with its pressure closes at an outlet: 39 % of the flow are
+missing where aperture falls to an eleventh along 20 blocks, with these 0.1 %.
 """
 
 from __future__ import annotations
@@ -14,6 +21,12 @@ import numpy as np
 from clast.block.displacement import basis
 from clast.model.arrays import Floats, Ints
 from clast.model.flow.channels import Network, faces_at
+
+LINEAR = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6.0
+"""Shares of either node in the opening of either end of an even channel."""
+NEARLY_EVEN = 0.1
+"""Difference of apertures, as a share, up to which shares are found by Gauss's rule: to 1e-11."""
+GAUSS = np.polynomial.legendre.leggauss(8)
 
 
 def gap_rows(network: Network, vertices: Floats, after: Ints, centroid: Floats) -> Any:
@@ -40,18 +53,37 @@ def gap_rows(network: Network, vertices: Floats, after: Ints, centroid: Floats) 
     return csr_array((value, column, first), shape=(2 * count, 6 * len(centroid)))
 
 
-def shares_of_nodes(network: Network, length: Floats) -> Any:
+def shares_in_wedges(aperture: Floats) -> Floats:
+    """Return the share of either node in the opening of either end of channels, (k, end, node).
+
+    ``aperture`` (k, 2), m, are those at their ends.
+    """
+    rise = aperture[:, 1] / aperture[:, 0] - 1.0
+    even = np.abs(rise) < NEARLY_EVEN
+    # the means of f and of s f
+    first = (1.0 + rise) / (2.0 + rise)
+    s, weight = 0.5 * (1.0 + GAUSS[0][:, None]), 0.5 * GAUSS[1]
+    r = np.where(even, rise, 0.0)
+    f = s * (2.0 + r * s) * (1.0 + r) ** 2 / ((2.0 + r) * (1.0 + r * s) ** 2)
+    r = np.where(even, 1.0, rise)
+    second = (0.5 - (np.log1p(r) - r / (1.0 + r)) / r**2) * (1.0 + r) ** 2 / (r * (2.0 + r))
+    second = np.where(even, weight @ (s * f), second)
+    of_ends = [[0.5 - first + second, first - second], [0.5 - second, second]]
+    return np.asarray(np.transpose(np.array(of_ends), (2, 0, 1)))
+
+
+def shares_of_nodes(network: Network, length: Floats, shares: Floats = LINEAR) -> Any:
     """Return the share of nodes in the openings of the ends of channels, m, sparse, (m, 2 k).
 
-    ``length`` (k,) is that of the channels, m.
+    ``length`` (k,) is that of the channels, m, and ``shares`` (k, end, node) are those within them.
     """
     from scipy.sparse import coo_array
 
-    end = np.arange(2 * len(length))
-    own, width = network.node.ravel(), np.repeat(length, 2)
-    value = np.concatenate([width / 3.0, width / 6.0])
-    place = np.concatenate([own, own]), np.concatenate([end, end ^ 1])
-    return coo_array((value, place), shape=(network.count, len(end))).tocsr()
+    end = np.arange(2 * len(length)).reshape(-1, 2, 1)
+    place = (*np.broadcast_arrays(network.node[:, None], end),)
+    value = np.broadcast_to(length[:, None, None] * shares, (len(length), 2, 2))
+    place = place[0].ravel(), place[1].ravel()
+    return coo_array((value.ravel(), place), shape=(network.count, end.size)).tocsr()
 
 
 def lengths_at(network: Network, vertices: Floats, after: Ints) -> Floats:

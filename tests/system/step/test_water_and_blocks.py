@@ -96,13 +96,14 @@ def test_a_pressure_above_the_weight_lifts_the_block():
     assert run.state.velocity[1, 1] > 0.0
 
 
-def test_aperture_follows_pressure_in_steady_flow():
-    """q = k_n (a_1^4 - a_2^4)/(48 mu L)."""
+@pytest.mark.parametrize(("ratio", "near"), [(3.0, 5e-4), (11.0, 2e-3)])
+def test_aperture_follows_pressure_in_steady_flow(ratio, near):
+    """q = k_n (a_1^4 - a_2^4)/(48 mu L), though columns turn with the pressure below them."""
     kn, a2, columns, long = 1e9, 2e-5, 20, 20.0
-    a1 = 3.0 * a2
+    a1 = ratio * a2
     rise = {
         "time": 1e7,
-        "step": 1e7,
+        "step": 1e6,
         "more": f"flow_boundary = {{left = {{pressure = {kn * (a1 - a2)}}}}}",
     }
     text = text_of(
@@ -117,7 +118,7 @@ def test_aperture_follows_pressure_in_steady_flow():
     run = run_of(text)
     flow = np.abs(water_of(run).solved.flow)
     known = kn * (a1**4 - a2**4) / (48.0 * VISCOSITY * long)
-    assert flow == pytest.approx(known, rel=0.011)
+    assert flow == pytest.approx(known, rel=near)
     # what steady flow brings in it loses on its way
     ledger = run.state.ledger
     assert ledger.seepage == pytest.approx(flow.max() * kn * (a1 - a2) * 1e7, rel=0.02)
