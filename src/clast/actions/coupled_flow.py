@@ -37,6 +37,7 @@ from clast.actions.flow import (
     flow_of,
     is_whole,
     pressed_faces,
+    removed_by,
     water_at,
 )
 from clast.actions.openings import (
@@ -376,14 +377,15 @@ def _in_new_network(model: Model, before: CoupledWater) -> CoupledWater:
     """Return water in the joints between the blocks that are left, as it was in them."""
     from scipy.spatial import KDTree
 
-    water = carried(before, begun_at(model, before.time))
+    water = carried(model, before, begun_at(model, before.time))
     network = water.network
     distance, same = KDTree(before.network.middle).query(network.middle)
     known = distance <= network.near[network.node].min(axis=1)
     opening = np.where(known[:, None], before.opening[same], at_start(model, network))
     aperture = hydraulic(model, network, opening)
     flows = conductance(aperture, network.length, flow_of(model).viscosity)
-    return _coupled(model, replace(water, aperture=aperture, conductance=flows), opening)
+    coupled = _coupled(model, replace(water, aperture=aperture, conductance=flows), opening)
+    return replace(coupled, removed=removed_by(model, before, coupled))
 
 
 def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) -> Floats:

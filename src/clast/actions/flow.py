@@ -2,7 +2,8 @@
 
 Pressures act on blocks as they lie halfway through a step.
 Steady flow is found anew where a stage changes blocks or boundaries, or a head changes with time;
-flow that takes time goes on from step to step, and the water in excavated joints is lost with them.
+flow that takes time goes on from step to step, and the water in joints that are excavated goes with
+them, into the ledger of mass.
 Apertures are those of the start, or of the last equilibrium (following.py).  In a channel that is
 dry at its upper end water stands up to the height p/(rho g - q/(C dy)) above its lower one.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -58,6 +60,30 @@ class JointWater:
     """Equilibria of this stage after which the flow was found again."""
     left: float = 0.0
     """Change of an aperture that the last of them left, as a share of it."""
+    removed: float = 0.0
+    """Water gone with excavated joints since the start, in flow that takes time, m2."""
+
+    @cached_property
+    def exchange(self) -> Floats:
+        """Flows in, out, and run off at the parts of the conditions, m2/s, shape (3, parts)."""
+        into, out = self.flows
+        part = self.conditions.part + 1
+        every = (into, out, self.solved.runoff)
+        return np.array([np.bincount(part, one, 1)[1:] for one in every])
+
+    @property
+    def flows(self) -> tuple[Floats, Floats]:
+        """Flows into the joints and out of them at the nodes, m2/s, (m,) each."""
+        solved = self.solved
+        put_in = self.conditions.inflow + solved.missing
+        into = np.maximum(solved.given, 0.0) + np.maximum(put_in, 0.0) - solved.runoff
+        out = np.maximum(-solved.given, 0.0) + np.maximum(-put_in, 0.0) + solved.outflow
+        return into, out
+
+    def content(self, flow: Flow) -> float:
+        """Return the volume that the water would have without pressure, m2."""
+        solved = self.solved
+        return float(self.volume @ (solved.saturation + solved.pressure / flow.bulk_modulus))
 
     def __repr__(self) -> str:
         return f"JointWater({self.network}, at t = {self.time:.6g} s)"
@@ -83,7 +109,8 @@ def water_at(
     same = np.array_equal(before.absent, model.absent)
     water = before if same else begun_at(model, time, vertices)
     if flow.state == "transient":
-        return _advanced(model, carried(before, water), time)
+        water = before if same else carried(model, before, water)
+        return _advanced(model, water, time)
     if same and begun == before.begun and not flow.changes:
         return before
     conditions = conditions_at(model, water.network, time)
@@ -124,10 +151,8 @@ CLOCK = 1e-12
 """Share of the time below which two instants are one."""
 
 
-def carried(before: JointWater, water: JointWater) -> JointWater:
+def carried(model: Model, before: JointWater, water: JointWater) -> JointWater:
     """Return water in a network that is found anew, with the earlier state at its nodes."""
-    if water is before:
-        return before
     from scipy.spatial import KDTree
 
     solved = before.solved
@@ -143,7 +168,14 @@ def carried(before: JointWater, water: JointWater) -> JointWater:
         runoff=none,
         missing=none,
     )
-    return replace(water, solved=solved, time=before.time)
+    water = replace(water, solved=solved, time=before.time)
+    return replace(water, removed=removed_by(model, before, water))
+
+
+def removed_by(model: Model, before: JointWater, water: JointWater) -> float:
+    """Return the water gone with joints, m2, by the time of ``water`` in what is left of them."""
+    flow = flow_of(model)
+    return before.removed + (before.content(flow) - water.content(flow))
 
 
 def balance_of(model: Model, water: JointWater, conditions: Conditions) -> Balance:
@@ -240,6 +272,8 @@ class JointFlow(Action):
         takes_time, follows = flow.state == "transient", flow.coupling == STEADY
         vertices = start.state.vertices if follows else None
         water = water_at(model, start.end if takes_time else time, state, vertices)
+        # flow that takes time from the next step on goes on from here
+        water = replace(water, time=start.end)
         pressed = (
             pressed_channels(water, model, midway.vertices),
             pressed_faces(water, model, midway.vertices, time),

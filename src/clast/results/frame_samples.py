@@ -162,29 +162,28 @@ def flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
     def row(state: State) -> tuple[Any, ...]:
         water, count = joint_water(model, state), len(names)
         solved, part = water.solved, water.conditions.part
-        into, out = flows_of(water)
-        sums = [np.bincount(part + 1, one, count)[1:] for one in (into, out, solved.runoff)]
         pressure = np.zeros(count)
         np.maximum.at(pressure, part[part >= 0], solved.pressure[part >= 0])
         none = np.zeros(count - 1)
-        columns = [np.append(one, one.sum()) for one in sums]
+        columns = _exchange(water, count)
         pressure[-1] = solved.pressure.max(initial=0.0)
         stored = np.append(none, solved.stored)
-        content = np.append(none, float(water.volume @ solved.saturation))
+        content = np.append(none, water.content(model.flow))
+        removed = np.append(none, water.removed)
         unaccounted = np.append(none, solved.unaccounted)
         iterations = np.append(none, solved.iterations).astype(np.int64)
-        return state.time, *columns, pressure, content, stored, unaccounted, iterations
+        of_all = (content, stored, removed, unaccounted, iterations)
+        return state.time, *columns, pressure, *of_all
 
     return row
 
 
-def flows_of(water: Any) -> tuple[Floats, Floats]:
-    """Return the flows into the joints and out of them at the nodes, m2/s, (m,) each."""
-    solved = water.solved
-    put_in = water.conditions.inflow + solved.missing
-    into = np.maximum(solved.given, 0.0) + np.maximum(put_in, 0.0) - solved.runoff
-    out = np.maximum(-solved.given, 0.0) + np.maximum(-put_in, 0.0) + solved.outflow
-    return into, out
+def _exchange(water: Any, count: int) -> Floats:
+    """Return flows in, out and run off of parts and all, m2/s, shape (3, count)."""
+    parts = water.exchange
+    result = np.zeros((3, count))
+    result[:, : parts.shape[1]], result[:, -1] = parts, parts.sum(axis=1)
+    return result
 
 
 LITRES = 1e3 * 60.0 * 10.0
@@ -219,13 +218,13 @@ def flow_notes(model: Model, state: State) -> tuple[str, ...]:
 
 def measured_flow_rows(model: Model, reference: ReferenceState | None) -> RowOf:
     """Return the function of time, inflow and outflow of each measured flow, (k,) each."""
-    every, names = flow_rows(model, reference), FLOWS.names(model)
+    names = FLOWS.names(model)
     measured = model.flow.measured if model.flow else ()
     which = np.array([names.index(of) for _, of in measured], np.int64)
 
     def row(state: State) -> tuple[Any, ...]:
-        time, into, out, *_ = every(state)
-        return time, into[which], out[which]
+        into, out, _ = _exchange(joint_water(model, state), len(names))[:, which]
+        return state.time, into, out
 
     return row
 

@@ -9,7 +9,6 @@ import numpy as np
 from clast.actions.flow import water_at
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model, Plane, PlaneStress
-from clast.results.frame_samples import flows_of
 from clast.rockmass import Cut, Domain, JointSet
 from clast.rockmass.cut_lines import set_lines, site
 from clast.verification.variants import Variant
@@ -84,8 +83,8 @@ def cut_rock(title: str, rock_mass: Cut, *, aperture: float, gravity: float = 9.
 def into_rock(model: Model) -> dict[str, float]:
     """Return what flows into the joints at each boundary and well, m2/s, by name."""
     water, flow = water_at(model, 0.0), model.flow
-    into, out = flows_of(water)
-    some = water.conditions.part >= 0
     names = flow.names if flow else ()
-    sums = np.bincount(water.conditions.part[some], (into - out)[some], len(names))
+    into, out, _ = water.exchange
+    sums = np.zeros(len(names))
+    sums[: len(into)] = into - out
     return dict(zip(names, sums.tolist(), strict=True))

@@ -7,7 +7,6 @@ import pytest
 
 import clast
 from clast.actions.flow import JointWater, water_at
-from clast.results.frame_samples import flows_of
 from scenes import wet_rock
 from scenes.wet_rock import polygons_of
 
@@ -37,8 +36,7 @@ def built(polygons, *, at=(0.0, 0.0), turned=0.0, mirrored=False, head=True, **f
 
 
 def inflow(water: JointWater) -> float:
-    into, _ = flows_of(water)
-    return float(into[water.conditions.part == 0].sum())
+    return float(water.exchange[0, 0])
 
 
 @pytest.fixture(scope="module")

@@ -179,6 +179,10 @@ def test_energy_of_water_is_that_in_the_joints_that_are_left(digs):
     held = 0.5 * (water.volume / BULK) @ water.solved.pressure**2
     assert ledger.water_stored == pytest.approx(held, rel=1e-9)
     assert (ledger.removed != 0.0) == digs
+    # of the joint below the column
+    gone = 2e-4 if digs else 0.0
+    assert water.removed == pytest.approx(gone, rel=1e-3)
+    assert run.table("flow", "all joints")["removed"][-1] == water.removed
     x, pressure = along_joint(water)
     bare = (x > 0.5) & (x < 2.5)
     assert (pressure[bare] == 0.0).all() == digs
