@@ -368,10 +368,13 @@ class Case(BaseModel):
             content[key] = _merged(content.get(key), case_writing.as_plain(value), depth)
         if tables.keys() - SAME_SYSTEM and "reference" not in tables:
             content.pop("reference", None)
-        changed = self.validated(content, self._file)
-        if changed._rock_mass == self._rock_mass:
-            changed._cut = self._cut
-        return changed
+        return self.validated(content, self._file).cut_as(self)
+
+    def cut_as(self, other: Case) -> Self:
+        """Return the case; where its rock mass is that of another, it is not cut again."""
+        if self._rock_mass == other._rock_mass:
+            self._cut = other._cut
+        return self
 
     @property
     def name(self) -> str:
@@ -503,9 +506,9 @@ class Case(BaseModel):
         )
         return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
-    def examine(self) -> CaseSummary:
-        """Return a summary of the case, with warnings of anything that seems unsound."""
-        model = self.model()
+    def examine(self, model: Model | None = None) -> CaseSummary:
+        """Return a summary of the case and its model, with warnings of what seems unsound."""
+        model = model or self.model()
         summary = self._examined(model, self.method(model))
         warnings = (*summary.warnings, *self._remarks(self._not_compared(), model))
         return dataclasses.replace(summary, warnings=warnings)

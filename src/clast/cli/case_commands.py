@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,7 +25,16 @@ from clast.cli.options import (
     make_folder,
     words,
 )
-from clast.cli.terminal import SIGNALLED, print_json, print_table, say, status, tell, warn
+from clast.cli.terminal import (
+    SIGNALLED,
+    print_json,
+    print_line,
+    print_table,
+    say,
+    status,
+    tell,
+    warn,
+)
 from clast.cli.terminal_tables import print_comparison, print_run, sanity_table
 from clast.errors import CaseError, RunStopped, shortened
 from clast.run.interrupts import heard
@@ -199,10 +209,20 @@ def _compared(run: Run) -> Sequence[Deviation]:
     return deviations(Case.from_text(read_results(run.output).case_text, "case"), run)
 
 
-def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
+def check(
+    case: CaseFile,
+    settings: Settings = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Check again at each change, until Ctrl+C.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
     """Check a case without running it. Prints counts, masses, supports, stability."""
     from clast.case.case_file import Case
 
+    if watch:
+        _watch(case, settings or (), print_line if as_json else _tell_checked)
+        return
     loaded = Case.from_toml(case, settings or ())
     if loaded.rockfall is not None:
         rocks = loaded.campaign()
@@ -218,6 +238,32 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
     warn(sanity.warnings)
     if not sanity.warnings:
         typer.echo("nothing to object to")
+
+
+def _watch(case: Path, settings: Iterable[str], show: Callable[[dict[str, Any]], None]) -> None:
+    """Show what is found in a case at each change of it, until the key is pressed."""
+    from clast.editor.checking import checks
+
+    with suppress(KeyboardInterrupt):
+        for checked in checks(case, settings):
+            if checked is not None:
+                show(checked.as_dict())
+
+
+def _tell_checked(found: dict[str, Any]) -> None:
+    """Print what is found in a case, with the lines of the file."""
+    clock = time.strftime("%H:%M:%S")
+    for kind, key in (("error", "faults"), ("warning", "warnings")):
+        for one in found[key]:
+            line = f":{one['line']}" if one["line"] else ""
+            remedy = f"\n  {one['remedy']}" if one["remedy"] else ""
+            where = f"{one['where']}: " if one["where"] and kind == "error" else ""
+            say(f"{clock} {found['file']}{line}: {kind}: {where}{one['what']}{remedy}")
+    if not found["faults"]:
+        many = "rocks that fall" if found["blocks"] is None else f"{found['blocks']} blocks"
+        doubts = len(found["warnings"])
+        said = f"{doubts} warning{'s' * (doubts != 1)}" if doubts else "nothing to object to"
+        tell(f"{clock} {many}: {said}")
 
 
 def new(

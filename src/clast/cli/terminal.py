@@ -145,6 +145,11 @@ def print_json(content: Any) -> None:
     typer.echo(visible(json.dumps(_plain(content), indent=2, ensure_ascii=False)))
 
 
+def print_line(content: Any) -> None:
+    """Print JSON on one line, as a program reads it that waits for lines."""
+    typer.echo(visible(json.dumps(_plain(content), ensure_ascii=False)))
+
+
 def _plain(value: Any) -> Any:
     """Return a value made of types that JSON knows."""
     if isinstance(value, dict):

@@ -1,0 +1,152 @@
+"""What `clast check` says of a text, again and again in one warm process, with little made anew.
+
+The blocks of the text before stay where the rock mass, and the files that it names, are the same;
+everything else of a check takes less time than they do.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from clast.case.case_file import Case
+from clast.editor.places import Places, places_of
+from clast.errors import CaseError, Fault, Place, Points, Remark
+from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.validation_messages import place_text
+
+if TYPE_CHECKING:
+    from clast.model.model import Model
+    from clast.run.preflight import CaseSummary
+
+LOOK_EVERY = 0.1
+"""Time between two looks at a file that is watched, s."""
+Stamp = tuple[tuple[int, int, int] | None, ...]
+"""Time of change, size and number of files, None for one that is not there."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """What was found in a text; without faults there is a model of blocks, or rocks that fall."""
+
+    text: str
+    file: str
+    content: Mapping[str, Any] = field(default_factory=dict)
+    """The values of the text, empty where it is not TOML."""
+    faults: tuple[Fault, ...] = ()
+    where: str = ""
+    """Words for a place that is no key: the line of a text that is not TOML."""
+    case: Case | None = None
+    model: Model | None = None
+    summary: CaseSummary | None = None
+    files: Stamp = ()
+    """Of the files that the case names."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it for JSON; ``place`` has keys and positions from 0, lines count from 1."""
+        summary = self.summary
+        places = places_of(self.text) if self.content else None
+        told = [self._told(one, one.what, one.remedy, places) for one in self.faults]
+        warnings = summary.warnings if summary else ()
+        notes = summary.notes if summary else ()
+        return {
+            "file": self.file,
+            "blocks": summary.blocks if summary else None,
+            "steps": summary.steps if summary else None,
+            "faults": told,
+            "warnings": [self._told(one, str(one), "", places) for one in warnings],
+            "notes": [self._told(one, str(one), "", places) for one in notes],
+        }
+
+    def _told(
+        self, one: Fault | Remark | str, what: str, remedy: str, places: Places | None
+    ) -> dict[str, Any]:
+        place: Place = getattr(one, "place", ())
+        at: Points = getattr(one, "at", ())
+        line = re.search(r"\bline (\d+)", self.where)
+        own = int(line[1]) if line else None
+        return {
+            "what": what,
+            "remedy": remedy,
+            "where": place_text(place, self.content) or self.where,
+            "place": list(place),
+            "line": places.line(place) if places and place else own,
+            "at": [list(point) for point in at],
+        }
+
+
+def check(
+    text: str, file: str, settings: Iterable[str] = (), before: Checked | None = None
+) -> Checked:
+    """Return what `clast check` says of a text as if it stood in ``file``."""
+    content: Mapping[str, Any] = {}
+    case, files = None, Stamp()
+    try:
+        content = case_text.parse(text, file)
+        case = Case.from_text(text, file, settings)
+        files = stamps_of(case)
+        if before is not None and before.case is not None and before.files == files:
+            case = case.cut_as(before.case)
+        if case.rockfall is not None:
+            case.campaign()
+        model = case.model() if case.has_blocks else None
+        return Checked(
+            text=text,
+            file=file,
+            content=content,
+            case=case,
+            model=model,
+            summary=case.examine(model) if model is not None else None,
+            files=files,
+        )
+    except CaseError as error:
+        where = error.where.removeprefix(f"{file}: ") if error.where != file else ""
+        return Checked(
+            text=text,
+            file=file,
+            content=content,
+            faults=error.faults,
+            where=where,
+            case=case,
+            files=files,
+        )
+
+
+def stamps_of(case: Case) -> Stamp:
+    """Return the stamps of the files that a case names."""
+    return tuple(_stamp(Path(case.file).parent / name) for name in case.named_files())
+
+
+def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]:
+    """Give what is found in a file now and after each change of it or of files that it names.
+
+    None is given at each look at which there is nothing new; the file is looked at ten times a
+    second.
+    """
+    settings = list(settings)
+    before: Checked | None = None
+    seen: Stamp = ()
+    while True:
+        now = _stamp(path), *(stamps_of(before.case) if before and before.case else ())
+        if before is None or now != seen:
+            try:
+                before = check(case_text.read_text(path), str(path), settings, before)
+            except CaseError as error:  # it has gone, or is no text
+                before = Checked(text="", file=str(path), faults=error.faults)
+            seen = now[0], *before.files
+            yield before
+        else:
+            yield None
+        time.sleep(LOOK_EVERY)
+
+
+def _stamp(path: Path) -> tuple[int, int, int] | None:
+    try:
+        of = path.stat()
+    except OSError:
+        return None
+    return of.st_mtime_ns, of.st_size, of.st_ino
