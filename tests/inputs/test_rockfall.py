@@ -107,6 +107,18 @@ BROKEN = {
     "a barrier beside": ({"barrier": [{**FENCE, "x": 61.0}]}, "beside the profile"),
     "capacity": ({"barrier": [{**FENCE, "capacity": -1.0}]}, "capacity"),
     "names": ({"barrier": [FENCE], "collector": [{"name": "fence", "x": 4}]}, "fence"),
+    "a barrier twice": ({"barrier": [FENCE, FENCE]}, "there are two stations with that name"),
+    "a wall that holds": (
+        {"barrier": [{**FENCE, "capacity": 1e5, "restitution": 0.5}]},
+        "is given, but only walls have it",
+    ),
+    "shape and corners": (
+        {"source": [{**SOURCE, "shape": [[0, 0], [1, 0], [0, 1]], "corners": 5}]},
+        "all rocks have the shape",
+    ),
+    "a source below": ({"source": [{**SOURCE, "at": [2, -50]}]}, "below the profile, which is at"),
+    "millimetres": ({"rockfall": {"profile": [[0, 0], [1e15, 0]]}}, "1e+15 m wide or high"),
+    "gravity": ({"gravity": [0.0, 9.8]}, "points up"),
     "seed": ({"rockfall": {"seed": -1}}, "seed"),
 }
 
@@ -126,6 +138,14 @@ def test_tables_without_a_profile_and_runs_without_blocks_are_refused() -> None:
         clast.Case.validated({key: CASE[key] for key in ("surface", "source")} | BASE, "x")
     with pytest.raises(clast.CaseError, match="clast rockfall"):
         case_with().run()
+
+
+def test_an_empty_file_is_no_profile(tmp_path) -> None:
+    (tmp_path / "profile.csv").write_text("")
+    with pytest.raises(clast.CaseError, match="begin it with a heading, such as x,y"):
+        case_with(
+            rockfall={"profile": None, "surface": [], "file": str(tmp_path / "profile.csv")}
+        ).campaign()
 
 
 def test_a_source_without_its_run_is_refused() -> None:

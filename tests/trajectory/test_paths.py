@@ -117,3 +117,26 @@ def test_no_record_of_a_path_is_lost(monkeypatch) -> None:
     assert again.course.tally[0] == count > 3
     assert (again.course.records[:count] == whole.course.records[:count]).all()
     assert again.course.records[count - 1, path.KIND] == path.END
+
+
+def test_a_rock_that_is_jammed_between_two_faces_comes_to_rest() -> None:
+    """These crept down at 0.4 mm/s to the limit of their time: 150,000 steps."""
+    text = """
+[rockfall]
+profile = [[0, 10], [1.5, 8], [2, -40], [2.5, 8], [60, 9]]
+surface = ["rock"]
+[surface.rock]
+normal_restitution = 0.4
+tangential_restitution = 0.8
+[[source]]
+name = "edge"
+at = [2, 12]
+rocks = 3
+volume = 0.5
+"""
+    rocks = Case.from_text(text, "crack").campaign()
+    for number in (1, 2, 3):
+        one = rocks.follow(number)
+        assert one.course.tally[2] == path.REST
+        assert one.course.clock[0] < 10.0
+        assert ledger_error(one.course) < 1e-12

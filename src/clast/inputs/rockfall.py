@@ -253,6 +253,7 @@ class Surface(Table):
 DRAWN_KEYS = ("volume", "corners", "elongation", "shape", "velocity", "spin")
 """Keys of rocks that blocks of a run have by themselves."""
 OF_BLOCKS = "is given, but rocks are blocks of a run, which have theirs"
+OF_SHAPE = "is given, but all rocks have the shape"
 NO_RUN = "is given, but no file of a run"
 
 
@@ -306,6 +307,9 @@ class SourceTable(Table):
                 if getattr(self, key) is None
             ]
             faults += [Fault(NO_RUN, "leave it out", (key,)) for key in given & {"faster_than"}]
+            if self.shape is not None:
+                of_shape = [key for key in ("corners", "elongation") if key in given]
+                faults += [Fault(OF_SHAPE, "leave it out", (key,)) for key in of_shape]
         else:
             faults = [
                 Fault(OF_BLOCKS, "leave it out", (key,)) for key in DRAWN_KEYS if key in given
@@ -318,6 +322,11 @@ class SourceTable(Table):
                 remedy = "give its corners counter-clockwise; leave re-entrant ones out"
                 raise refusal("is not a convex polygon", remedy, "shape")
         return self
+
+    @property
+    def largest_volume(self) -> float:
+        """The largest volume that is drawn, m3."""
+        return float(deck_of(quantity(self.volume or 1.0)).max())
 
     def source(self, origin: Floats, blocks: Blocks | None) -> Source:
         """Return the source, about an origin (2,), m; ``blocks`` are those of a run that move."""
@@ -364,6 +373,15 @@ class BarrierTable(Table):
     """Share of the normal velocity that a wall gives back."""
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 30.0
     """Friction angle of a wall, degrees."""
+
+    @model_validator(mode="after")
+    def _is_a_fence_or_a_wall(self) -> Self:
+        if self.capacity is not None:
+            what, remedy = "is given, but only walls have it", "leave it, or the capacity, out"
+            given = [k for k in ("restitution", "friction_angle") if k in self.model_fields_set]
+            if given:
+                raise refusals([Fault(what, remedy, (key,)) for key in given])
+        return self
 
     @property
     def wall(self) -> Surface:

@@ -48,6 +48,9 @@ STUCK = 1e-2
 """Speed, in the same unit, and movement, in units of speed and step, of a rock that is stuck."""
 CALM = 10
 """Steps for which a rock is that slow before it is at rest."""
+CREEP, LONG = 1e-3, 10.0
+"""Speed, in the same unit, of a rock that creeps, and the time after which it counts as at rest, in
+units of (radius/gravity)^1/2: one that is jammed between faces has forces that are found slowly."""
 
 
 class Course(NamedTuple):
@@ -229,6 +232,29 @@ def is_stuck(rock, before, after, length, speed):
 
 
 @kernel()
+def rests(rock, course, state, gravity, calm):
+    """Return whether a rock in contact has come to rest, or creeps on: then it is stopped.
+
+    ``calm`` counts slow steps, and says since when it is slow and since when it creeps, s.
+    """
+    unit, speed = scales(rock, gravity)
+    fast = np.hypot(state[3], state[4]) + rock.numbers[2] * abs(state[5])
+    calm[0] += 1.0
+    if fast > SLOW * speed:
+        calm[0], calm[1] = 0.0, course.clock[0]
+    if fast > CREEP * speed:
+        calm[2] = course.clock[0]
+    if calm[0] >= CALM:
+        course.clock[0] = calm[1]
+        return True
+    if course.clock[0] - calm[2] > LONG * unit:
+        course.ledger[BY_FRICTION] += total_energy(state[3:], rock)
+        state[3:] = 0.0
+        return True
+    return False
+
+
+@kernel()
 def bear(ground, rock, course, state, gravity, pairs, contacts):
     """Slide and roll with contacts that last; return the next motion."""
     _unit, speed = scales(rock, gravity)
@@ -236,7 +262,7 @@ def bear(ground, rock, course, state, gravity, pairs, contacts):
     slipping = np.zeros(len(pairs), np.bool_)
     for j in range(len(pairs)):
         slipping[j] = abs(contact_speeds(contacts[j], state[3:])[1]) > BEARING * speed
-    calm, since, way = 0, course.clock[0], 0.0
+    calm, way = np.array([0.0, course.clock[0], course.clock[0]]), 0.0
     write(course, ON_GROUND, state, state, -1, -1, 0.0)
     while len(pairs):
         if course.clock[0] >= course.clock[1]:
@@ -266,10 +292,7 @@ def bear(ground, rock, course, state, gravity, pairs, contacts):
             way = 0.0
         if touches:
             return FLIES
-        slow = np.hypot(state[3], state[4]) + rock.numbers[2] * abs(state[5]) <= SLOW * speed
-        calm, since = (calm + 1, since) if slow else (0, course.clock[0])
-        if calm >= CALM:
-            course.clock[0] = since
+        if rests(rock, course, state, gravity, calm):
             return end_at(course, REST)
         stay = which_bear(ground, rock, state, pairs, contacts)
         if not stay.all():

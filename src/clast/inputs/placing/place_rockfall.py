@@ -26,6 +26,8 @@ from clast.trajectory.ground import Face, Ground, ground_of, height_below
 from clast.trajectory.rock import moments
 from clast.trajectory.standing import SEAM, Blocks, Line, air_lines
 
+WIDEST = 1e5
+"""Largest profile, m: on a larger one, round-off is no longer small beside a rock."""
 SOURCE = "give one: name, at = [x, y], rocks = 1000, volume = 0.5"
 
 
@@ -63,6 +65,7 @@ class RockfallInputs:
             for one, names in zip(lines, named, strict=True)
         ]
         bare = ground_of(faces[0], faces[1:], np.array(decks), np.empty(0), np.empty(0))
+        self._check_heights(bare, origin)
         walls = [self._wall(one, bare, origin) for one in self.barriers]
         for number, (foot, end) in enumerate(walls):
             surface = len(decks)
@@ -127,6 +130,22 @@ class RockfallInputs:
         places = [(float(x - origin[0]), name) for x, name in named]
         return sorted([*((float(x), "") for x in equal), *places])
 
+    def _check_heights(self, bare: Ground, origin: Floats) -> None:
+        """Raise ModelError for a source that is farther below the profile than a rock is large."""
+        for source in self.sources:
+            size = source.largest_volume ** (1.0 / 3.0)
+            for end in source.line or (source.at,):
+                if end is None:
+                    continue
+                x, y = np.array(end) - origin
+                if np.isnan(height_below(bare, x, y + size)):
+                    ground = height_below(bare, x, np.inf) + origin[1]
+                    what = (
+                        f"is at y = {end[1]:g}, below the profile, which is at {ground:.4g} there"
+                    )
+                    where = f"source '{shortened(source.name)}'"
+                    raise ModelError(what, where=where, remedy="raise it")
+
     def _check(self, points: Floats, named: Sequence[Sequence[str]]) -> None:
         """Raise ModelError for names that do not exist or are there twice, and odd places."""
         if not self.sources:
@@ -141,11 +160,16 @@ class RockfallInputs:
         ranges.check_names("source", [one.name for one in self.sources])
         placed = [("barrier", one.name, [one.x]) for one in self.barriers]
         placed += [("collector", one.name, [one.x]) for one in self.collectors]
-        ranges.check_names("collector or barrier", [name for _, name, _ in placed])
+        ranges.check_names("station", [name for _, name, _ in placed])
         for source in self.sources:
             ends = source.line or (source.at,)
             placed.append(("source", source.name, [end[0] for end in ends if end]))
-        low, high = points[0, 0], points[-1, 0]
+        low, high, size = points[0, 0], points[-1, 0], float(np.ptp(points, axis=0).max())
+        if size > WIDEST:
+            what, remedy = f"is {size:.3g} m wide or high", "give it in metres, without outliers"
+            raise ModelError(what, where="[rockfall], profile", remedy=remedy)
+        if self.gravity[1] > 0.0:
+            raise ModelError("points up", where="gravity", remedy="rocks need it downwards: -9.8")
         for kind, name, places in placed:
             for x in places:
                 if not low < x < high:

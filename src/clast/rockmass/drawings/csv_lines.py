@@ -163,7 +163,7 @@ def table_of(path: Path) -> CsvTable:
         if line.strip(" \t;,") and not line.lstrip().startswith("#")
     ]
     if not numbered:
-        raise CaseError("has no rows", where=file, remedy="begin it with a heading: x1,y1,x2,y2")
+        raise CaseError("has no rows", where=file, remedy="begin it with a heading, such as x,y")
     separator = next((mark for mark in ("\t", ";", ",") if mark in numbered[0][1]), ",")
     split = [(k, _split(line, separator, f"{file}: line {k}")) for k, line in numbered]
     comma = any(DECIMAL_COMMA.fullmatch(cell.strip()) for _, cells in split for cell in cells)
