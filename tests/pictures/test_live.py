@@ -20,8 +20,9 @@ from clast.case.resume import result_file
 from clast.case.templates import TEMPLATES
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
+from clast.pictures.live.guarded import PAGES_MAX
 from clast.pictures.live.leader import LivePage
-from clast.pictures.live.server import PAGES_MAX, LiveServer
+from clast.pictures.live.server import LiveServer
 from clast.run.run_state import Halt
 from clast.run.schedule import Progress
 from scenes.live_runs import live_command

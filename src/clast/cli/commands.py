@@ -20,6 +20,7 @@ from typer.core import TyperGroup
 from clast.cli import (
     case_commands,
     comparison_commands,
+    editing,
     importing,
     result_commands,
     rock_masses,
@@ -114,7 +115,7 @@ def _main(
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "Make": (
         *(case_commands.new, importing.import_, rock_masses.cut),
-        *(case_commands.check, case_commands.schema),
+        *(editing.edit, case_commands.check, case_commands.schema),
     ),
     "Run": (case_commands.run, case_commands.resume),
     "Look": (

@@ -12,14 +12,18 @@ import hmac
 import io
 import secrets
 import time
+from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from ipaddress import ip_address
 from socket import socket
+from threading import Condition
 from typing import Any
 
 TIMEOUT = 10.0
 """How long a browser may take to read an answer, or for the whole of a request, s."""
+PAGES_MAX = 8
+"""Pages that look on at the same time."""
 HEADERS = {
     "Cache-Control": "no-store",
     "X-Content-Type-Options": "nosniff",
@@ -35,8 +39,16 @@ class GuardedServer(ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
 
-    def __init__(self, at: tuple[str, int], handler: type[GuardedHandler]) -> None:
+    def __init__(
+        self, at: tuple[str, int], handler: type[GuardedHandler], changed: Condition
+    ) -> None:
+        self.changed = changed
+        """Of what pages are told."""
         self.token = secrets.token_urlsafe(24)
+        self.pages = 0
+        """Pages that look on."""
+        self.left = time.monotonic()
+        """When the last of them went."""
         super().__init__(at, handler)
         self.host, self.port = str(at[0]), int(self.server_address[1])
 
@@ -52,6 +64,15 @@ class GuardedServer(ThreadingHTTPServer):
         if port != str(self.port):
             return False
         return name in ("localhost", self.host) or (_is_any(self.host) and _is_number(name))
+
+    def looks_on(self, change: int) -> bool:
+        """Count pages that look on; False for one more than there may be."""
+        with self.changed:
+            if self.pages + change > PAGES_MAX:
+                return False
+            self.pages += change
+            self.left = time.monotonic()
+            return True
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing of browsers that went away."""
@@ -149,6 +170,21 @@ class GuardedHandler(BaseHTTPRequestHandler):
         return False
 
     # --- answers -----------------------------------------------------------------------------
+
+    def stream(self, tell: Callable[[], None]) -> None:
+        """Send news, which ``tell`` does, until they end or the browser has gone."""
+        if not self.server.looks_on(1):
+            connected = f"{PAGES_MAX} viewers are connected already"
+            self.refuse(HTTPStatus.SERVICE_UNAVAILABLE, connected)
+            return
+        self.close_connection = True
+        try:
+            self.head(HTTPStatus.OK, "text/event-stream", None)
+            tell()
+        except OSError:
+            pass  # the browser has gone, or reads too slowly: it asks again from where it was
+        finally:
+            self.server.looks_on(-1)
 
     def event(self, kind: str, data: str) -> None:
         """Send one piece of news in a stream of them."""

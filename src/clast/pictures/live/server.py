@@ -16,8 +16,6 @@ from clast.pictures.page.document import live_text
 
 STATUS_INTERVAL, STATUS_INTERVAL_AFTER = 5.0, 1.0
 """A sign of life goes to every page at least so often, s; more often when the run is over."""
-PAGES_MAX = 8
-"""Pages that look on at the same time."""
 
 
 class LiveServer(GuardedServer):
@@ -26,20 +24,7 @@ class LiveServer(GuardedServer):
     def __init__(self, at: tuple[str, int], feed: Feed, order: Callable[[str], None]) -> None:
         self.feed = feed
         self.order = order
-        self.pages = 0
-        """Pages that look on."""
-        self.left = time.monotonic()
-        """When the last of them went."""
-        super().__init__(at, Handler)
-
-    def looks_on(self, change: int) -> bool:
-        """Count pages that look on; False for one more than there may be."""
-        with self.feed.changed:
-            if self.pages + change > PAGES_MAX:
-                return False
-            self.pages += change
-            self.left = time.monotonic()
-            return True
+        super().__init__(at, Handler, feed.changed)
 
 
 class Handler(GuardedHandler):
@@ -93,18 +78,7 @@ class Handler(GuardedHandler):
         if not given.isdecimal() or int(given) > server.feed.frames:
             self.refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")
             return
-        if not server.looks_on(1):
-            connected = f"{PAGES_MAX} viewers are connected already"
-            self.refuse(HTTPStatus.SERVICE_UNAVAILABLE, connected)
-            return
-        self.close_connection = True
-        try:
-            self.head(HTTPStatus.OK, "text/event-stream", None)
-            self._send_news(int(given))
-        except OSError:
-            pass  # the browser has gone, or reads too slowly: it asks again from where it was
-        finally:
-            server.looks_on(-1)
+        self.stream(lambda: self._send_news(int(given)))
 
     def _send_news(self, first: int) -> None:
         """Send frames from ``first`` on, curves and report where they grow, and a sign of life."""

@@ -10,6 +10,7 @@ import base64
 import hashlib
 import json
 import re
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -43,6 +44,7 @@ def write_html(text: str, path: Path) -> Path:
     return path
 
 
+HERE = "clast.pictures.page"
 SCRIPTS = (
     "packing moving magnified contact_faces data colours colouring flow pens view draw_canvas "
     "draw_webgl joints chosen supports axes layers legend ruler charts report live live_panel app"
@@ -77,14 +79,14 @@ def live_text() -> str:
 
 def widget_script() -> str:
     """Return the page as one module with ``export default {render}``, as anywidget wants it."""
-    style = _file("vendor/uPlot.min.css") + _file("page.css")
+    style = file("vendor/uPlot.min.css") + file("page.css")
     return "\n".join(
         [
-            f"const uPlot = (() => {{ {_file('vendor/uPlot.iife.min.js')}\nreturn uPlot; }})();",
+            f"const uPlot = (() => {{ {file('vendor/uPlot.iife.min.js')}\nreturn uPlot; }})();",
             "const modules = {};",
-            *map(_own, SCRIPTS),
+            *map(module, SCRIPTS),
             f"const style = {json.dumps(style)};",
-            f"const markup = {json.dumps(_file('page.html'))};",
+            f"const markup = {json.dumps(file('page.html'))};",
             "export default { render: ({ model, el }) => modules.app.embed(",
             '  el, markup, style, JSON.parse(model.get("scene"))) };',
             "",
@@ -94,16 +96,26 @@ def widget_script() -> str:
 
 def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
     """Return the text of a page that may ask ``network``, as a policy has it."""
-    scripts = ["const modules = {};", *map(_own, SCRIPTS), "modules.app.main();"]
-    library = _file("vendor/uPlot.iife.min.js")
-    program = "\n".join(['"use strict";', *scripts])
-    style = _file("vendor/uPlot.min.css") + _file("page.css")
-    policy = (
-        f"default-src 'none'; connect-src {network}; img-src data: blob:; "
-        f"script-src {_hash(library)} {_hash(program)}; style-src 'unsafe-inline'"
-    )
+    scripts = ["const modules = {};", *map(module, SCRIPTS), "modules.app.main();"]
     # a closing tag within the data would end it
     data = json.dumps(scene, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return closed_page(
+        title,
+        [file("page.html"), f'<script type="application/json" id="scene">{data}</script>'],
+        file("vendor/uPlot.min.css") + file("page.css"),
+        [file("vendor/uPlot.iife.min.js"), "\n".join(['"use strict";', *scripts])],
+        network,
+    )
+
+
+def closed_page(
+    title: str, body: Sequence[str], style: str, scripts: Sequence[str], network: str
+) -> str:
+    """Return a page that runs ``scripts`` alone and may ask ``network``, as a policy has it."""
+    policy = (
+        f"default-src 'none'; connect-src {network}; img-src data: blob:; "
+        f"script-src {' '.join(map(_hash, scripts))}; style-src 'unsafe-inline'"
+    )
     return "\n".join(
         [
             "<!doctype html>",
@@ -112,27 +124,25 @@ def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
             '<meta name="viewport" content="width=device-width,initial-scale=1">',
             f"<title>{escape(title)} - clast</title>",
             f"<style>{style}</style></head><body>",
-            _file("page.html"),
-            f'<script type="application/json" id="scene">{data}</script>',
-            f"<script>{library}</script>",
-            f"<script>{program}</script>",
+            *body,
+            *(f"<script>{script}</script>" for script in scripts),
             "</body></html>",
             "",
         ]
     )
 
 
-def _own(name: str) -> str:
-    """Return a module as a function of its own, which returns the exports of the module."""
-    text = _file(f"script/{name}.js")
+def module(name: str, package: str = HERE) -> str:
+    """Return a script as a function of its own, which returns what it exports."""
+    text = file(f"script/{name}.js", package)
     exported = ", ".join(export[2] for export in EXPORT.finditer(text))
     text = EXPORT.sub(r"\1", IMPORT.sub(r"const \1 = modules.\2;", text))
     return f"modules.{name} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
 
 
-def _file(name: str) -> str:
-    """Return the text of a file beside this one."""
-    return (files("clast.pictures.page") / name).read_text(encoding="utf-8")
+def file(name: str, package: str = HERE) -> str:
+    """Return the text of a file in the folder of a package."""
+    return (files(package) / name).read_text(encoding="utf-8")
 
 
 def _hash(script: str) -> str:

@@ -1,0 +1,110 @@
+/** The window: shows the newest state of the case, and hands on what is done in it. */
+import { Hand } from "./hand.js";
+import { showForms, tableAt } from "./form.js";
+
+const $ = (id) => document.getElementById(id);
+const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
+const state = { schema: null, content: {}, literals: {}, faults: [], chosen: [], stamp: -1 };
+let hand = null, typing = 0;
+
+async function ask(path, body) {
+  const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer.json();
+}
+
+/** Show an answer, unless a newer one is shown. */
+function show(answer) {
+  if (answer.stamp !== undefined && answer.stamp >= state.stamp) {
+    const content = answer.content ?? state.content; // of a text that is no TOML the forms keep the last
+    Object.assign(state, answer, { content, refused: answer.refused ?? "" });
+    hand.version = state.version;
+  } else if (answer.refused) state.refused = answer.refused;
+  draw();
+}
+
+function draw() {
+  showForms($("forms"), { ...state, hand, choose });
+  $("undo").disabled = !state.steps[0];
+  $("redo").disabled = !state.steps[1];
+  const count = state.faults.length;
+  const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
+    : count ? `not saved: ${count} ${count > 1 ? "faults" : "fault"}` : "not saved yet";
+  $("saved").textContent = [saved, state.trouble, state.refused].filter(Boolean).join(" - ");
+  $("faults").replaceChildren(...state.faults.map(faultButton));
+  $("conflict").hidden = state.conflict === null;
+  if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
+  const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
+  if (!isTyping && $("text").value !== state.text) $("text").value = state.text;
+  const bad = new Set(state.faults.map((fault) => fault.line));
+  $("lines").replaceChildren(...state.text.split("\n").flatMap((_, i) => {
+    const line = document.createElement(bad.has(i + 1) ? "b" : "span");
+    line.textContent = i + 1;
+    return [line, "\n"];
+  }));
+}
+
+function faultButton(fault) {
+  const button = document.createElement("button"), where = fault.place.map((part) => (typeof part === "number" ? part + 1 : part)).join(".");
+  button.textContent = fault.place.length ? `${where}: ${fault.what}. ${fault.remedy}` : state.refusal;
+  button.addEventListener("click", () => goTo(fault.place));
+  return button;
+}
+
+/** Show the form of a value and put the cursor into its field. */
+function goTo(place) {
+  choose(tableAt(state, place));
+  for (let length = place.length; length; length--) {
+    const row = document.querySelector(`[data-place=${CSS.escape(JSON.stringify(place.slice(0, length)))}]`);
+    if (row) return row.querySelector("input, select, button")?.focus();
+  }
+}
+
+function choose(place) {
+  state.chosen = place;
+  draw();
+}
+
+/** Lines of two texts that are not in the other. */
+function differing(mine, theirs) {
+  const [here, there] = [mine.split("\n"), theirs.split("\n")], [own, other] = [new Set(here), new Set(there)];
+  return [...here.filter((line) => !other.has(line)).map((line) => `here:  ${line}`), ...there.filter((line) => !own.has(line)).map((line) => `file:  ${line}`)].join("\n");
+}
+
+/** Listen to news of the file until the server goes; then ask again. */
+async function listen() {
+  for (;;) {
+    try {
+      const answer = await fetch("/news", { headers: { Authorization: `Bearer ${token}` } });
+      const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+      for (let rest = "", part = await reader.read(); !part.done; part = await reader.read()) {
+        const events = (rest + part.value).split("\n\n");
+        rest = events.pop();
+        for (const event of events) show(JSON.parse(event.slice(event.indexOf("data: ") + 6)));
+      }
+    } catch { $("saved").textContent = "the editor has ended, or does not answer"; }
+    await new Promise((done) => setTimeout(done, 1000));
+  }
+}
+
+export async function main() {
+  hand = new Hand(ask, show);
+  try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
+  $("file").textContent = state.file;
+  $("undo").addEventListener("click", () => hand.undo());
+  $("redo").addEventListener("click", () => hand.redo());
+  $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
+  $("theirs").addEventListener("click", () => hand.send("/keep-theirs", {}));
+  $("text").addEventListener("focus", () => { typing += 1; });
+  $("text").addEventListener("input", (e) => hand.text(e.target.value, `text ${typing}`));
+  $("text").addEventListener("scroll", (e) => { $("lines").scrollTop = e.target.scrollTop; });
+  addEventListener("keydown", (e) => {
+    if (!(e.ctrlKey || e.metaKey) || e.key.toLowerCase() !== "z") return;
+    e.preventDefault(); // the browser would undo letters that are not the file's any more
+    document.activeElement?.blur();
+    if (e.shiftKey) hand.redo(); else hand.undo();
+  });
+  globalThis.clastEditor = { state, hand, goTo };
+  document.body.dataset.ready = "yes";
+  listen();
+}

@@ -1,0 +1,225 @@
+"""The window of a case file over HTTP: what it shows, and what the hand in it does to the file."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from http import HTTPStatus
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from clast.case.case_file import json_schema
+from clast.editor.document import Document, OutOfStep
+from clast.editor.edits import Edit
+from clast.editor.page import editor_text
+from clast.editor.places import Places
+from clast.errors import CaseError
+from clast.inputs.declaring import text as case_text
+from clast.pictures.live.guarded import GuardedHandler, GuardedServer
+
+REST, LOOK = 0.3, 0.5
+"""The file gets the text when the hand has rested so long, and is looked at so often, s."""
+LIFE = 5.0
+"""A sign of life goes to every window at least so often, s."""
+BYTES_MAX = 5_000_000
+"""Greatest length of a text from a window."""
+
+
+class Asked(BaseModel):
+    """A request of a window, of one version of the text."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    version: int
+    edits: list[Edit] = []
+    text: str = ""
+    gesture: str = ""
+
+
+class EditServer(GuardedServer):
+    """Serves the window of a case file; raises CaseError where there is no such file."""
+
+    def __init__(self, at: tuple[str, int], path: Path) -> None:
+        self.document = Document(path)
+        self.stamp = 0
+        """Counts what windows are told of."""
+        self.trouble = ""
+        """Why the file could not be read or written."""
+        self._touched = 0.0
+        super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
+
+    def do(self, way: str, asked: Asked) -> None:
+        """Do what a window asks for; raises CaseError where it cannot be done."""
+        document, version = self.document, asked.version
+        ways: dict[str, Callable[[], None]] = {
+            "/edit": lambda: document.edit(asked.edits, version, asked.gesture),
+            "/text": lambda: document.replace(asked.text, version, asked.gesture),
+            "/undo": lambda: document.undo(version),
+            "/redo": lambda: document.redo(version),
+            "/save": document.save,
+            "/write": document.write,
+            "/keep-mine": document.keep_mine,
+            "/keep-theirs": document.keep_theirs,
+        }
+        with self.changed:
+            ways[way]()
+            self._touched = time.monotonic()
+            self._tell()
+
+    def state(self) -> dict[str, Any]:
+        """Return what a window shows, without what never changes."""
+        with self.changed:
+            return {**_shown(self.document), "stamp": self.stamp, "trouble": self.trouble}
+
+    def watch(self, stop: threading.Event) -> None:
+        """Look at the file and save the text while the hand rests, until told to stop."""
+        looked = time.monotonic()
+        while not stop.wait(REST / 3):
+            now = time.monotonic()
+            with self.changed:
+                if now - looked > LOOK:
+                    looked = now
+                    self._attempt(self.document.look)
+                if now - self._touched > REST:
+                    self._attempt(self.document.save)
+        with self.changed:
+            self._attempt(self.document.save)
+
+    def _attempt(self, what: Callable[[], None]) -> None:
+        """Look or save; windows are told what came of it."""
+        document = self.document
+        before = (document.version, document.filed, document.conflict, self.trouble)
+        try:
+            what()
+            self.trouble = ""
+        except CaseError as error:
+            self.trouble = str(error)
+        if before != (document.version, document.filed, document.conflict, self.trouble):
+            self._tell()
+
+    def _tell(self) -> None:
+        self.stamp += 1
+        self.changed.notify_all()
+
+
+class EditHandler(GuardedHandler):
+    """Answers one browser."""
+
+    server: EditServer
+    most_bytes = BYTES_MAX
+
+    def do_GET(self) -> None:
+        """Answer with the window, the case, or news of it."""
+        if not self.is_from_here():
+            return
+        if self.path == "/":
+            self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
+        elif self.path not in ("/case", "/news"):
+            self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
+        elif self.has_token():
+            if self.path == "/news":
+                self.stream(self._news)
+            else:
+                self._answer({**self.server.state(), "file": self._name, "schema": json_schema()})
+
+    def do_POST(self) -> None:
+        """Do what a window asks for; answer with the case as it is then."""
+        body = self.posted()
+        if body is None:
+            return
+        try:
+            self.server.do(self.path, Asked.model_validate_json(body))
+        except KeyError:
+            self.refuse(HTTPStatus.NOT_FOUND, "there is no such request")
+        except ValidationError:
+            self.refuse(HTTPStatus.BAD_REQUEST, "this is no request of a window")
+        except CaseError as error:
+            late = {"late": True} if isinstance(error, OutOfStep) else {}
+            self._answer({**self.server.state(), "refused": str(error), **late})
+        else:
+            self._answer(self.server.state())
+
+    @property
+    def _name(self) -> str:
+        return self.server.document.path.name
+
+    def _answer(self, content: dict[str, Any]) -> None:
+        text = json.dumps(content, allow_nan=False, separators=(",", ":"))
+        self.send(HTTPStatus.OK, "application/json", text)
+
+    def _news(self) -> None:
+        server, seen = self.server, -1
+        while True:
+            with server.changed:
+                server.changed.wait_for(lambda: server.stamp != seen, LIFE)  # noqa: B023
+                seen, state = server.stamp, server.state()
+            self.event("case", json.dumps(state, allow_nan=False, separators=(",", ":")))
+
+
+def _shown(document: Document) -> dict[str, Any]:
+    """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
+    trouble, content, literals = document.trouble, None, {}
+    places: Places | None = None
+    with suppress(CaseError):
+        places = document.places
+        content = _plain(case_text.parse(document.text, str(document.path)))
+        literals = {
+            json.dumps(place, ensure_ascii=False, separators=(",", ":")): raw
+            for place, one in places.values.items()
+            if (raw := document.text[one.start : one.end])[0] not in "\"'[{tf"
+        }
+    faults = [
+        {
+            "what": one.what,
+            "remedy": one.remedy,
+            "place": one.place,
+            "at": one.at,
+            "line": places.line(one.place) if places and one.place else None,
+        }
+        for one in (trouble.faults if trouble else ())
+    ]
+    return {
+        "content": content,
+        "literals": literals,
+        "version": document.version,
+        "text": document.text,
+        "faults": faults,
+        "refusal": str(trouble or ""),
+        "steps": document.steps,
+        "unsaved": document.unsaved,
+        "conflict": document.conflict,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: dates, and numbers without end, as texts."""
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_plain(inner) for inner in value]
+    is_odd = not isinstance(value, str | int | float) or not math.isfinite(
+        0 if isinstance(value, str) else value
+    )
+    return str(value) if is_odd else value
+
+
+def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
+    """Serve the window of a case file until Ctrl-C; ``say`` gets its address."""
+    server, stop = EditServer(at, path), threading.Event()
+    watcher = threading.Thread(target=server.watch, args=(stop,))
+    watcher.start()
+    try:
+        say(server.address)
+        server.serve_forever(0.1)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        stop.set()
+        watcher.join()
+        server.server_close()

@@ -1,0 +1,192 @@
+"""The window of a case file over HTTP: who is let in, and what a request does to the file."""
+
+import http.client
+import json
+import time
+
+import pytest
+
+from clast.case.templates import TEMPLATES
+from clast.editor.page import editor_text
+from clast.editor.server import BYTES_MAX
+from scenes.edited import edited_file
+
+WHERE = ["joint", "bedding", "friction_angle"]
+
+
+@pytest.fixture
+def served(tmp_path):
+    path = tmp_path / "slope.toml"
+    path.write_text(TEMPLATES["slope"], "utf-8", newline="")
+    with edited_file(path) as server:
+        yield server
+
+
+def ask(server, path, body=None, **headers):
+    """Return status and text of an answer; ``headers`` replace those of the window."""
+    usual = {"Host": f"127.0.0.1:{server.port}", "Authorization": f"Bearer {server.token}"}
+    given = {name: value for name, value in {**usual, **headers}.items() if value is not None}
+    content = None if body is None else json.dumps(body).encode()
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+    connection.putrequest("GET" if body is None else "POST", path, skip_host=True)
+    for name, value in given.items():
+        connection.putheader(name, value)
+    if content is not None:
+        connection.putheader("Content-Length", str(len(content)))
+    connection.endheaders(content)
+    answer = connection.getresponse()
+    found = answer.status, answer.read().decode()
+    connection.close()
+    return found
+
+
+def done(server, path, **body):
+    status, text = ask(server, path, {"version": server.document.version, **body})
+    assert status == 200, text
+    return json.loads(text)
+
+
+def friction(server, toml):
+    return done(server, "/edit", edits=[{"do": "set", "place": WHERE, "toml": toml}])
+
+
+def until(condition):
+    end = time.monotonic() + 30
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+WRONG = [
+    ({"Authorization": None}, 401),
+    ({"Authorization": "Bearer 0123456789abcdefghijklmnopqrstuv"}, 401),
+    ({"Host": "evil.example"}, 403),
+    ({"Host": "127.0.0.1.evil.example"}, 403),
+    ({"Origin": "http://evil.example"}, 403),
+    ({"Origin": "null"}, 403),
+]
+
+
+@pytest.mark.parametrize(("headers", "status"), WRONG)
+@pytest.mark.parametrize("path", ["/case", "/news", "/edit", "/text", "/undo", "/save", "/write"])
+def test_pages_of_others_neither_read_nor_write(served, path, headers, status):
+    before = served.document.text
+    body = None if path in ("/case", "/news") else {"version": 0, "text": "x = 1"}
+    assert ask(served, path, body, **headers)[0] == status
+    assert served.document.text == before
+
+
+def test_no_other_file_is_read(served):
+    for path in ("/slope.toml", "/../slope.toml", "/etc/passwd", "/case/../../etc/passwd"):
+        assert ask(served, path)[0] == 404
+        assert ask(served, path, {"version": 0})[0] == 404
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        [],
+        {},
+        {"version": "0"},
+        {"version": 0, "edits": [{"do": "run", "place": ["title"]}]},
+        {"version": 0, "edits": [{"do": "set", "place": [{}], "toml": "1"}]},
+        {"version": 0, "file": "/etc/passwd"},
+    ],
+    ids=str,
+)
+def test_what_no_window_asks_for_is_refused(served, body):
+    assert ask(served, "/edit", body)[0] == 400
+    assert served.document.version == 0
+
+
+def test_a_text_may_not_be_of_any_length(served):
+    connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=20)
+    connection.putrequest("POST", "/text")
+    connection.putheader("Content-Length", str(BYTES_MAX + 1))
+    connection.endheaders()
+    assert connection.getresponse().status == 413
+
+
+def test_the_page_has_the_name_of_the_file_and_runs_its_own_scripts(served):
+    status, text = ask(served, "/", Authorization=None)
+    assert status == 200
+    assert text == editor_text("slope.toml")
+    assert "connect-src 'self'" in text
+    assert "<b>.toml" not in editor_text("<b>.toml")
+    assert served.token not in text
+
+
+def test_a_fault_has_its_place_and_line(served, tmp_path):
+    state = friction(served, "95.0")
+    (fault,) = state["faults"]
+    assert fault["place"] == WHERE
+    assert fault["what"] == "must be below 90, not 95.0"
+    line = state["text"].split("\n")[fault["line"] - 1]
+    assert line.startswith("friction_angle = 95.0 ")
+    assert state["unsaved"]
+    assert friction(served, "36.50")["faults"] == []
+    until(lambda: not served.document.unsaved)
+    expected = TEMPLATES["slope"].replace("friction_angle = 38.0 ", "friction_angle = 36.50 ")
+    assert (tmp_path / "slope.toml").read_text("utf-8") == expected
+    until(
+        lambda: (
+            json.loads(ask(served, "/case")[1])["literals"][
+                json.dumps(WHERE, separators=(",", ":"))
+            ]
+            == "36.50"
+        )
+    )
+    assert done(served, "/undo")["text"].count("95.0") == 1
+    assert done(served, "/undo")["text"] == TEMPLATES["slope"]
+    until(lambda: (tmp_path / "slope.toml").read_text("utf-8") == TEMPLATES["slope"])
+    assert done(served, "/redo")["text"].count("95.0") == 1
+
+
+def test_a_late_request_changes_nothing_and_is_told(served):
+    friction(served, "36.5")
+    status, text = ask(served, "/undo", {"version": 0})
+    assert status == 200
+    assert json.loads(text)["late"]
+    assert "36.5" in served.document.text
+
+
+def test_a_text_that_is_no_toml_is_kept_in_the_window(served, tmp_path):
+    state = done(served, "/text", text="[time\n")
+    assert state["content"] is None
+    assert "line 1" in state["refusal"]
+    refused = friction(served, "30")
+    assert "is not TOML" in refused["refused"]
+    done(served, "/save")
+    assert (tmp_path / "slope.toml").read_text("utf-8") == TEMPLATES["slope"]
+    done(served, "/write")
+    assert (tmp_path / "slope.toml").read_text("utf-8") == "[time\n"
+
+
+def test_what_others_write_comes_as_news(served, tmp_path):
+    connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=20)
+    connection.request("GET", "/news", headers={"Authorization": f"Bearer {served.token}"})
+    news = connection.getresponse()
+
+    def heard():
+        assert news.readline() == b"event: case\n"
+        data = json.loads(news.readline().removeprefix(b"data: "))
+        news.readline()
+        return data
+
+    assert heard()["version"] == 0
+    (tmp_path / "slope.toml").write_text(TEMPLATES["wall"], "utf-8")
+    assert heard()["text"] == TEMPLATES["wall"]
+    connection.close()
+
+
+def test_numbers_without_end_and_dates_are_shown(served):
+    state = done(served, "/text", text="a = inf\nb = nan\nc = 1979-05-27\nd = [1e9]\n")
+    assert state["content"] == {"a": "inf", "b": "nan", "c": "1979-05-27", "d": [1e9]}
+    assert state["literals"]['["d",0]'] == "1e9"
+
+
+def test_both_hands_are_told_of_a_conflict(served, tmp_path):
+    friction(served, "95.0")
+    (tmp_path / "slope.toml").write_text(TEMPLATES["wall"], "utf-8")
+    until(lambda: served.document.conflict is not None)
+    assert done(served, "/keep-theirs")["text"] == TEMPLATES["wall"]
