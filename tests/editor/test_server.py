@@ -7,6 +7,7 @@ import time
 import pytest
 
 from clast.case.templates import TEMPLATES
+from clast.editor.checking import check
 from clast.editor.page import editor_text
 from clast.editor.server import BYTES_MAX
 from scenes.edited import edited_file
@@ -118,6 +119,7 @@ def test_the_page_has_the_name_of_the_file_and_runs_its_own_scripts(served):
 
 def test_a_fault_has_its_place_and_line(served, tmp_path):
     state = friction(served, "95.0")
+    assert state["refused_as_case"]
     (fault,) = state["faults"]
     assert fault["place"] == WHERE
     assert fault["what"] == "must be below 90, not 95.0"
@@ -153,7 +155,7 @@ def test_a_late_request_changes_nothing_and_is_told(served):
 def test_a_text_that_is_no_toml_is_kept_in_the_window(served, tmp_path):
     state = done(served, "/text", text="[time\n")
     assert state["content"] is None
-    assert "line 1" in state["refusal"]
+    assert state["faults"][0]["line"] == 1
     refused = friction(served, "30")
     assert "is not TOML" in refused["refused"]
     done(served, "/save")
@@ -175,7 +177,7 @@ def test_what_others_write_comes_as_news(served, tmp_path):
 
     assert heard()["version"] == 0
     (tmp_path / "slope.toml").write_text(TEMPLATES["wall"], "utf-8")
-    assert heard()["text"] == TEMPLATES["wall"]
+    until(lambda: heard()["text"] == TEMPLATES["wall"])
     connection.close()
 
 
@@ -190,3 +192,19 @@ def test_both_hands_are_told_of_a_conflict(served, tmp_path):
     (tmp_path / "slope.toml").write_text(TEMPLATES["wall"], "utf-8")
     until(lambda: served.document.conflict is not None)
     assert done(served, "/keep-theirs")["text"] == TEMPLATES["wall"]
+
+
+def test_the_check_is_that_of_clast_check(served):
+    """Its words, places and lines are the same, for what the case alone and the blocks show."""
+    until(lambda: served.state()["checked"])
+    state = served.state()
+    expected = check(TEMPLATES["slope"], str(served.document.path)).as_dict()
+    assert {key: state[key] for key in expected} == expected
+    text = TEMPLATES["slope"].replace("at = [16.8, 23.8]", "at = [168, 23.8]")
+    assert text != TEMPLATES["slope"]
+    done(served, "/text", text=text)
+    until(lambda: served.state()["faults"])
+    state = served.state()
+    assert state["faults"] == check(text, str(served.document.path)).as_dict()["faults"]
+    assert not state["refused_as_case"]
+    until(lambda: not served.document.unsaved)

@@ -10,13 +10,16 @@ from clast.editor.server import EditServer
 def edited_file(path):
     """Yield the server of the window of a case file, which saves as the hand rests."""
     server, stop = EditServer(("127.0.0.1", 0), path), threading.Event()
-    watcher = threading.Thread(target=server.watch, args=(stop,), daemon=True)
-    serving = threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True)
-    watcher.start()
-    serving.start()
+    threads = [
+        threading.Thread(target=server.watch, args=(stop,), daemon=True),
+        threading.Thread(target=server.judge, args=(stop,), daemon=True),
+        threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True),
+    ]
+    for one in threads:
+        one.start()
     yield server
     server.shutdown()
     stop.set()
-    watcher.join()
-    serving.join()
+    for one in threads:
+        one.join()
     server.server_close()

@@ -15,16 +15,18 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from clast.case.case_file import json_schema
+from clast.editor.checking import Checked, check
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
-from clast.editor.places import Places
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
 
 REST, LOOK = 0.3, 0.5
 """The file gets the text when the hand has rested so long, and is looked at so often, s."""
+CHECK_REST = 0.1
+"""Blocks are cut and checked when the hand has rested so long, s."""
 LIFE = 5.0
 """A sign of life goes to every window at least so often, s."""
 BYTES_MAX = 5_000_000
@@ -51,6 +53,8 @@ class EditServer(GuardedServer):
         """Counts what windows are told of."""
         self.trouble = ""
         """Why the file could not be read or written."""
+        self.checked: Checked | None = None
+        """What `clast check` said last, of a text that may be older."""
         self._touched = 0.0
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
 
@@ -75,7 +79,8 @@ class EditServer(GuardedServer):
     def state(self) -> dict[str, Any]:
         """Return what a window shows, without what never changes."""
         with self.changed:
-            return {**_shown(self.document), "stamp": self.stamp, "trouble": self.trouble}
+            shown = _shown(self.document, self.checked)
+            return {**shown, "stamp": self.stamp, "trouble": self.trouble}
 
     def watch(self, stop: threading.Event) -> None:
         """Look at the file and save the text while the hand rests, until told to stop."""
@@ -90,6 +95,18 @@ class EditServer(GuardedServer):
                     self._attempt(self.document.save)
         with self.changed:
             self._attempt(self.document.save)
+
+    def judge(self, stop: threading.Event) -> None:
+        """Check the newest text whenever the hand rests, until told to stop."""
+        while not stop.wait(REST / 10):
+            with self.changed:
+                text, checked = self.document.text, self.checked
+                is_due = time.monotonic() - self._touched > CHECK_REST
+            if is_due and (checked is None or checked.text != text):
+                found = check(text, str(self.document.path), before=checked)
+                with self.changed:
+                    self.checked = found
+                    self._tell()
 
     def _attempt(self, what: Callable[[], None]) -> None:
         """Look or save; windows are told what came of it."""
@@ -126,7 +143,7 @@ class EditHandler(GuardedHandler):
             if self.path == "/news":
                 self.stream(self._news)
             else:
-                self._answer({**self.server.state(), "file": self._name, "schema": json_schema()})
+                self._answer({**self.server.state(), "schema": json_schema()})
 
     def do_POST(self) -> None:
         """Do what a window asks for; answer with the case as it is then."""
@@ -162,36 +179,40 @@ class EditHandler(GuardedHandler):
             self.event("case", json.dumps(state, allow_nan=False, separators=(",", ":")))
 
 
-def _shown(document: Document) -> dict[str, Any]:
+def _shown(document: Document, checked: Checked | None) -> dict[str, Any]:
     """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
-    trouble, content, literals = document.trouble, None, {}
-    places: Places | None = None
+    content, literals, file = None, {}, str(document.path)
     with suppress(CaseError):
         places = document.places
-        content = _plain(case_text.parse(document.text, str(document.path)))
+        content = _plain(case_text.parse(document.text, file))
         literals = {
             json.dumps(place, ensure_ascii=False, separators=(",", ":")): raw
             for place, one in places.values.items()
             if (raw := document.text[one.start : one.end])[0] not in "\"'[{tf"
         }
-    faults = [
-        {
-            "what": one.what,
-            "remedy": one.remedy,
-            "place": one.place,
-            "at": one.at,
-            "line": places.line(one.place) if places and one.place else None,
-        }
-        for one in (trouble.faults if trouble else ())
-    ]
+    trouble = document.trouble
+    if trouble is not None:
+        where = trouble.where.removeprefix(f"{file}: ")
+        said = Checked(
+            text=document.text,
+            file=file,
+            content=content or {},
+            faults=trouble.faults,
+            where=where,
+        )
+    elif checked is not None and checked.text == document.text:
+        said = checked
+    else:
+        said = Checked(text=document.text, file=file, content=content or {})
     return {
+        **said.as_dict(),
+        "checked": said is checked,
+        "refused_as_case": trouble is not None,
         "content": content,
         "literals": literals,
         "version": document.version,
         "text": document.text,
-        "faults": faults,
-        "refusal": str(trouble or ""),
-        "steps": document.steps,
+        "undo": document.steps,
         "unsaved": document.unsaved,
         "conflict": document.conflict,
     }
@@ -212,8 +233,9 @@ def _plain(value: Any) -> Any:
 def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
     """Serve the window of a case file until Ctrl-C; ``say`` gets its address."""
     server, stop = EditServer(at, path), threading.Event()
-    watcher = threading.Thread(target=server.watch, args=(stop,))
-    watcher.start()
+    threads = [threading.Thread(target=one, args=(stop,)) for one in (server.watch, server.judge)]
+    for one in threads:
+        one.start()
     try:
         say(server.address)
         server.serve_forever(0.1)
@@ -221,5 +243,6 @@ def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
         pass
     finally:
         stop.set()
-        watcher.join()
+        for one in threads:
+            one.join()
         server.server_close()

@@ -79,7 +79,7 @@ def test_a_value_is_changed_marked_mended_and_undone(window):
     assert page.evaluate("document.activeElement.selectionStart") == 2
     assert "9" in file.read_text("utf-8")
     table(page, "time")
-    page.click("#faults button")  # leads to the field
+    page.click("#faults .fault")  # leads to the field
     assert page.evaluate("document.activeElement.value") == "95"
     page.keyboard.press("Home")
     page.keyboard.press("Delete")
@@ -87,9 +87,12 @@ def test_a_value_is_changed_marked_mended_and_undone(window):
     page.keyboard.type(".5")  # 5.5, typed into the field that kept the cursor
     assert friction.input_value() == "5.5"
     saved(page, file, old.replace("friction_angle = 38.0 ", "friction_angle = 5.5 "))
+    page.keyboard.press("Control+z")  # what was typed since the field was left
+    until(page, "clastEditor.state.content.joint.bedding.friction_angle === 95")
     page.keyboard.press("Control+z")
     saved(page, file, old)
     assert friction.input_value() == "38.0"
+    page.click("#redo")
     page.click("#redo")
     saved(page, file, old.replace("friction_angle = 38.0 ", "friction_angle = 5.5 "))
 
@@ -131,7 +134,7 @@ def test_tables_are_added_and_removed(window):
     page, file = window("slope")
     page.select_option(".add-table", "measured_point")
     until(page, "clastEditor.state.content.measured_point.length === 2")
-    assert page.text_content("nav [aria-current]").strip() == "2"
+    assert page.text_content("nav [aria-current]").strip().startswith("2")
     field(page, "MeasuredPoint.name").fill("toe")
     until(page, 'clastEditor.state.content.measured_point[1].name === "toe"')
     page.click(".form >> text=remove")
@@ -153,9 +156,9 @@ def test_a_slider_moves_the_value_as_one_step(window):
 
 def test_the_text_is_typed_and_a_change_by_others_appears(window):
     page, file = window("slope")
-    page.click("summary")
+    page.click("#toml summary")
     page.fill("#text", TEMPLATES["slope"].replace("38.0", "38.0 ]"))
-    until(page, "clastEditor.state.content && clastEditor.state.refusal.includes('line 29')")
+    until(page, "clastEditor.state.faults[0]?.line === 29")
     assert "line 29" in page.text_content("#faults")
     page.fill("#text", TEMPLATES["slope"].replace("38.0", "33.0"))
     saved(page, file, TEMPLATES["slope"].replace("38.0", "33.0"))

@@ -4,7 +4,7 @@ import { showForms, tableAt } from "./form.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
-const state = { schema: null, content: {}, literals: {}, faults: [], chosen: [], stamp: -1 };
+const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 let hand = null, typing = 0;
 
 async function ask(path, body) {
@@ -25,13 +25,16 @@ function show(answer) {
 
 function draw() {
   showForms($("forms"), { ...state, hand, choose });
-  $("undo").disabled = !state.steps[0];
-  $("redo").disabled = !state.steps[1];
-  const count = state.faults.length;
+  $("undo").disabled = !state.undo[0];
+  $("redo").disabled = !state.undo[1];
+  const count = state.faults.length, told = `${count} ${count === 1 ? "fault" : "faults"}`;
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
-    : count ? `not saved: ${count} ${count > 1 ? "faults" : "fault"}` : "not saved yet";
-  $("saved").textContent = [saved, state.trouble, state.refused].filter(Boolean).join(" - ");
-  $("faults").replaceChildren(...state.faults.map(faultButton));
+    : state.refused_as_case ? `not saved: ${told}` : "not saved yet";
+  const size = state.blocks === null ? "" : `${state.blocks} blocks, some ${state.steps} steps`;
+  $("saved").textContent = [saved, size, state.trouble, state.refused].filter(Boolean).join(" - ");
+  $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
+  $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
+  $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
   $("conflict").hidden = state.conflict === null;
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
   const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
@@ -44,10 +47,13 @@ function draw() {
   }));
 }
 
-function faultButton(fault) {
-  const button = document.createElement("button"), where = fault.place.map((part) => (typeof part === "number" ? part + 1 : part)).join(".");
-  button.textContent = fault.place.length ? `${where}: ${fault.what}. ${fault.remedy}` : state.refusal;
-  button.addEventListener("click", () => goTo(fault.place));
+/** A fault, a warning or a note, which leads to its field. */
+function remark(one, kind) {
+  const button = document.createElement("button");
+  button.className = kind;
+  button.textContent = [one.where, [one.what, one.remedy].filter(Boolean).join(". ")].filter(Boolean).join(": ");
+  button.disabled = !one.place.length;
+  button.addEventListener("click", () => goTo(one.place));
   return button;
 }
 
@@ -90,7 +96,7 @@ async function listen() {
 export async function main() {
   hand = new Hand(ask, show);
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
-  $("file").textContent = state.file;
+  $("file").textContent = state.file.split(/[\\/]/).at(-1);
   $("undo").addEventListener("click", () => hand.undo());
   $("redo").addEventListener("click", () => hand.redo());
   $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
