@@ -220,7 +220,7 @@ REACH = """async () => {
       look();
     }
   };
-  set(document.querySelector(".level select"), "rare");
+  set(document.querySelector(".level select"), "more");
   for (const name of all("nav [data-table]").map((one) => one.dataset.table)) {
     document.querySelector(`nav [data-table=${CSS.escape(name)}]`)?.click();
     await explore();

@@ -5,7 +5,7 @@ const { html, render, useState, useRef } = htmPreact;
 const key = (place) => JSON.stringify(place);
 const startsWith = (place, above) => above.every((part, i) => place[i] === part);
 const at = (content, place) => place.reduce((inner, part) => inner?.[part], content);
-const LEVELS = ["basic", "more", "rare"];
+const LEVELS = ["basic", "more"];
 let gestures = 0;
 
 /**
@@ -150,7 +150,11 @@ function Faults({ ctx, place }) {
 function Rows({ ctx, place, node, value = {}, known = node.properties }) {
   const met = useRef(new Set()); // a row whose last letter is deleted stays while its table is looked at
   const needed = node.required ?? [], strange = Object.keys(value).filter((name) => !(name in known));
-  const levelOf = ([name, one]) => (name in value || needed.includes(name) || ctx.faults.some(({ place: where }) => startsWith(where, [...place, name])) ? 0 : LEVELS.indexOf(one["x-clast"]?.level ?? "more"));
+  const applies = (when) => when && Object.entries(when).every(([name, values]) => values.includes(value[name] ?? node.properties[name]?.default));
+  const levelOf = ([name, { "x-clast": notes = {} }]) => {
+    const isNear = name in value || needed.includes(name) || ctx.faults.some((fault) => startsWith(fault.place, [...place, name]));
+    return isNear || applies(notes.when) ? 0 : LEVELS.indexOf(notes.level ?? "more");
+  };
   const rows = Object.entries(node.properties).filter((row) => levelOf(row) <= ctx.level || met.current.has(row[0]));
   for (const [name] of rows) if (name in value) met.current.add(name);
   return html`<div class="rows">${rows.map(([name, one]) => html`<${Row} key=${name} ctx=${ctx} place=${[...place, name]} one=${one}
