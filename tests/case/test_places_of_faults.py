@@ -125,7 +125,9 @@ def test_words_lead_to_keys(words, place):
 
 
 def test_stresses_and_accelerations_are_no_points():
-    assert points_in("gravity is (0, 9.8) m/s2 and (-1e3, 2) Pa at (1.5, -2e3)") == ((1.5, -2e3),)
+    assert points_in("gravity is (0, 9.8) m/s2, (-1e3, 2) Pa, (1, 0) m at (1.5, -2e3)") == (
+        (1.5, -2e3),
+    )
 
 
 def test_points_of_a_value_are_those_of_the_file():

@@ -2,12 +2,34 @@
 
 from __future__ import annotations
 
-from clast.cli.options import CaseFile
+from typing import Annotated
+
+import typer
+
+from clast.cli.options import CaseFile, Settings
 from clast.cli.terminal import say
+from clast.errors import CaseError
+
+HERE = ("127.0.0.1", 0)
+"""This machine alone, and a port that is free."""
 
 
-def edit(case: CaseFile) -> None:
+def edit(
+    case: CaseFile,
+    view: Annotated[
+        bool, typer.Option("--view", help="Show the section only, beside another text editor.")
+    ] = False,
+    settings: Settings = None,
+) -> None:
     """Edit a case file in a browser on this machine: forms, its text, faults at their fields."""
+    if view:
+        from clast.editor.view import view as look_on
+
+        look_on(case, HERE, lambda address: say(f"view: {address}"), settings or ())
+        return
+    if settings:
+        remedy = "change the value in the window, or look on with --view"
+        raise CaseError("is for runs and views", where="--set", remedy=remedy)
     from clast.editor.server import edit as serve
 
-    serve(case, ("127.0.0.1", 0), lambda address: say(f"edit: {address}"))
+    serve(case, HERE, lambda address: say(f"edit: {address}"))

@@ -18,8 +18,8 @@ from clast.inputs.declaring.annotations import geometry_of
 from clast.inputs.declaring.validation_messages import Own, field_at, keys_of, table_in
 
 NUMBER = r"-?\d+(?:\.\d*)?(?:e[-+]?\d+)?"
-POINT = re.compile(rf"\(({NUMBER}), ({NUMBER})\)(?! (?:m/s2|Pa)\b)")
-"""A point as messages write it, and no stress or acceleration."""
+POINT = re.compile(rf"\(({NUMBER}), ({NUMBER})\)(?! (?:m|Pa)\b)")
+"""A point as messages write it, and no stress, displacement, velocity or acceleration."""
 LABEL = re.compile(r"\[{0,2}([a-z_]+(?: [a-z_]+)*)\]{0,2}(?: (\d+))?(?: '([^']*)')?")
 """Words of a table, its number, its name."""
 KEY = re.compile(r"(?:, |: | |\.)(?:number )?(\w+)(?: '([^']*)')?")
@@ -69,7 +69,7 @@ def points_at(place: Place, content: Mapping[str, Any], case: type[BaseModel]) -
     for depth in range(len(place), 0, -1):
         value = _value(place[:depth], content)
         known = field_at(case, place[:depth]) if isinstance(place[depth - 1], str) else None
-        if known is not None and geometry_of(known) and (found := _points(value)):
+        if known is not None and geometry_of(known) and (found := points_of(value)):
             return found
         table = _table_class(place[:depth], case)
         if isinstance(value, dict) and table is not None:
@@ -215,10 +215,10 @@ def _value(place: Place, content: Mapping[str, Any]) -> Any:
 
 def _of_key(key: str, field: Any, value: Mapping[str, Any]) -> Points:
     """Return the points of one key of a table."""
-    return _points(value.get(field.alias or key)) if geometry_of(field) else ()
+    return points_of(value.get(field.alias or key)) if geometry_of(field) else ()
 
 
-def _points(value: Any) -> Points:
+def points_of(value: Any) -> Points:
     """Return the points of a value of the file, () where it has others or none."""
     if not isinstance(value, list | tuple) or not value:
         return ()

@@ -52,7 +52,7 @@ SCRIPTS = (
 """Modules of the page, each after those that it imports."""
 BUDGET = 12e6
 """Bytes of contacts and joints before they are compressed, unless another number is asked for."""
-IMPORT = re.compile(r"^import (\{[^}]*\}) from \"\./(\w+)\.js\";$", re.MULTILINE)
+IMPORT = re.compile(r"^import (\{[^}]*\}) from \"\.[\w./]*/(\w+)\.js\";$", re.MULTILINE)
 EXPORT = re.compile(r"^export ((?:const|function|class|async function) (\w+))", re.MULTILINE)
 
 

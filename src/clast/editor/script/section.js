@@ -1,0 +1,234 @@
+// The section of a case: its blocks and all that lies on them, drawn as the page of a run does; marks of faults and notes.
+
+import { coloursOf } from "../../pictures/page/script/colouring.js";
+import { RunData } from "../../pictures/page/script/data.js";
+import { drawBlocks } from "../../pictures/page/script/draw_canvas.js";
+import { LAYERS, drawChosen, drawScaleBar, layersOf } from "../../pictures/page/script/layers.js";
+import { fillLegend } from "../../pictures/page/script/legend.js";
+import { CanvasPen } from "../../pictures/page/script/pens.js";
+import { View, followPointers } from "../../pictures/page/script/view.js";
+
+const LIGHT = { paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", chosen: "#d81b60", line: "#262626" };
+const DARK = { paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", chosen: "#ff6fa3", line: "#0b0c0d" };
+const MARKS = { fault: "#d32f2f", warning: "#ef7d00", note: "#1f6fb4" };
+const NEAR = 9;
+/** How far from a mark a click still means it, pixels. */
+const SHOWN = ["bolts", "points", "excavated", "water", "surcharge", "links", "axes"];
+/** Layers that are on at first. */
+const STEP = 40;
+
+/** Draws a case within an element; ``asked`` is called with the mark that somebody clicks on. */
+export class Section {
+  /** @param {HTMLElement} root @param {(mark: any) => void} asked */
+  constructor(root, asked) {
+    root.innerHTML = `<div class="stage"><div class="legend"><div class="entries"></div><details><summary>Layers</summary><div class="layers"></div></details></div>
+      <div class="canvases"><canvas aria-hidden="true"></canvas><canvas tabindex="0" role="img" aria-label="Drawing of the case. Arrows move it, plus and minus zoom, 0 shows all."></canvas>
+      <output class="place"></output><p class="old" hidden>The blocks are those before the faults.</p></div></div>`;
+    this.root = root;
+    this.asked = asked;
+    [this.below, this.above] = root.querySelectorAll("canvas");
+    this.view = new View();
+    this.run = null;
+    this.origin = null;
+    this.lines = [];
+    this.marks = [];
+    this.lit = null;
+    this.state = { frame: 0, field: "rock", share: null, limits: null, layers: new Set(), chosen: -1, joint: null };
+    /** Layers that somebody has switched: whether they are on. */
+    this.wanted = new Map();
+    this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
+    followPointers(this.above, this.view, {
+      changed: () => this.changed(),
+      clicked: (x, y) => this.click(x, y),
+      over: (x, y) => this.tellPlace(x, y),
+      ruled: () => null,
+    });
+    this.above.addEventListener("keydown", (event) => this.press(event));
+    new ResizeObserver(() => this.resize()).observe(this.above.parentElement);
+    this.resize();
+  }
+
+  /**
+   * Show what is found in a case: a scene, or the lines of the file where there is none.
+   * @param {any} news what section.py made @param {any[]} marks each with ``kind`` and ``at``
+   */
+  async show(news, marks) {
+    const isFirst = this.origin === null;
+    const before = this.run && JSON.stringify([this.run.scene.vertices, this.origin]);
+    if (news.scene) {
+      const run = new RunData(news.scene);
+      await run.decode();
+      this.run = run;
+      this.origin = news.scene.origin;
+      this.fillLayers();
+    } else if (!this.run) {
+      this.origin = news.lines.flatMap(({ points }) => points)[0] ?? this.origin;
+    }
+    this.lines = news.scene ? [] : news.lines;
+    this.marks = marks;
+    this.lit = null;
+    if (this.state.chosen >= (this.run?.blockCount ?? 0)) this.state.chosen = -1;
+    this.root.querySelector(".old").hidden = Boolean(news.scene) || !this.run;
+    if (this.origin && (isFirst || (this.view.box && before !== JSON.stringify([this.run?.scene.vertices, this.origin])))) this.fit();
+    this.kept = null;
+    this.changed();
+  }
+
+  /** Light a mark up, or none; bring it into sight if that is asked for. */
+  light(mark, bring = false) {
+    this.lit = mark;
+    if (bring && mark?.at.length) {
+      const [xs, ys] = [0, 1].map((k) => mark.at.map((point) => point[k] - this.origin[k]));
+      const [x, y] = [xs, ys].map((some) => 0.5 * (Math.min(...some) + Math.max(...some)));
+      const isSeen = (px, py) => px > 0 && py > 0 && px < this.view.width && py < this.view.height;
+      if (!xs.every((_, k) => isSeen(this.view.screenX(xs[k]), this.view.screenY(ys[k])))) {
+        this.view.pan(this.view.screenX(this.view.x) - this.view.screenX(x), this.view.screenY(this.view.y) - this.view.screenY(y));
+      }
+    }
+    this.changed();
+  }
+
+  /** Show all that is drawn. */
+  fit() {
+    const box = this.run && !this.lines.length ? this.run.boxOf(this.run.start) : [Infinity, Infinity, -Infinity, -Infinity];
+    const around = this.lines.length ? this.lines.flatMap(({ points }) => points).map((point) => this.local(point)) : (this.run?.surroundings ?? []);
+    for (const [x, y] of around) {
+      [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
+    }
+    if (box.every(Number.isFinite)) this.view.fit(...box);
+    this.changed();
+  }
+
+  // --- hands ---------------------------------------------------------------------------------
+
+  press(event) {
+    const moves = {
+      "+": () => this.view.zoom(1.25),
+      "=": () => this.view.zoom(1.25),
+      "-": () => this.view.zoom(0.8),
+      0: () => this.fit(),
+      ArrowLeft: () => this.view.pan(STEP, 0),
+      ArrowRight: () => this.view.pan(-STEP, 0),
+      ArrowUp: () => this.view.pan(0, STEP),
+      ArrowDown: () => this.view.pan(0, -STEP),
+      Escape: () => (this.state.chosen = -1),
+    };
+    if (!(event.key in moves)) return;
+    event.preventDefault();
+    moves[event.key]();
+    this.changed();
+  }
+
+  click(x, y) {
+    const mark = this.marks.find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
+    if (mark) return this.asked(mark);
+    this.state.chosen = this.run ? this.run.blockAt(0, this.view.worldX(x), this.view.worldY(y)) : -1;
+    this.tellPlace(x, y);
+    this.changed();
+  }
+
+  /** Tell the coordinates of the case below the pointer, and the block that is chosen. */
+  tellPlace(x, y) {
+    if (!this.origin) return;
+    const digits = Math.max(0, Math.min(6, Math.ceil(Math.log10(this.view.scale))));
+    const [east, up] = [this.view.worldX(x) + this.origin[0], this.view.worldY(y) + this.origin[1]].map((one) => one.toFixed(digits).replace("-", "−"));
+    const { run, state: { chosen } } = this;
+    const block = chosen < 0 ? "" : `block ${run.scene.blocks[chosen]}, ${run.scene.rocks[run.scene.rock[chosen]]}, ${Number(run.area[chosen].toPrecision(4))} m²${run.fixed[chosen] ? ", fixed" : ""}; `;
+    this.root.querySelector(".place").textContent = `${block}x ${east} m, y ${up} m`;
+  }
+
+  fillLayers() {
+    const known = layersOf(this.run);
+    this.state.layers = new Set(known.filter((name) => this.wanted.get(name) ?? SHOWN.includes(name)));
+    const place = this.root.querySelector(".layers");
+    const names = known.filter((name) => !["before", "displacements", "velocities", "crosses"].includes(name));
+    place.replaceChildren(...names.map((name) => {
+      const label = document.createElement("label");
+      const box = document.createElement("input");
+      Object.assign(box, { type: "checkbox", value: name, checked: this.state.layers.has(name) });
+      box.addEventListener("change", () => {
+        this.wanted.set(name, box.checked);
+        this.state.layers[box.checked ? "add" : "delete"](name);
+        this.changed();
+      });
+      label.append(box, ` ${LAYERS[name].label}`);
+      return label;
+    }));
+  }
+
+  // --- drawing -------------------------------------------------------------------------------
+
+  local(point) {
+    return [point[0] - this.origin[0], point[1] - this.origin[1]];
+  }
+
+  screen(point) {
+    const [x, y] = this.local(point);
+    return [this.view.screenX(x), this.view.screenY(y)];
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.above.parentElement;
+    if (!width || !height) return;
+    this.view.resize(width, height);
+    const dots = Math.min(2, devicePixelRatio || 1);
+    for (const canvas of [this.below, this.above]) [canvas.width, canvas.height] = [Math.round(width * dots), Math.round(height * dots)];
+    this.kept = null;
+    this.changed();
+  }
+
+  /** Draw soon; many changes at once are drawn once. */
+  changed() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const { view, run, theme, state } = this;
+    const seen = { run, view, theme, state, scale: null, frame: 0 };
+    // blocks are drawn again only where they or the view have changed
+    const where = `${view.x},${view.y},${view.scale}`;
+    if (this.kept !== where) {
+      this.kept = where;
+      const pen = this.penOf(this.below, theme.paper);
+      if (run) drawBlocks(pen, run, view, 0, coloursOf(run, state)[0], theme);
+      if (run) fillLegend(this.root.querySelector(".entries"), seen);
+    }
+    const pen = this.penOf(this.above);
+    if (run) {
+      for (const name of layersOf(run)) if (state.layers.has(name)) LAYERS[name].draw(pen, seen);
+      if (state.chosen >= 0) drawChosen(pen, seen);
+      drawScaleBar(pen, seen);
+    }
+    if (!this.origin) return;
+    for (const { geometry, points } of this.lines) this.drawPoints(pen, geometry, points, theme.ink, 1.2);
+    for (const mark of [...this.marks].reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
+    this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
+  }
+
+  penOf(canvas, paper = "") {
+    const context = canvas.getContext("2d", { willReadFrequently: true });
+    const dots = canvas.width / this.view.width;
+    context.setTransform(dots, 0, 0, dots, 0, 0);
+    if (paper) context.fillStyle = paper;
+    context[paper ? "fillRect" : "clearRect"](0, 0, this.view.width, this.view.height);
+    return new CanvasPen(context);
+  }
+
+  drawPoints(pen, geometry, points, colour, width) {
+    if (geometry === "point") return points.forEach((point) => pen.circle(...this.screen(point), 3.5, this.theme.paper, colour));
+    const closed = geometry === "polygon" ? [...points, points[0]] : points;
+    pen.lines([closed.flatMap((point) => this.screen(point))], colour, width);
+  }
+
+  /** Draw the points of a mark, and lines between them where they are one. */
+  drawMark(pen, { at, isLine }, colour, width) {
+    if (isLine) pen.lines([at.flatMap((point) => this.screen(point))], this.theme.paper, width + 3);
+    if (isLine) pen.lines([at.flatMap((point) => this.screen(point))], colour, width);
+    else at.forEach((point) => pen.circle(...this.screen(point), 3 + width, colour, this.theme.paper));
+  }
+}
