@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array, eye_array
 
 from clast.compute.compilation import Stages
+from clast.linear.opening_joints import Channels, OpeningJoints
 from clast.minimise.joint_water import WetPotential, with_water
 from clast.minimise.newton import Newton
-from clast.model.flow.opening_joints import OpeningJoints
 from scenes.block_matrices import dense
 from scenes.potentials import at_rest, caught, strengthened, work
 from scenes.systems import wall
@@ -23,13 +22,15 @@ def wet(seed: int) -> WetPotential:
     """Return the potential of a wall with springs of all kinds, and nodes that its blocks open."""
     potential = strengthened(caught(wall(3, 4), 5e9, 1e-3, 1e-3)[0], seed)
     rng, blocks = np.random.default_rng(seed), len(potential.fixed)
-    volumes = rng.normal(size=(NODES, 6 * blocks)) * (rng.random((NODES, 6 * blocks)) < 0.2)
-    chain = np.diag(np.full(NODES, 2.0)) - np.eye(NODES, k=1) - np.eye(NODES, k=-1)
+    node, block = np.nonzero(rng.random((NODES, blocks)) < 0.5)
+    ends = np.stack([np.arange(NODES - 1), np.arange(1, NODES)], axis=1)
     low, high = np.zeros(NODES), np.full(NODES, np.inf)
     low[0] = high[0] = 1e4
     water = OpeningJoints(
-        volumes=csr_array(volumes),
-        matrix=csr_array(1e-10 * chain + 1e-11 * eye_array(NODES).toarray()),
+        channels=Channels.of(NODES, ends, node, block),
+        rows=rng.normal(size=(len(node), 6)) * (rng.random((len(node), 6)) < 0.5),
+        between=np.full(NODES - 1, 1e-10),
+        own=np.full(NODES, 2.1e-10),
         known=1e-6 * rng.normal(size=NODES),
         low=low,
         high=high,
@@ -59,9 +60,11 @@ def test_newtons_direction_solves_the_hessian_with_the_water_in_it(seed):
     point = potential.at(somewhere(potential, seed))
     matrix = dense(potential.hessian(point))
     found = potential.water.pressures(potential.water.opened(point.unknowns))
-    opens = potential.water.volumes.toarray()[found.free]
-    opens = opens * np.repeat(~potential.fixed, 6)
-    stored = potential.water.matrix.toarray()[np.ix_(found.free, found.free)]
+    nodes = np.eye(NODES)
+    opens = np.array([potential.water.forces(one, len(potential.fixed)).ravel() for one in nodes])
+    opens = opens[found.free] * np.repeat(~potential.fixed, 6)
+    held = np.array([potential.water.held(one) for one in nodes])
+    stored = held[np.ix_(found.free, found.free)]
     matrix = matrix + opens.T @ np.linalg.solve(stored, opens)
     known = np.linalg.solve(matrix, point.residual.ravel()).reshape(-1, 6)
     known[potential.fixed] = 0.0
@@ -92,6 +95,6 @@ def test_newtons_method_comes_to_the_one_minimum_from_anywhere():
         point, _ = newton.descend(potential, start, tolerance, work(), lambda at: at)
         ends.append(point.unknowns)
     assert ends[0] == pytest.approx(ends[1], abs=1e-6 * np.abs(ends[0]).max())
-    dry = replace(potential, water=replace(potential.water, volumes=0.0 * potential.water.volumes))
+    dry = replace(potential, water=replace(potential.water, rows=0.0 * potential.water.rows))
     still, _ = newton.descend(dry, at_rest(dry), tolerance, work(), lambda at: at)
     assert np.abs(still.unknowns - ends[0]).max() > 1e-3 * np.abs(ends[0]).max()

@@ -20,8 +20,8 @@ from clast.block.displacement import basis, movements
 from clast.block.inertia import BlockFrames
 from clast.block.rotation import Exact, RotationRule
 from clast.contact.clipped_spring import Springs
+from clast.linear.opening_joints import OpeningJoints
 from clast.linear.system import stretches
-from clast.model.flow.opening_joints import OpeningJoints
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
 

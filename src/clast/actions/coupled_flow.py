@@ -45,17 +45,17 @@ from clast.actions.openings import (
     gap_rows,
     lengths_at,
     shares_in_wedges,
-    shares_of_nodes,
+    volumes_of,
 )
 from clast.actions.water import sums_on_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.guesses import Guesses
+from clast.linear.opening_joints import Channels, OpeningJoints, Pressures, pushed
 from clast.model.arrays import Bools, Floats, Ints, no_floats
 from clast.model.flow.apertures import at_start, conductance, hydraulic
 from clast.model.flow.balance import GIVEN, SEEPAGE, Solved
 from clast.model.flow.channels import Network
 from clast.model.flow.conditions import Conditions
-from clast.model.flow.opening_joints import OpeningJoints, Pressures
 from clast.model.model import Model
 from clast.model.state import Ledger
 
@@ -112,10 +112,9 @@ class Flowing:
     conditions: Conditions
     step: float
     """h, s; 0: no time passes."""
-    gaps: Any
-    """Opening of the ends of channels by d, sparse, (2 k, 6 n)."""
-    shares: Any
-    """Linear shares of nodes in it, m, sparse, (m, 2 k)."""
+    gaps: Floats
+    """Opening of the ends of channels by d of their blocks, (k, end, side, 6)."""
+    channels: Channels
     length: Floats
     """Length of channels, m, shape (k,)."""
     aperture: Floats
@@ -208,7 +207,7 @@ class CoupledFlow(Action):
             conditions=conditions,
             step=state.since.length,
             gaps=gap_rows(network, midway.vertices, after, midway.centroid),
-            shares=shares_of_nodes(network, length),
+            channels=channels_of(network),
             length=length,
             aperture=state.aperture,
             conductance=state.conductance,
@@ -243,9 +242,12 @@ class CoupledFlow(Action):
                 raise StepRejected(StepOutcome.NOT_CONVERGED, "apertures and pressures of joints")
             return None
         guesses = flowing.guesses.with_one(
-            np.log(flowing.aperture).ravel(), np.log(aperture).ravel()
+            np.concatenate([np.log(flowing.aperture).ravel(), flowing.falls / largest]),
+            np.concatenate([np.log(aperture).ravel(), falls / largest]),
         )
-        aperture = np.exp(guesses.next_guess()).reshape(aperture.shape)
+        guess = guesses.next_guess()
+        aperture = np.exp(guess[: aperture.size]).reshape(aperture.shape)
+        falls = largest * guess[aperture.size :]
         renewed = replace(
             flowing,
             aperture=aperture,
@@ -310,7 +312,7 @@ def begun(model: Model, time: float) -> CoupledWater:
 def _coupled(model: Model, water: JointWater, opening: Floats) -> CoupledWater:
     """Return water in joints of mechanical apertures (k, 2), m, at the start of an increment."""
     solved, count = water.solved, water.network.count
-    volume = volumes_of(model, water.network, opening, water.network.length)
+    volume = volumes_at(model, water.network, opening, water.network.length)
     void = np.zeros(count) if flow_of(model).confined else volume * (1.0 - solved.saturation)
     of_flow = {one.name: getattr(water, one.name) for one in fields(JointWater)}
     return CoupledWater(
@@ -326,18 +328,24 @@ def _coupled(model: Model, water: JointWater, opening: Floats) -> CoupledWater:
     )
 
 
-def volumes_of(model: Model, network: Network, opening: Floats, length: Floats) -> Floats:
+def channels_of(network: Network) -> Channels:
+    """Return the channels of a network, each opened in four places: two ends, two blocks."""
+    node = np.repeat(network.node, 2, axis=1).ravel()
+    return Channels.of(network.count, network.node, node, np.tile(network.block, (1, 2)).ravel())
+
+
+def volumes_at(model: Model, network: Network, opening: Floats, length: Floats) -> Floats:
     """Return the volumes of nodes, m2, (m,), with mechanical apertures (k, 2) and lengths (k,)."""
     least = hydraulic(model, network, np.zeros(opening.shape))
-    return np.asarray(shares_of_nodes(network, length) @ np.maximum(opening, least).ravel())
+    return volumes_of(network, length, np.maximum(opening, least))
 
 
 def opened_by(model: Model, flowing: Flowing, unknowns: Floats) -> tuple[Floats, Floats]:
     """Return mechanical apertures (k, 2), m, and volumes of nodes (m,), m2, after d (n, 6)."""
-    opened = np.asarray(flowing.gaps @ unknowns.ravel()).reshape(-1, 2)
+    network = flowing.before.network
+    opened = np.einsum("kesd,ksd->ke", flowing.gaps, unknowns[network.block])
     opening = flowing.before.opening + opened
-    least = hydraulic(model, flowing.before.network, np.zeros(opening.shape))
-    return opening, np.asarray(flowing.shares @ np.maximum(opening, least).ravel())
+    return opening, volumes_at(model, network, opening, flowing.length)
 
 
 def energy_stored(model: Model, volume: Floats, pressure: Floats) -> float:
@@ -408,15 +416,9 @@ def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) ->
 
 def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> CoupledContribution:
     """Return the contribution of water with its conductances, and of that on outer faces."""
-    from scipy.sparse import coo_array, diags_array
-
     flow, on, since, h = flow_of(model), flowing.conditions, flowing.before.since, flowing.step
     elastic, count = flowing.volume / flow.bulk_modulus, len(flowing.volume)
-    first, second = flowing.node.T
-    value = h * flowing.conductance
-    place = np.concatenate([first, second]), np.concatenate([second, first])
-    between = coo_array((np.tile(-value, 2), place), shape=(count, count))
-    own = elastic + np.bincount(first, value, count) + np.bincount(second, value, count)
+    between = h * flowing.conductance
     run = flowing.net_out(flowing.conductance * flowing.falls)
     known = elastic * since.pressure + h * (on.inflow - run) - since.void - since.opened
     low = np.full(count, -np.inf if flow.confined else 0.0)
@@ -427,17 +429,17 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
         np.where(given, on.pressure, high),
     )
     acting = np.clip(flowing.before.solved.pressure, low, high)
-    shares, own_weight = _in_wedges(model, flowing)
-    volumes = (shares @ flowing.gaps).tocsr()
+    rows, uneven = _in_wedges(model, flowing)
     water = OpeningJoints(
-        volumes=volumes,
-        matrix=(between + diags_array(own)).tocsr(),
+        channels=flowing.channels,
+        rows=rows,
+        between=between,
+        own=elastic + np.bincount(flowing.node.ravel(), np.repeat(between, 2), count),
         known=known,
         low=low,
         high=high,
         acting=acting,
     )
-    uneven = (flowing.gaps.T @ own_weight).reshape(-1, 6)
     pushes = water.forces(acting, len(uneven)) + uneven
     block = np.flatnonzero(pushes.any(axis=1))
     return CoupledContribution(
@@ -450,18 +452,21 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
     )
 
 
-def _in_wedges(model: Model, flowing: Flowing) -> tuple[Any, Floats]:
-    """Return the shares of nodes, sparse, (m, 2 k), and the forces that gravity adds, (2 k,).
+def _in_wedges(model: Model, flowing: Flowing) -> tuple[Floats, Floats]:
+    """Return how places open nodes, (4 k, 6), and the forces that gravity adds to those, (n, 6).
 
     Between nodes the head is that of a wedge, and the pressure what its weight leaves of that.
     """
-    flow, node = flow_of(model), flowing.node
+    network, node = flowing.before.network, flowing.node
     within = shares_in_wedges(flowing.aperture)
     within = np.where(flowing.wet[:, None, None], within, LINEAR)
-    height = flowing.before.network.at[node, 1]
-    added = np.einsum("ken,kn->ke", within - LINEAR, flow.weight * height)
-    shares = shares_of_nodes(flowing.before.network, flowing.length, within)
-    return shares, (flowing.length[:, None] * added).ravel()
+    height = network.at[node, 1]
+    added = np.einsum("ken,kn->ke", within - LINEAR, flow_of(model).weight * height)
+    gaps = flowing.length[:, None, None, None] * flowing.gaps
+    rows = np.einsum("ken,kesd->knsd", within, gaps).reshape(-1, 6)
+    uneven = np.einsum("ke,kesd->ksd", added, gaps).reshape(-1, 6)
+    block = network.block.ravel()
+    return rows, pushed(block, uneven, np.ones(len(block)), model.block_count)
 
 
 def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, float, float]:

@@ -14,8 +14,6 @@ missing where aperture falls to an eleventh along 20 blocks, with these 0.1 %.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from clast.block.displacement import basis
@@ -29,28 +27,22 @@ NEARLY_EVEN = 0.1
 GAUSS = np.polynomial.legendre.leggauss(8)
 
 
-def gap_rows(network: Network, vertices: Floats, after: Ints, centroid: Floats) -> Any:
-    """Return by how much channels open at their ends by d, sparse, (2 k, 6 n): first, last, ...
+def gap_rows(network: Network, vertices: Floats, after: Ints, centroid: Floats) -> Floats:
+    """Return by how much channels open at their ends by d of their blocks, (k, end, side, 6).
 
     With blocks at ``vertices`` (nv, 2) and ``centroid`` (n, 2), m.
     """
-    from scipy.sparse import csr_array
-
     ends = faces_at(network, vertices, after).mean(axis=1)
     line = ends[:, 1] - ends[:, 0]
     along = line / np.hypot(*line.T)[:, None]
     # the first block lies to the left of the channel
     away = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    count, rows = len(ends), []
+    rows = []
     for side, sign in ((0, 1.0), (1, -1.0)):
         offset = ends - centroid[network.block[:, side]][:, None]
-        every = basis(offset.reshape(-1, 2)).reshape(count, 2, 2, 6)
+        every = basis(offset.reshape(-1, 2)).reshape(len(ends), 2, 2, 6)
         rows.append(sign * np.einsum("kx,kexd->ked", away, every))
-    value = np.concatenate(rows, axis=2).ravel()
-    column = 6 * network.block[:, None, :, None] + np.arange(6)
-    column = np.broadcast_to(column, (count, 2, 2, 6)).ravel()
-    first = np.arange(0, 24 * count + 1, 12)
-    return csr_array((value, column, first), shape=(2 * count, 6 * len(centroid)))
+    return np.stack(rows, axis=2)
 
 
 def shares_in_wedges(aperture: Floats) -> Floats:
@@ -72,18 +64,14 @@ def shares_in_wedges(aperture: Floats) -> Floats:
     return np.asarray(np.transpose(np.array(of_ends), (2, 0, 1)))
 
 
-def shares_of_nodes(network: Network, length: Floats, shares: Floats = LINEAR) -> Any:
-    """Return the share of nodes in the openings of the ends of channels, m, sparse, (m, 2 k).
+def volumes_of(network: Network, length: Floats, opening: Floats) -> Floats:
+    """Return the volumes of nodes, m2, (m,), with ``opening`` (k, 2), m, of channels.
 
-    ``length`` (k,) is that of the channels, m, and ``shares`` (k, end, node) are those within them.
+    ``length`` (k,) is that of the channels, m.
     """
-    from scipy.sparse import coo_array
-
-    end = np.arange(2 * len(length)).reshape(-1, 2, 1)
-    place = (*np.broadcast_arrays(network.node[:, None], end),)
-    value = np.broadcast_to(length[:, None, None] * shares, (len(length), 2, 2))
-    place = place[0].ravel(), place[1].ravel()
-    return coo_array((value.ravel(), place), shape=(network.count, end.size)).tocsr()
+    of_ends = length[:, None] * (opening @ LINEAR)
+    volumes = np.bincount(network.node.ravel(), of_ends.ravel(), network.count)
+    return np.asarray(volumes, np.float64)
 
 
 def lengths_at(network: Network, vertices: Floats, after: Ints) -> Floats:

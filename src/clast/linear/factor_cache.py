@@ -19,7 +19,7 @@ class FactorOfStep:
     """
 
     def __init__(self, solver: LinearSolver, patterns: Patterns | None = None) -> None:
-        self._solver, self._patterns = solver, patterns or Patterns()
+        self._solver, self.patterns = solver, patterns or Patterns()
         self._factor: Factorisation | None = None
         self._stiffness: tuple[Floats, ...] = ()
         self._pairs: Ints = np.zeros((0, 2), np.int64)
@@ -61,7 +61,7 @@ class FactorOfStep:
         if self._factor is None or not same:
             solver = self._next_solver()
             self._iterated = self.iterations
-            self._factor = solver.factor(system, self._patterns)
+            self._factor = solver.factor(system, self.patterns)
             self._stiffness, self._pairs = stiffness, system.pairs
             self.factorised += 1
         self.solved += 1

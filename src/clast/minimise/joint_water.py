@@ -2,14 +2,14 @@
 
     E(d) + psi(V d),    -grad = -grad E + V^T p,    Hessian = K + V^T A^-1 V
 
-(model/flow/opening_joints.py).  A^-1 is full: Newton's direction comes from the system of
+(linear/opening_joints.py).  A^-1 is full: Newton's direction comes from the system of
 displacements and pressures,
 
     | K   -V^T | | dd |   | r |
     | -V   -A  | | dp | = | 0 |
 
-with the nodes that are free.  It is quasi-definite, so that it is factored without pivots in any
-order (Vanderbei 1995).  The water joins islands; they go along a line together.
+with the nodes that are free (linear/quasi_definite.py).  The water joins islands; they go along a
+line together.
 """
 
 from __future__ import annotations
@@ -22,12 +22,14 @@ import numpy as np
 from clast.compute.compilation import Stages
 from clast.compute.reductions import alike
 from clast.errors import StepOutcome, StepRejected
-from clast.linear import block_matrix
+from clast.linear import block_matrix, quasi_definite
+from clast.linear.block_matrix import multiply
 from clast.linear.factor_cache import FactorOfStep
+from clast.linear.opening_joints import OpeningJoints
+from clast.linear.pattern import Patterns, exact_pattern
 from clast.linear.system import BlockSystem
 from clast.minimise.line_search import common_length
 from clast.minimise.potential import Line, Point, Potential, Product
-from clast.model.flow.opening_joints import SYMMETRIC, OpeningJoints
 from clast.model.model import Bools, Floats
 
 
@@ -108,7 +110,8 @@ class WetPotential(Potential):
         known: _Factor | None = self.water.factors.blocks
         if known is None or not known.serves(stiffness, found.free):
             factor.factorised += 1
-            known = _Factor.of(self.hessian(point), self.water, stiffness, found.free)
+            system = self.hessian(point)
+            known = _Factor.of(system, self.water, point, found.free, factor.patterns)
             self.water.factors.blocks = known
         return known.solve
 
@@ -122,12 +125,11 @@ def sum_of_products(one: Floats, other: Floats) -> float:
 class _Factor:
     """The system of displacements and free pressures, factored."""
 
-    factor: Any
-    matrix: Any
-    count: int
-    """Unknowns of blocks."""
-    scale: Floats
-    """Unit of each unknown, shape (count + free,)."""
+    factor: tuple[Any, ...]
+    """The factor (linear/quasi_definite.py)."""
+    system: BlockSystem
+    """The part of blocks."""
+    water: OpeningJoints
     stiffness: tuple[Floats, Floats]
     """Normal and shear stiffness of the springs that it is made of, N/m per m, (s,) each."""
     free: Bools
@@ -142,64 +144,54 @@ class _Factor:
         cls,
         system: BlockSystem,
         water: OpeningJoints,
-        stiffness: tuple[Floats, Floats],
+        point: Point,
         free: Bools,
+        patterns: Patterns,
     ) -> _Factor:
         """Return the factor of a system and of the water at nodes that are ``free`` (m,)."""
-        from scipy.sparse import block_array, csc_array, diags_array
-        from scipy.sparse.linalg import splu
-
-        stiff = blocks_of(system)
-        count, some = stiff.shape[0], np.flatnonzero(free)
-        moves = np.repeat(~system.fixed, 6).astype(np.float64)
-        opens = water.volumes[some]
-        opens = csc_array((opens.data, opens.indices, opens.indptr), shape=opens.shape[::-1])
-        opens.resize((count, len(some)))
-        opens = diags_array(moves) @ opens
-        stored = water.matrix[some][:, some]
-        whole = block_array([[stiff, -opens], [-opens.T, -stored]], format="csr")
-        size = np.abs(whole.diagonal())
-        size[count:] += (opens.power(2).T @ (1.0 / size[:count])).ravel()
-        scale = 1.0 / np.sqrt(size)
-        scaled = (diags_array(scale) @ whole @ diags_array(scale)).tocsc()
-        try:
-            factor = splu(scaled, **SYMMETRIC)
-        except RuntimeError as error:
-            raise StepRejected(StepOutcome.SINGULAR, "blocks and water in joints") from error
-        return cls(
-            factor=factor,
-            matrix=scaled,
-            count=count,
-            scale=scale,
-            stiffness=stiffness,
-            free=free,
+        at, count = water.channels, len(system.fixed)
+        diagonal, upper, opens = water.matrices(free, system.fixed)
+        ground = np.zeros(at.groups, np.bool_)
+        whole = BlockSystem(
+            diagonal=np.concatenate([system.diagonal, -diagonal]),
+            pairs=np.concatenate(
+                [system.pairs, at.touched + np.array([0, count]), at.pairs + count]
+            ),
+            rows=system.rows,
+            upper=np.concatenate([system.upper, opens, -upper]),
+            fixed=np.concatenate([system.fixed, ground]),
+            force=system.force,
+            centroid=NOWHERE,
         )
+        pattern = patterns.of(whole, exact_pattern)
+        signs = np.concatenate([np.ones(count), -np.ones(at.groups)])
+        factor, bad = quasi_definite.factor(pattern, whole.diagonal, whole.upper, signs)
+        if bad >= 0:
+            raise StepRejected(StepOutcome.SINGULAR, "blocks and water in joints")
+        stiffness = point.forces.normal_stiffness, point.forces.shear_stiffness
+        return cls(factor=factor, system=system, water=water, stiffness=stiffness, free=free)
 
     def solve(self, force: Floats) -> Floats:
         """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""
-        right = np.zeros(len(self.scale))
-        right[: self.count] = force.ravel()
-        right *= self.scale
-        found = self.factor.solve(right)
-        found += self.factor.solve(right - self.matrix @ found)  # no pivots: once more
-        if not np.isfinite(found).all():
+        system, water, count = self.system, self.water, len(force)
+        place, none = water.channels.place, np.zeros((water.channels.groups, 6))
+        found = quasi_definite.solve(self.factor, np.concatenate([force, none]))
+        move, pressure = found[:count], found[count:].ravel()[place] * self.free
+        # no pivots: once more
+        stretched = multiply(system.diagonal, system.upper, system.pairs, system.rows, move)
+        pushed = water.forces(pressure, count)
+        pushed[system.fixed] = 0.0
+        left = water.opened(move) + water.held(pressure)
+        right = [force - stretched + pushed, water.by_groups(left, self.free)]
+        found = quasi_definite.solve(self.factor, np.concatenate(right))
+        move = move + found[:count]
+        if not np.isfinite(move).all():
             raise StepRejected(StepOutcome.NOT_FINITE)
-        return np.asarray((self.scale * found)[: self.count].reshape(force.shape))
+        return move
 
 
-def blocks_of(system: BlockSystem) -> Any:
-    """Return the matrix K of a system, sparse, shape (6 n, 6 n)."""
-    from scipy.sparse import bsr_array
-
-    count, pairs = len(system.diagonal), system.pairs
-    couple = ~(system.fixed[pairs[:, 0]] | system.fixed[pairs[:, 1]])
-    i, j = pairs[couple].T
-    upper, own = system.upper[couple], np.arange(count)
-    row, column = np.concatenate([own, i, j]), np.concatenate([own, j, i])
-    blocks = np.concatenate([system.diagonal, upper, upper.transpose(0, 2, 1)])
-    order = np.lexsort((column, row))
-    first = np.searchsorted(row[order], np.arange(count + 1))
-    return bsr_array((blocks[order], column[order], first), shape=(6 * count, 6 * count))
+NOWHERE = np.zeros((0, 2))
+"""Patterns with all fill do not depend on where blocks are."""
 
 
 def with_water(potential: Potential, water: OpeningJoints) -> WetPotential:

@@ -6,28 +6,28 @@ from itertools import product
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
 
+from clast.linear.opening_joints import Channels, OpeningJoints
 from clast.model.arrays import Floats
-from clast.model.flow.opening_joints import OpeningJoints
 
-COUNT = 6
+COUNT = 9
 
 
 def joints(seed: int, low: float = 0.0) -> tuple[OpeningJoints, Floats]:
     """Return nodes at random, one with a given pressure and one that gives water off."""
     rng = np.random.default_rng(seed)
-    matrix = np.diag(rng.uniform(0.1, 2.0, COUNT))
-    for i, j in zip(*np.triu_indices(COUNT, 1), strict=True):
-        c = rng.uniform(0.0, 3.0) * (rng.random() < 0.5)
-        matrix[[i, j], [i, j]] += c
-        matrix[[i, j], [j, i]] -= c
+    ends = np.stack(np.triu_indices(COUNT, 1), axis=1)
+    between = rng.uniform(0.0, 3.0, len(ends)) * (rng.random(len(ends)) < 0.5)
+    own = rng.uniform(0.1, 2.0, COUNT)
+    node, block = np.divmod(np.arange(2 * COUNT), 2)
     lows, highs = np.full(COUNT, low), np.full(COUNT, np.inf)
     lows[0] = highs[0] = 0.7
     highs[1] = 0.4
     water = OpeningJoints(
-        volumes=csr_array(rng.normal(size=(COUNT, 12))),
-        matrix=csr_array(matrix),
+        channels=Channels.of(COUNT, ends, node, block),
+        rows=rng.normal(size=(2 * COUNT, 6)),
+        between=between,
+        own=own + np.bincount(ends.ravel(), np.repeat(between, 2), COUNT),
         known=rng.normal(size=COUNT),
         low=lows,
         high=highs,
@@ -36,9 +36,14 @@ def joints(seed: int, low: float = 0.0) -> tuple[OpeningJoints, Floats]:
     return water, rng.normal(size=COUNT)
 
 
+def matrix_of(water: OpeningJoints) -> Floats:
+    """Return A, column by column."""
+    return np.array([water.held(one) for one in np.eye(len(water.own))]).T
+
+
 def tried(water: OpeningJoints, opened: Floats) -> Floats:
     """Return the pressures that keep all bounds, found by trying every set of nodes at them."""
-    matrix, right = water.matrix.toarray(), water.known - opened
+    matrix, right = matrix_of(water), water.known - opened
     for sides in product((-1, 0, 1), repeat=COUNT):
         at = np.array(sides)
         if ((at < 0) & np.isinf(water.low)).any() or ((at > 0) & np.isinf(water.high)).any():
@@ -61,7 +66,7 @@ def test_pressures_are_those_of_the_one_set_of_nodes_that_keeps_all_bounds(seed)
     water, opened = joints(seed)
     found = water.pressures(opened)
     assert found.pressure == pytest.approx(tried(water, opened), abs=1e-12)
-    rest = water.matrix @ found.pressure + opened - water.known
+    rest = water.held(found.pressure) + opened - water.known
     assert found.rest == pytest.approx(np.where(found.free, 0.0, rest), abs=1e-12)
 
 
