@@ -40,7 +40,8 @@ MODULES = {
     ),
     "water": (
         "flow_channels flow_rest flow_rain flow_crest flow_dam flow_tensor flow_tunnel flow_wells "
-        "flow_uplift flow_slip flow_pulse flow_coupled "
+        "flow_uplift flow_slip flow_pulse flow_follows "
+        "flow_coupled flow_drawdown "
     ),
     "rockfall": (
         "rock_impact rock_blows rock_rest rock_slide rock_roll rock_barrier rock_moved "

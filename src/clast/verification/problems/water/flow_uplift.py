@@ -51,25 +51,48 @@ def at_rest(variant: Variant, drained: bool) -> Run:
     return variant.static(dam(drained), step=1e-2, end=0.5, p=1e11, max_displacement=0.02)
 
 
+WAYS = ((False, "without drains"), (True, "with drains"))
+
+
 @problem(set_up=partial(dam, drained=True), variants=(CONVEX,))
 def flow_uplift(trial: Trial) -> None:
     """Uplift below a dam.
 
     A dam of 15 m stands on rock with a joint below it, before 12 m of water: water flows through
     the joint to the toe, or to drains 2 m behind the heel. Compared are the effective forces in the
-    joint, and the friction, bisected, at which the dam slides. p = 100 GPa, h = 10 ms, static.
+    joint. p = 100 GPa, h = 10 ms, static.
 
-    Exact: N = W - U, U = rho g h L/2 to the toe or the drains; tan phi = H/(W - U).
+    Exact: N = W - U, U = rho g h L/2 to the toe or the drains.
     Source: linear fall of pressure in a joint of one aperture; equilibrium of the dam.
     Not run with: modified and open-close: forces of water are the same for every process.
     """
-    for drained, name in ((False, "without drains"), (True, "with drains")):
+    for drained, name in WAYS:
         left = WEIGHT - exact_uplift(drained)
         run = at_rest(trial.variant, drained)
         carried = float(run.state.memory.normal_force.sum())
         reason = "the dam strains, and its faces turn with it"
-        trial.relative(f"force in the joint, {name}", "N/m", carried, left, 1e-4, reason)
-        tangent = THRUST / left
+        trial.relative(f"force in the joint, {name}", "N/m", carried, left, 1e-5, reason)
+    flow = at_rest(trial.variant, drained=True).flow()
+    fine = np.array([0.0, DRAIN, BASE])
+    chart = trial.chart("pressure below the dam, drained", "distance from the heel, m", "Pa")
+    chart.exact("to the drains", fine, WATER * GRAVITY * np.array([LEVEL, 0.0, 0.0]))
+    chart.computed(flow["start_x"], flow.pressure[:, 0])
+
+
+@problem(set_up=partial(dam, drained=True), variants=(CONVEX,))
+def flow_uplift_limit(trial: Trial) -> None:
+    """Sliding of a dam with uplift.
+
+    The dam of flow-uplift: the friction of its joint is bisected at which it slides, without drains
+    and with them.
+
+    Exact: tan phi = H/(W - U), U = rho g h L/2 to the toe or the drains.
+    Source: equilibrium of the dam; Coulomb's law.
+    Not run with: modified and open-close: forces of water are the same for every process.
+    """
+    found, uplift = [], []
+    for drained, name in WAYS:
+        tangent = THRUST / (WEIGHT - exact_uplift(drained))
 
         def with_share(share: float, drained: bool = drained, tangent: float = tangent) -> Model:
             return dam(drained, float(np.degrees(np.arctan(share * tangent))))
@@ -77,8 +100,9 @@ def flow_uplift(trial: Trial) -> None:
         limit = STATIC.limit(trial.variant, with_share, 1.0 - SPAN, 1.0 + SPAN)
         quantity = f"friction at the limit over H/(W - U), {name}"
         trial.relative(quantity, "-", limit, 1.0, 0.01, "bisected to 0.25 %")
-    flow = at_rest(trial.variant, drained=True).flow()
-    fine = np.array([0.0, DRAIN, BASE])
-    chart = trial.chart("pressure below the dam, drained", "distance from the heel, m", "Pa")
-    chart.exact("to the drains", fine, WATER * GRAVITY * np.array([LEVEL, 0.0, 0.0]))
-    chart.computed(flow["start_x"], flow.pressure[:, 0])
+        uplift.append(exact_uplift(drained) / WEIGHT)
+        found.append(limit * tangent)
+    fine = np.linspace(0.0, 0.5, 51)
+    chart = trial.chart("friction at the limit", "uplift / weight", "tan φ")
+    chart.exact("H/(W - U)", fine, THRUST / WEIGHT / (1.0 - fine))
+    chart.computed(uplift, found)
