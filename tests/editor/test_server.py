@@ -4,8 +4,10 @@ import http.client
 import json
 import time
 
+import numpy as np
 import pytest
 
+from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
 from clast.editor.page import editor_text
@@ -208,3 +210,20 @@ def test_the_check_is_that_of_clast_check(served):
     assert state["faults"] == check(text, str(served.document.path)).as_dict()["faults"]
     assert not state["refused_as_case"]
     until(lambda: not served.document.unsaved)
+
+
+def test_what_moves_shows_the_lines_that_will_cut(served):
+    where, text = ["joint_set", 0, "spacing"], TEMPLATES["slope"]
+    body = {"edits": [{"do": "set", "place": where, "toml": "2.5"}], "gesture": "slider 1"}
+    lines = np.reshape(done(served, "/move", **body)["lines"], (-1, 2, 2))
+    case = Case.from_text(text.replace("spacing = 3.5", "spacing = 2.5"), "slope.toml")
+    np.testing.assert_allclose(lines, case.lines(), atol=1e-4)
+    along = lines[:, 1] - lines[:, 0]
+    beds = lines[np.isclose(along[:, 1], np.tan(np.radians(-35.0)) * along[:, 0], atol=1e-3)]
+    normal = np.array([np.sin(np.radians(35.0)), np.cos(np.radians(35.0))])
+    offsets = np.unique(np.round((beds[:, 0] - [25.5, 7.0]) @ normal / 2.5, 2))
+    assert len(offsets) > 5
+    np.testing.assert_allclose(np.diff(offsets), 1.0)
+    np.testing.assert_allclose(offsets % 1.0, 0.0)
+    body["edits"][0]["toml"] = "-1"
+    assert done(served, "/move", **body)["lines"] == []

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, get_origin
 
+import numpy as np
 from pydantic import (
     BaseModel,
     Field,
@@ -84,7 +85,7 @@ from clast.inputs.supports.motions import Motion
 from clast.inputs.surcharges import Fill, LoadTrain
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
-from clast.model.model import Model
+from clast.model.model import Floats, Model
 
 if TYPE_CHECKING:
     from clast.results import Run
@@ -443,6 +444,16 @@ class Case(BaseModel):
         )
         with self._located():
             return inputs.campaign()
+
+    def lines(self) -> Floats:
+        """Return both ends of all lines that cut [domain], m, shape (n, 2, 2); raises ModelError.
+
+        There are none where the case has all its blocks.
+        """
+        if self._rock_mass is None:
+            return np.zeros((0, 2, 2))
+        with self._located():
+            return self._rock_mass.lines(self._folder)
 
     def cut(self) -> CutCase:
         """Return the blocks that [domain] is cut into, the same ones every time."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from clast.case.case_file import json_schema
+from clast.case.case_file import Case, json_schema
 from clast.editor.checking import Checked, check
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
@@ -63,6 +63,7 @@ class EditServer(GuardedServer):
         document, version = self.document, asked.version
         ways: dict[str, Callable[[], None]] = {
             "/edit": lambda: document.edit(asked.edits, version, asked.gesture),
+            "/move": lambda: document.edit(asked.edits, version, asked.gesture),
             "/text": lambda: document.replace(asked.text, version, asked.gesture),
             "/undo": lambda: document.undo(version),
             "/redo": lambda: document.redo(version),
@@ -75,6 +76,13 @@ class EditServer(GuardedServer):
             ways[way]()
             self._touched = time.monotonic()
             self._tell()
+
+    def lines(self) -> list[Any]:
+        """Return both ends of all lines that cut the rock mass, m; none where they are faulty."""
+        with suppress(CaseError):
+            case = Case.from_text(self.document.text, str(self.document.path))
+            return [[round(x, 4) for x in line] for line in case.lines().reshape(-1, 4).tolist()]
+        return []
 
     def state(self) -> dict[str, Any]:
         """Return what a window shows, without what never changes."""
@@ -160,7 +168,9 @@ class EditHandler(GuardedHandler):
             late = {"late": True} if isinstance(error, OutOfStep) else {}
             self._answer({**self.server.state(), "refused": str(error), **late})
         else:
-            self._answer(self.server.state())
+            # what moves shows its lines at once: blocks come when it rests
+            lines = {"lines": self.server.lines()} if self.path == "/move" else {}
+            self._answer({**self.server.state(), **lines})
 
     @property
     def _name(self) -> str:

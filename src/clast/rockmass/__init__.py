@@ -3,7 +3,7 @@
 from clast.model.distributions import Distribution, Exponential, Lognormal, Normal, Uniform, Values
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cut_report import CutReport, Finding, SetReport, Sizes
-from clast.rockmass.cutting import Cut, cut
+from clast.rockmass.cutting import Cut, cut, lines
 from clast.rockmass.domain import (
     Box,
     Circle,
@@ -69,6 +69,7 @@ __all__ = [
     "Voronoi",
     "apparent",
     "cut",
+    "lines",
     "profile_outline",
     "repaired",
 ]

@@ -156,6 +156,23 @@ def cut(
     return _assemble(work, names, stages)
 
 
+def lines(
+    domain: Domain,
+    sets: Sequence[JointSet] = (),
+    traces: Sequence[Trace] = (),
+    openings: Sequence[Opening] = (),
+    regions: Sequence[Region] = (),
+    seed: int = 0,
+    patterns: Sequence[BlockPattern] = (),
+) -> Floats:
+    """Return both ends of all lines that ``cut`` cuts by, outlines too, m, shape (n, 2, 2).
+
+    Raises ModelError where the lines cannot be drawn.
+    """
+    drawn = _drawn(site(domain, openings, regions), sets, traces, seed, patterns)
+    return drawn.ends + drawn.site.origin
+
+
 def _drawn(
     at: Site,
     sets: Sequence[JointSet],

@@ -262,10 +262,10 @@ function Slider({ ctx, place, node, value }) {
   const gesture = useRef(""), range = node["x-clast"]?.typical ?? RANGES[place.at(-1)];
   if (!range || typeof value !== "number") return null;
   const [low, high] = [Math.min(range[0], value), Math.max(range[1], value)], step = 10 ** Math.floor(Math.log10((high - low) / 200));
-  const move = (e) => ctx.hand.edit([{ do: "set", place, toml: String(Number(Number(e.target.value).toPrecision(12))) }], gesture.current);
+  const move = (e) => ctx.hand.move([{ do: "set", place, toml: String(Number(Number(e.target.value).toPrecision(12))) }], gesture.current);
   return html`<input type="range" aria-label=${`${place.at(-1)} slider`} min=${low} max=${high} step=${step} value=${value}
     onPointerDown=${() => { gesture.current = `slider ${++gestures}`; }} onFocus=${() => { gesture.current = `slider ${++gestures}`; }}
-    onInput=${move} onChange=${() => ctx.hand.rest()} />`;
+    onInput=${move} />`;
 }
 const RANGES = { angle: [-90, 90], friction_angle: [0, 60], spacing: [0.2, 5], dip: [0, 90], dip_direction: [0, 360], trace_length: [0.5, 20], bridge_length: [0, 5] };
 

@@ -7,14 +7,18 @@ export class Hand {
   }
 
   /** Send edits; edits of the same gesture at the same place replace those that still wait. */
-  edit(edits, gesture = "") {
-    return this.send("/edit", { edits, gesture }, gesture && `${gesture} ${edits.map((one) => JSON.stringify(one.place))}`);
+  edit(edits, gesture = "") { return this.change("/edit", edits, gesture); }
+
+  /** The same while a slider moves: the answer has the lines of the joints. */
+  move(edits, gesture) { return this.change("/move", edits, gesture); }
+
+  change(path, edits, gesture) {
+    return this.send(path, { edits, gesture }, gesture && `${gesture} ${edits.map((one) => JSON.stringify(one.place))}`);
   }
 
   undo() { return this.send("/undo", {}); }
   redo() { return this.send("/redo", {}); }
   text(text, gesture) { return this.send("/text", { text, gesture }, gesture); }
-  rest() { return this.send("/save", {}); }
 
   send(path, body, like = "") {
     return new Promise((done) => {

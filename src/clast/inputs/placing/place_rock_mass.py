@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -104,45 +105,58 @@ class RockMass:
         from clast import rockmass
 
         notes: list[str] = []
+        given = self._given(folder, notes)
+        with given.renamed():
+            cut = rockmass.cut(**given.tables)
+        domain, traces, openings = (given.tables[key] for key in ("domain", "traces", "openings"))
         table = self.domain
-        keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
-        domain = rockmass.Domain(
-            boundary=_boundary(table, folder, notes),
-            rock=self.rocks[0] if table.rock is None else table.rock,
-            **{key: getattr(table, key) for key in keys},
-        )
-        bonds = {"running-bond": rockmass.RunningBond(), "stack-bond": rockmass.StackBond()}
-        traces, places = self._traces(folder, notes)
-        openings = self._openings(folder, notes)
-        try:
-            cut = rockmass.cut(
-                domain,
-                [one.build() for one in self.joint_sets],
-                traces,
-                openings,
-                self._regions(folder, notes),
-                seed=table.seed,
-                patterns=[
-                    rockmass.BlockPattern(**{**dict(one), "pattern": bonds[one.pattern]})
-                    for one in self.patterns
-                ],
-            )
-        except ModelError as error:
-            where = _renamed(error.where, places)
-            raise ModelError(error.what, where=where, remedy=error.remedy) from None
         joints = {one.joint for one in traces} | {name for _, name in self._named_joints()}
         return CutCase(
             cut=cut,
             notes=(
                 *notes,
                 *seen_sets(self.joint_sets, cut.report.sets),
-                *(_renamed(note, places) for note in cut.report.notes),
+                *(_renamed(note, given.places) for note in cut.report.notes),
             ),
             warnings=(*cut.report.warnings, *doubted_sets(self.joint_sets)),
             fixed=_fixed(cut, np.asarray(domain.outline().corners), table.fixed_sides),
             line_joints=tuple(sorted(name for name in joints if name not in (None, DEFAULT))),
             outlines={one.name: one.outline().corners for one in openings},
         )
+
+    def lines(self, folder: Path) -> Floats:
+        """Return both ends of all lines that cut, m, shape (n, 2, 2).  Raises ModelError."""
+        from clast import rockmass
+
+        given = self._given(folder, [])
+        with given.renamed():
+            return rockmass.lines(**given.tables)
+
+    def _given(self, folder: Path, notes: list[str]) -> _Given:
+        """Return what ``rockmass.cut`` is given."""
+        from clast import rockmass
+
+        table = self.domain
+        keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
+        bonds = {"running-bond": rockmass.RunningBond(), "stack-bond": rockmass.StackBond()}
+        traces, places = self._traces(folder, notes)
+        tables = {
+            "domain": rockmass.Domain(
+                boundary=_boundary(table, folder, notes),
+                rock=self.rocks[0] if table.rock is None else table.rock,
+                **{key: getattr(table, key) for key in keys},
+            ),
+            "sets": [one.build() for one in self.joint_sets],
+            "traces": traces,
+            "openings": self._openings(folder, notes),
+            "regions": self._regions(folder, notes),
+            "seed": table.seed,
+            "patterns": [
+                rockmass.BlockPattern(**{**dict(one), "pattern": bonds[one.pattern]})
+                for one in self.patterns
+            ],
+        }
+        return _Given(tables, places)
 
     def _openings(self, folder: Path, notes: list[str]) -> list[Opening]:
         from clast import rockmass
@@ -197,6 +211,23 @@ class RockMass:
                 traces.append(Trace(points=line.points, joint=joint, set=group))
                 places.append(place)
         return traces, places
+
+
+@dataclass(frozen=True)
+class _Given:
+    """What ``rockmass.cut`` is given, with the names of its traces in messages."""
+
+    tables: dict[str, Any]
+    places: list[str]
+
+    @contextmanager
+    def renamed(self) -> Iterator[None]:
+        """Name the tables of the case in the errors of the cut."""
+        try:
+            yield
+        except ModelError as error:
+            where = _renamed(error.where, self.places)
+            raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
