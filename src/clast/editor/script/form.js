@@ -193,9 +193,12 @@ function Value(props) {
 function formName(form) {
   const kind = kindOf(form), named = form.properties?.name?.const;
   if (kind === "table") return `${named ?? form.title?.replace(/Table$/, "").toLowerCase() ?? ""} {...}`;
-  const words = { fixed: toml(form.const ?? ""), choice: "name", yes: "yes or no", number: "number", text: "text", tuple: "values", list: "list", map: "named values" };
+  const words = { fixed: toml(form.const ?? ""), choice: "name", yes: "yes or no", number: "number", text: "text", tuple: "values", list: form.items?.prefixItems ? "points" : "list", map: "named values" };
   return words[kind];
 }
+
+/** Name of a field that has no label of its own, of an item of a list. */
+const unlabelled = (id, place) => (id ? null : place.slice(-2).map((part) => (typeof part === "number" ? part + 1 : part)).join(" "));
 
 /** A field for typing: shows what the file has, and while it is typed in, that. */
 function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is not TOML" }) {
@@ -215,7 +218,7 @@ function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is
     if (!wrong) setDraft(null);
   };
   const given = node.default ?? null;
-  return html`<input type="text" id=${id} aria-label=${id ? null : `${place.at(-2)} ${place.at(-1) + 1}`} value=${draft ?? shown} placeholder=${given === null || isTable(given) ? "" : given}
+  return html`<input type="text" id=${id} aria-label=${unlabelled(id, place)} value=${draft ?? shown} placeholder=${given === null || isTable(given) ? "" : given}
       aria-invalid=${wrong ? "true" : null} spellcheck=${false}
       onFocus=${() => { gesture.current = `${key(place)} ${++gestures}`; }} onInput=${(e) => type(e.target.value)} onBlur=${leave} />
     ${wrong && html`<span class="fault" role="alert">${wrong}</span>`}`;
@@ -223,7 +226,7 @@ function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is
 
 const CONTROLS = {
   fixed: ({ node, id }) => html`<output id=${id}>${String(node.const)}</output>`,
-  yes: ({ ctx, place, value, id, node }) => html`<input type="checkbox" id=${id} checked=${value ?? node.default ?? false}
+  yes: ({ ctx, place, value, id, node }) => html`<input type="checkbox" id=${id ?? null} aria-label=${unlabelled(id, place)} checked=${value ?? node.default ?? false}
     onChange=${(e) => ctx.hand.edit([{ do: "set", place, toml: String(e.target.checked) }])} />`,
   choice: (props) => html`<${Choice} ...${props} names=${props.node.enum} />`,
   text: (props) => {
@@ -251,7 +254,7 @@ const itemOf = ({ ctx, place, node, value, id }, one, i) => ({
 
 function Choice({ ctx, place, value, id, isNeeded, node, names }) {
   const given = node.default ?? null, choose = (e) => ctx.hand.edit([e.target.value === "" ? { do: "remove", place } : { do: "set", place, toml: toml(names[e.target.value]) }]);
-  return html`<select id=${id} value=${value === undefined ? "" : names.indexOf(value)} onChange=${choose}>
+  return html`<select id=${id ?? null} aria-label=${unlabelled(id, place)} value=${value === undefined ? "" : names.indexOf(value)} onChange=${choose}>
     ${(!isNeeded || value === undefined) && html`<option value="">${given === null ? "" : `${given} (default)`}</option>`}
     ${value !== undefined && !names.includes(value) && html`<option value="-1">${String(value)}</option>`}
     ${names.map((name, i) => html`<option key=${name} value=${i}>${String(name)}</option>`)}</select>`;
