@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 from benchmarks.scenes import SCENES, BenchSettings, method_for
 from clast.case.case_file import Case
-from clast.case.templates import INCLINE
+from clast.case.templates import INCLINE, TEMPLATES
 from clast.compute import roots
 from clast.linear.solvers import PCG
 from clast.run.simulate import simulate
@@ -61,7 +61,23 @@ class Larger:
         simulate(model, method, self.settings.schedule)
 
 
-Trial = SmallCase | Larger
+@dataclass(frozen=True)
+class OfTemplate:
+    """The case of a template as it is, or the path of its first rock."""
+
+    title: str
+    """The title of the trial, and of the template."""
+
+    def run(self) -> None:
+        """Simulate it, or follow the rock."""
+        case = Case.from_toml(TEMPLATES[self.title])
+        if case.rockfall is None:
+            case.run()
+        else:
+            case.campaign().follow(1)
+
+
+Trial = SmallCase | Larger | OfTemplate
 
 FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex", "time.end=0.5")),)
 """The case that comes first."""
@@ -109,6 +125,8 @@ OTHERS: tuple[Trial, ...] = (
         ),
     ),
     SmallCase("Shi's entrance lines", ("method.corner_rule=shi", "method.solver=cholesky")),
+    OfTemplate("rockfall"),
+    OfTemplate("dam"),
 )
 
 

@@ -10,7 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE, TEMPLATES
 from clast.compute.jit import kernel
+from clast.compute.linking import Kernel
+from scenes.systems import by_convex, heap, march
 
 SCRIPT = '''
 import numpy as np
@@ -126,3 +130,47 @@ def test_kernels_are_loaded_from_disk_without_what_compiles_them() -> None:
     ]
     assert [one.returncode for one in done] == [0, 0], done[0].stderr
     assert done[1].stdout == "[]\n"
+
+
+@kernel()
+def as_given(values):
+    """Return numbers (k,) as they are."""
+    return values
+
+
+def test_an_array_that_is_returned_as_it_was_given_is_the_same_and_nobody_else_keeps_it():
+    one = np.arange(3.0)
+    before = sys.getrefcount(one)
+    assert as_given(one) is one
+    assert sys.getrefcount(one) == before
+
+
+def arrays_in(thing):
+    """Yield the arrays of what a kernel returns."""
+    if isinstance(thing, tuple):
+        for part in thing:
+            yield from arrays_in(part)
+    elif isinstance(thing, np.ndarray):
+        yield thing
+
+
+def test_what_kernels_return_has_an_owner(monkeypatch):
+    """A part of an array that Python has given would have none: it might be gone any time."""
+    ownerless, returned = set(), 0
+    usual = Kernel.__call__
+
+    def call(self, *given):
+        nonlocal returned
+        found = usual(self, *given)
+        for one in arrays_in(found):
+            returned += 1
+            if one.size and one.base is None and not one.flags.owndata:
+                ownerless.add(self.py_func.__name__)
+        return found
+
+    monkeypatch.setattr(Kernel, "__call__", call)
+    Case.from_toml(INCLINE, ["time.end=0.01"]).run()
+    march(heap(30, 10), by_convex(5e8, max_displacement=0.05), 5e-3, 0.2)
+    Case.from_toml(TEMPLATES["rockfall"]).campaign().follow(1)
+    assert returned > 1000
+    assert not ownerless

@@ -5,12 +5,21 @@ from __future__ import annotations
 import inspect
 import subprocess
 import sys
+from typing import NamedTuple
 
 import pytest
 from numba.core import types
 
 from clast.compute.roots import Root, listed, text_of, types_of
 from clast.studies.warmup import share_out
+
+
+class Pair(NamedTuple):
+    """Arguments by name, as a kernel may take them."""
+
+    first: int
+    second: object
+
 
 ROOTS = [root for roots in listed().values() for root in roots]
 THERE = [root for root in ROOTS if root.is_there]
@@ -56,6 +65,7 @@ def test_what_small_cases_call_is_listed():
         (types.Array(types.float64, 2, "C"), types.Array(types.int64, 1, "A")),
         (types.Tuple((types.Array(types.boolean, 1, "C"), types.int64)), types.float64),
         (types.UniTuple(types.float64, 3),),
+        (types.NamedTuple((types.int64, types.Array(types.boolean, 1, "C")), Pair),),
         (types.Tuple((types.Tuple((types.int64, types.float64)), types.float64)),),
     ],
 )

@@ -127,6 +127,24 @@ def returned(kind: Any, value: Any, code: Any) -> Any:
 
 
 boxing.box_array = pythonapi._boxers.functions[types.Array] = returned
+OWNING = pythonapi._unboxers.functions[types.Array]
+"""How numba takes an array from Python: with a share in its memory, which is counted."""
+
+
+def lent(kind: Any, thing: Any, code: Any) -> Any:
+    """Return an array as a kernel gets it from Python, which keeps it while the kernel runs.
+
+    numba counts who uses it, by an atomic operation each time that it is taken out of a tuple or
+    handed on.  An array that is not counted may be returned as it is, but no part of it.
+    """
+    code.context.enable_nrt = False
+    try:
+        return OWNING(kind, thing, code)
+    finally:
+        code.context.enable_nrt = True
+
+
+boxing.unbox_array = pythonapi._unboxers.functions[types.Array] = lent
 
 
 def load_arrays() -> None:

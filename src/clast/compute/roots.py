@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from numba.core import sigutils, types
+from numba.core import types
 from numba.core.errors import TypingError as TypingError
 
 from clast.compute.linking import Kernel
@@ -100,6 +100,10 @@ def _text_of(kind: Any) -> str:
     if isinstance(kind, types.Array):
         last = "::1" if kind.layout == "C" else ":"
         return f"{kind.dtype}[{':, ' * (kind.ndim - 1)}{last}]".replace("bool[", "boolean[")
+    if isinstance(kind, types.BaseNamedTuple):
+        named: Any = kind
+        own = named.instance_class
+        return f"named('{own.__module__}', '{own.__name__}', ({text_of(named.types)}))"
     if isinstance(kind, types.Tuple | types.UniTuple):
         return f"Tuple(({text_of(kind)}))"
     return {"bool": "boolean"}.get(str(kind), str(kind))
@@ -107,5 +111,10 @@ def _text_of(kind: Any) -> str:
 
 def types_of(text: str) -> tuple[Any, ...]:
     """Return the types of arguments that a text means."""
-    kinds: tuple[Any, ...] = sigutils.normalize_signature(text)[0]
+    kinds: tuple[Any, ...] = eval(text, {**vars(types), "named": _named})  # of our own file
     return kinds
+
+
+def _named(module: str, name: str, kinds: tuple[Any, ...]) -> Any:
+    """Return the type of a named tuple of a module."""
+    return types.BaseTuple.from_types(kinds, getattr(importlib.import_module(module), name))

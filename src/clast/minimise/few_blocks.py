@@ -1,8 +1,8 @@
 """Newton's method on an island of a few blocks (islands.py): its system is one dense matrix.
 
-That is what most islands of two blocks, of rocks that fall and of sliding wedges are.  A factor
-that knows of patterns takes far longer to compile than all else that such a case needs, and to look
-for a pattern of one block takes longer than to solve for it.
+Most islands of two blocks, of rocks that fall and of sliding wedges are such.  A factor that knows
+of patterns takes far longer to compile than all else that these cases need, and to look for the
+pattern of one block takes longer than to solve for it.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ def _links_of(blocks, still, pairs, graph):
 
 @kernel()
 def _describe(links, still, place, ends):
-    """Return the place of the two blocks of each link, -1 if still, (m, 2), and what moves it.
+    """Return the place of the two blocks of each link, -1 if still, (m, 2), and its rows.
 
-    That are n and t of either block, the change of gap and slip by its unknowns, (m, 2, 2, 6).
+    Rows are n and t of either block, the change of gap and slip by its unknowns, (m, 2, 2, 6).
     """
     vertex_block, edge_block, arms = ends
     places = np.empty((len(links), 2), np.int64)
