@@ -8,8 +8,9 @@ import pytest
 
 from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
+from clast.editor.page import view_text
 from clast.editor.section import lines_of, section_of
-from clast.editor.view import ViewServer, view_text
+from clast.editor.view import ViewServer
 
 SLOPE = TEMPLATES["slope"]
 

@@ -19,6 +19,7 @@ from clast.editor.checking import Checked, check
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
+from clast.editor.section import section_of
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
@@ -55,6 +56,8 @@ class EditServer(GuardedServer):
         """Why the file could not be read or written."""
         self.checked: Checked | None = None
         """What `clast check` said last, of a text that may be older."""
+        self.section, self.sections = "null", 0
+        """The section of that text, JSON, and how many there were."""
         self._touched = 0.0
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
 
@@ -88,7 +91,8 @@ class EditServer(GuardedServer):
         """Return what a window shows, without what never changes."""
         with self.changed:
             shown = _shown(self.document, self.checked)
-            return {**shown, "stamp": self.stamp, "trouble": self.trouble}
+            told = {"stamp": self.stamp, "sections": self.sections, "trouble": self.trouble}
+            return {**shown, **told}
 
     def watch(self, stop: threading.Event) -> None:
         """Look at the file and save the text while the hand rests, until told to stop."""
@@ -112,8 +116,10 @@ class EditServer(GuardedServer):
                 is_due = time.monotonic() - self._touched > CHECK_REST
             if is_due and (checked is None or checked.text != text):
                 found = check(text, str(self.document.path), before=checked)
+                section = json.dumps(section_of(found), allow_nan=False, separators=(",", ":"))
                 with self.changed:
-                    self.checked = found
+                    self.checked, self.section = found, section
+                    self.sections += 1
                     self._tell()
 
     def _attempt(self, what: Callable[[], None]) -> None:
@@ -145,11 +151,13 @@ class EditHandler(GuardedHandler):
             return
         if self.path == "/":
             self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
-        elif self.path not in ("/case", "/news"):
+        elif self.path not in ("/case", "/news", "/section"):
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         elif self.has_token():
             if self.path == "/news":
                 self.stream(self._news)
+            elif self.path == "/section":
+                self.send(HTTPStatus.OK, "application/json", self.server.section)
             else:
                 self._answer({**self.server.state(), "schema": json_schema()})
 

@@ -9,29 +9,13 @@ from http import HTTPStatus
 from pathlib import Path
 
 from clast.editor.checking import Checked, checks
+from clast.editor.page import view_text
 from clast.editor.section import section_of
 from clast.inputs.declaring.text import read_text
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
-from clast.pictures.page.document import closed_page, file, module
 
-HERE = "clast.editor"
-OF_PAGES = (
-    "packing moving magnified contact_faces data colours colouring flow pens view draw_canvas "
-    "joints chosen supports axes layers legend"
-).split()
-"""Modules of the page of a run that draw the section, each after those that it imports."""
 LIFE = 5.0
 """A sign of life goes to every window at least so often, s."""
-
-
-def view_text(name: str) -> str:
-    """Return the page that shows the section of a case file of this name."""
-    scripts = [*map(module, OF_PAGES), module("section", HERE), module("view_case", HERE)]
-    program = "\n".join(
-        ['"use strict";', "const modules = {};", *scripts, "modules.view_case.main();"]
-    )
-    style = file("view.css", HERE) + file("section.css", HERE)
-    return closed_page(name, [file("view.html", HERE)], style, [program], "'self'")
 
 
 class ViewServer(GuardedServer):

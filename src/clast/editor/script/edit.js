@@ -1,11 +1,12 @@
 /** The window: shows the newest state of the case, and hands on what is done in it. */
 import { Hand } from "./hand.js";
 import { showForms, tableAt } from "./form.js";
+import { Section, marksOf } from "./section.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
-let hand = null, typing = 0;
+let hand = null, typing = 0, section = null, sections = 0;
 
 async function ask(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -36,6 +37,8 @@ function draw() {
   $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
   $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
   $("conflict").hidden = state.conflict === null;
+  section.choose(state.chosen);
+  if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
   const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
   if (!isTyping && $("text").value !== state.text) $("text").value = state.text;
@@ -47,13 +50,23 @@ function draw() {
   }));
 }
 
-/** A fault, a warning or a note, which leads to its field. */
+/** Draw the newest section. */
+async function drawSection() {
+  sections = state.sections;
+  const news = await ask("/section");
+  await section.show(news, marksOf(news));
+}
+
+/** A fault, a warning or a note, which leads to its field, and to its mark in the section. */
 function remark(one, kind) {
   const button = document.createElement("button");
   button.className = kind;
   button.textContent = [one.where, [one.what, one.remedy].filter(Boolean).join(". ")].filter(Boolean).join(": ");
-  button.disabled = !one.place.length;
-  button.addEventListener("click", () => goTo(one.place));
+  button.disabled = !one.place.length && !one.at.length;
+  const light = (bring) => section.light(section.marks.find((mark) => mark.what === one.what && mark.where === one.where), bring);
+  for (const event of ["mouseenter", "focus"]) button.addEventListener(event, () => light(false));
+  button.addEventListener("mouseleave", () => section.light(null));
+  button.addEventListener("click", () => { goTo(one.place); light(true); });
   return button;
 }
 
@@ -95,6 +108,7 @@ async function listen() {
 
 export async function main() {
   hand = new Hand(ask, show);
+  section = new Section($("section"), (mark) => goTo(mark.place));
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
   $("file").textContent = state.file.split(/[\\/]/).at(-1);
   $("undo").addEventListener("click", () => hand.undo());
@@ -110,7 +124,7 @@ export async function main() {
     document.activeElement?.blur();
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
-  globalThis.clastEditor = { state, hand, goTo };
+  globalThis.clastEditor = { state, hand, goTo, section };
   document.body.dataset.ready = "yes";
   listen();
 }

@@ -17,6 +17,15 @@ const SHOWN = ["bolts", "points", "excavated", "water", "surcharge", "links", "a
 /** Layers that are on at first. */
 const STEP = 40;
 
+const POINT = /\(-?[\d.e+-]+, -?[\d.e+-]+\)/;
+/** Coordinates in a message: its points are places by themselves, and no line. */
+
+/** Return faults, warnings and notes of a case as marks. */
+export function marksOf(news) {
+  const of = (kind, some) => some.map((one) => ({ ...one, kind, isLine: one.at.length > 1 && !POINT.test(one.what) }));
+  return [...of("fault", news.faults), ...of("warning", news.warnings), ...of("note", news.notes)];
+}
+
 /** Draws a case within an element; ``asked`` is called with the mark that somebody clicks on. */
 export class Section {
   /** @param {HTMLElement} root @param {(mark: any) => void} asked */
@@ -30,7 +39,9 @@ export class Section {
     this.view = new View();
     this.run = null;
     this.origin = null;
+    /** All points, lines and outlines of the file; place of those that are chosen. */
     this.lines = [];
+    this.place = [];
     this.marks = [];
     this.lit = null;
     this.state = { frame: 0, field: "rock", share: null, limits: null, layers: new Set(), chosen: -1, joint: null };
@@ -64,7 +75,8 @@ export class Section {
     } else if (!this.run) {
       this.origin = news.lines.flatMap(({ points }) => points)[0] ?? this.origin;
     }
-    this.lines = news.scene ? [] : news.lines;
+    this.lines = news.lines;
+    this.showsFile = !news.scene;
     this.marks = marks;
     this.lit = null;
     if (this.state.chosen >= (this.run?.blockCount ?? 0)) this.state.chosen = -1;
@@ -88,10 +100,16 @@ export class Section {
     this.changed();
   }
 
+  /** Show where the file has the points and lines of a table, by its place. */
+  choose(place) {
+    this.place = place;
+    this.changed();
+  }
+
   /** Show all that is drawn. */
   fit() {
-    const box = this.run && !this.lines.length ? this.run.boxOf(this.run.start) : [Infinity, Infinity, -Infinity, -Infinity];
-    const around = this.lines.length ? this.lines.flatMap(({ points }) => points).map((point) => this.local(point)) : (this.run?.surroundings ?? []);
+    const box = this.run && !this.showsFile ? this.run.boxOf(this.run.start) : [Infinity, Infinity, -Infinity, -Infinity];
+    const around = this.showsFile ? this.lines.flatMap(({ points }) => points).map((point) => this.local(point)) : (this.run?.surroundings ?? []);
     for (const [x, y] of around) {
       [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
     }
@@ -205,8 +223,10 @@ export class Section {
       drawScaleBar(pen, seen);
     }
     if (!this.origin) return;
-    for (const { geometry, points } of this.lines) this.drawPoints(pen, geometry, points, theme.ink, 1.2);
+    const isChosen = ({ place }) => this.place.length && this.place.every((part, k) => part === place[k]);
+    for (const line of this.showsFile ? this.lines : []) this.drawPoints(pen, line, theme.ink, 1.2);
     for (const mark of [...this.marks].reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
+    for (const line of this.lines.filter(isChosen)) this.drawPoints(pen, line, theme.chosen, 3);
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }
 
@@ -219,7 +239,7 @@ export class Section {
     return new CanvasPen(context);
   }
 
-  drawPoints(pen, geometry, points, colour, width) {
+  drawPoints(pen, { geometry, points }, colour, width) {
     if (geometry === "point") return points.forEach((point) => pen.circle(...this.screen(point), 3.5, this.theme.paper, colour));
     const closed = geometry === "polygon" ? [...points, points[0]] : points;
     pen.lines([closed.flatMap((point) => this.screen(point))], colour, width);

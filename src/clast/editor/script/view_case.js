@@ -1,18 +1,10 @@
 // The window of `clast edit --view`: the section, and what is said of the case, each at its place.
 
-import { Section } from "./section.js";
+import { Section, marksOf } from "./section.js";
 
 const AGAIN = 1000;
 /** Milliseconds after which a server that does not answer is asked again. */
-const POINT = /\(-?[\d.e+-]+, -?[\d.e+-]+\)/;
-/** Coordinates in a message: its points are places by themselves, and no line. */
 const $ = (id) => document.getElementById(id);
-
-/** Return faults, warnings and notes of a case as marks. */
-export function marksOf(news) {
-  const of = (kind, some) => some.map((one) => ({ ...one, kind, isLine: one.at.length > 1 && !POINT.test(one.what) }));
-  return [...of("fault", news.faults), ...of("warning", news.warnings), ...of("note", news.notes)];
-}
 
 /** Return the entry of a mark in the list: where, what, what to do. */
 function entryOf(mark, section) {

@@ -1,0 +1,75 @@
+"""The section in the window of a case: it follows the case, marks faults, shows what is chosen."""
+
+import pytest
+
+from clast.case.templates import TEMPLATES
+from scenes.browsers import CHROMIUM, until
+from scenes.edited import edited_file
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
+SLOPE = TEMPLATES["slope"]
+
+
+@pytest.fixture
+def window(tmp_path):
+    """Return the window of the slope, and its file."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    path = tmp_path / "slope.toml"
+    path.write_text(SLOPE, "utf-8", newline="")
+    said = []
+    with playwright.sync_playwright() as started, edited_file(path) as server:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--disable-gpu"])
+        page = browser.new_page(viewport={"width": 1400, "height": 800})
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.goto(server.address)
+        until(page, "globalThis.clastEditor?.section.run?.blockCount === 23")
+        yield page, path
+        browser.close()
+    assert said == []
+
+
+def colour_above(page, point):
+    """Return the colour of what is drawn above the blocks at a place of the case, m."""
+    return page.evaluate(
+        """async (point) => {
+          const frame = () => new Promise((done) => requestAnimationFrame(done));
+          const { section } = clastEditor;
+          do await frame(); while (section.waiting);
+          const at = section.screen(point).map(Math.round);
+          return [...section.above.getContext("2d").getImageData(...at, 1, 1).data].slice(0, 3);
+        }""",
+        list(point),
+    )
+
+
+def test_the_section_follows_a_field(window):
+    page, _ = window
+    page.evaluate("clastEditor.goTo(['joint_set', 0, 'spacing'])")
+    field = page.locator('[data-place=\'["joint_set",0,"spacing"]\'] input[type=text]').first
+    field.fill("7")
+    until(page, "clastEditor.section.run.blockCount < 23")
+    page.click("#undo")
+    until(page, "clastEditor.section.run.blockCount === 23")
+
+
+def test_a_fault_is_marked_and_the_mark_leads_to_its_field(window):
+    page, path = window
+    path.write_text(SLOPE.replace("at = [16.8, 23.8]", "at = [29.0, 20.0]"), "utf-8")
+    until(page, "clastEditor.section.marks.some(({ kind }) => kind === 'fault')")
+    assert colour_above(page, (29.0, 20.0)) == [0xD3, 0x2F, 0x2F]
+    box = page.locator("#section canvas[tabindex]").bounding_box()
+    x, y = page.evaluate("clastEditor.section.screen([29, 20])")
+    page.mouse.click(box["x"] + x, box["y"] + y)
+    assert page.evaluate("clastEditor.state.chosen") == ["measured_point", 0]
+
+
+def test_a_table_that_is_chosen_is_lit_in_the_section(window):
+    page, _ = window
+    middle = (7.0, 21.0)  # of the first part of the water line
+    before = colour_above(page, middle)
+    page.evaluate("clastEditor.goTo(['water', 0, 'line'])")
+    assert colour_above(page, middle) != before
+    assert colour_above(page, middle) == [0xD8, 0x1B, 0x60]
+    page.evaluate("clastEditor.goTo(['time', 'step'])")
+    assert colour_above(page, middle) == before
