@@ -169,17 +169,18 @@ def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool
     """Write tables and report of rockfall; print where rocks ended and the hits of barriers."""
     from collections import Counter
 
+    from clast.study.rockfall.page import write_page
     from clast.study.rockfall.report import write_report
     from clast.study.rockfall.results import BARRIER_HEADS, RockfallResults, told
 
     there.tidy()
     results = RockfallResults.of(there)
     files = results.write() + (results.write_parquet() if parquet else [])
-    report = write_report(there, results)
+    report, page = write_report(there, results), write_page(results)
     ends, barriers = Counter(results.paths["end"]), results.barriers()
     if as_json:
         content = {"folder": str(there.path), "paths": len(results), "ends": ends}
-        print_json({**content, "barriers": barriers, "report": str(report)})
+        print_json({**content, "barriers": barriers, "page": str(page), "report": str(report)})
     elif not quiet:
         rows = [(name, str(count)) for name, count in sorted(ends.items())]
         print_table(table_of(f"{len(results)} paths", ("end", "paths"), rows))
@@ -191,7 +192,8 @@ def print_rockfall(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool
             print_table(table_of("barriers", tuple(BARRIER_HEADS.values()), lines))
         if remark := results.remark_on_blocks:
             say(f"warning: {remark}")
-        tell("\n".join([*(f"table: {file}" for file in files), f"report: {report}"]))
+        tables = (f"table: {file}" for file in files)
+        tell("\n".join([*tables, f"page: {page}", f"report: {report}"]))
 
 
 def _as_dict(columns: StudyResults) -> dict[str, Any]:

@@ -63,15 +63,31 @@ class Source:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Path:
-    """A path that was followed."""
+class Begun:
+    """A rock before it moves."""
 
     source: str
     rock: Rock
     volume: float
+    state: Floats
+    """Its state at the start, (6,)."""
+    seed: int
+    """Seed of what is drawn on its way."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Path:
+    """A path that was followed."""
+
+    begun: Begun
     course: paths.Course
     state: Floats
     """Its last state, (6,)."""
+
+    @property
+    def rock(self) -> Rock:
+        """The rock."""
+        return self.begun.rock
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,8 +135,8 @@ class Campaign:
             number -= source.count
         return source, number - 1
 
-    def follow(self, number: int) -> Path:
-        """Return the path with a number, from 1."""
+    def begin(self, number: int) -> Begun:
+        """Return the rock of a path, from 1, before it moves."""
         rng = np.random.Generator(np.random.Philox(key=[self.seed, number]))
         source, among = self.source_of(number)
         if source.blocks is None:
@@ -128,12 +144,17 @@ class Campaign:
         else:
             rock, volume, state = block_as_rock(source, among % len(source.blocks.name))
         state[1] += lift(self.ground, rock, state[:2])
-        seed, room = int(rng.integers(2**63)), RECORDS
+        seed = int(rng.integers(2**63))
+        return Begun(source=source.name, rock=rock, volume=volume, state=state, seed=seed)
+
+    def follow(self, number: int) -> Path:
+        """Return the path with a number, from 1."""
+        begun, room = self.begin(number), RECORDS
         while True:
-            course, last = self._course(seed, room), state.copy()
-            paths.follow(self.ground, rock, course, last, self.gravity)
+            course, last = self._course(begun.seed, room), begun.state.copy()
+            paths.follow(self.ground, begun.rock, course, last, self.gravity)
             if course.tally[0] < room:
-                return Path(source=source.name, rock=rock, volume=volume, course=course, state=last)
+                return Path(begun=begun, course=course, state=last)
             room *= 4
 
     @staticmethod
@@ -232,7 +253,7 @@ def path_row(campaign: Campaign, number: int, one: Path) -> list[Any]:
     held = campaign.barriers[course.tally[3]] if course.tally[3] >= 0 else ""
     x, y = campaign.origin
     return [
-        *(number, one.source, one.volume, float(one.rock.numbers[0])),
+        *(number, one.begun.source, one.begun.volume, float(one.rock.numbers[0])),
         *(float(start[paths.X] + x), float(start[paths.Y] + y)),
         *(ENDS[course.tally[2]], held, float(one.state[0] + x), float(one.state[1] + y)),
         *(float(course.clock[0]), int(course.tally[1])),

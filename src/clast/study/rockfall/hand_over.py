@@ -60,7 +60,7 @@ def _first_on_free(campaign: Campaign, number: int) -> tuple[Floats, Floats, flo
         c, s = np.cos(row[path.ANGLE]), np.sin(row[path.ANGLE])
         turned = one.rock.corners @ np.array([[c, s], [-s, c]])
         outline = turned + row[[path.X, path.Y]] + campaign.origin
-        density = float(one.rock.numbers[0]) / one.volume
+        density = float(one.rock.numbers[0]) / one.begun.volume
         return outline, row[path.BEFORE : path.AFTER], density, block
     return None
 
