@@ -72,7 +72,7 @@ class Begun:
     state: Floats
     """Its state at the start, (6,)."""
     seed: int
-    """Seed of what is drawn on its way."""
+    """Seed of the numbers drawn on its way."""
 
 
 @dataclass(frozen=True, kw_only=True)

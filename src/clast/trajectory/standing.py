@@ -116,7 +116,7 @@ def _from_side_to_side(ring: Floats) -> Floats:
 
 
 class _Owners:
-    """Finds what a segment of an outline is on: a block, or else a segment of the profile."""
+    """Finds the block that a segment of an outline is on, or else the segment of the profile."""
 
     def __init__(self, profile: Floats | None, blocks: Blocks) -> None:
         import shapely

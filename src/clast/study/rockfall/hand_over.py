@@ -1,4 +1,4 @@
-"""A path handed over to a run of blocks: what the blocks do that the rock strikes."""
+"""A path handed over to a run of blocks, in which those that the rock strikes may move."""
 
 from __future__ import annotations
 

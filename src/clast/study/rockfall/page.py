@@ -1,4 +1,4 @@
-"""What the page of rockfall shows: the paths as records between which they are closed forms."""
+"""The scene of the page of rockfall: paths as records, with closed forms between them."""
 
 from __future__ import annotations
 

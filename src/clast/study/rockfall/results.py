@@ -208,7 +208,7 @@ class RockfallResults:
 
     @property
     def remark_on_blocks(self) -> str:
-        """What paths leave out where they strike blocks that could move; "" where none does."""
+        """Warning that paths strike blocks that could move; "" where none does."""
         free = [row for row in self.blocks() if not row["fixed"]]
         if not free:
             return ""

@@ -1,4 +1,4 @@
-"""A barrier takes its capacity, and holds what has less."""
+"""A barrier takes its capacity, and holds rocks with less energy."""
 
 import numpy as np
 

@@ -2,7 +2,8 @@
 
 With a, b, c the inverse masses of the contact along the normal, across, and along the tangent, the
 impulses N and T change its velocities by a N + b T and b N + c T.  N gives the normal velocity
--R_n u_n, T the share 1 - R_t of what stops the slip, at most N tan(phi).
+-R_n u_n, T the share 1 - R_t of the impulse that stops
+the slip, at most N tan(phi).
 """
 
 from collections.abc import Sequence
