@@ -518,7 +518,7 @@ class Case(BaseModel):
         return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
     def examine(self, model: Model | None = None) -> CaseSummary:
-        """Return a summary of the case and its model, with warnings of what seems unsound."""
+        """Return a summary of the case and its model, with warnings of anything unsound."""
         model = model or self.model()
         summary = self._examined(model, self.method(model))
         warnings = (*summary.warnings, *self._remarks(self._not_compared(), model))

@@ -243,8 +243,9 @@ def check(
 def _watch(case: Path, settings: Iterable[str], show: Callable[[dict[str, Any]], None]) -> None:
     """Show what is found in a case at each change of it, until the key is pressed."""
     from clast.editor.checking import checks
+    from clast.run.progress import compilation_told
 
-    with suppress(KeyboardInterrupt):
+    with suppress(KeyboardInterrupt), compilation_told(say):
         for checked in checks(case, settings):
             if checked is not None:
                 show(checked.as_dict())

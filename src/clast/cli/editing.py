@@ -22,14 +22,17 @@ def edit(
     settings: Settings = None,
 ) -> None:
     """Edit a case file in a browser on this machine: forms, its text, faults at their fields."""
-    if view:
-        from clast.editor.view import view as look_on
+    from clast.run.progress import compilation_told
 
-        look_on(case, HERE, lambda address: say(f"view: {address}"), settings or ())
-        return
-    if settings:
+    if settings and not view:
         remedy = "change the value in the window, or look on with --view"
         raise CaseError("is for runs and views", where="--set", remedy=remedy)
-    from clast.editor.server import edit as serve
+    with compilation_told(say):
+        if view:
+            from clast.editor.view import view as look_on
 
-    serve(case, HERE, lambda address: say(f"edit: {address}"))
+            look_on(case, HERE, lambda address: say(f"view: {address}"), settings or ())
+        else:
+            from clast.editor.server import edit as serve
+
+            serve(case, HERE, lambda address: say(f"edit: {address}"))

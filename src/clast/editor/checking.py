@@ -1,4 +1,4 @@
-"""What `clast check` says of a text, again and again in one warm process, with little made anew.
+"""Checks of a case file in one warm process, as `clast check` makes them, with little made anew.
 
 The blocks of the text before stay where the rock mass, and the files that it names, are the same;
 everything else of a check takes less time than they do.
@@ -31,7 +31,7 @@ Stamp = tuple[tuple[int, int, int] | None, ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Checked:
-    """What was found in a text; without faults there is a model of blocks, or rocks that fall."""
+    """Findings about a text; without faults there is a model of blocks, or rocks that fall."""
 
     text: str
     file: str
@@ -82,7 +82,7 @@ class Checked:
 def check(
     text: str, file: str, settings: Iterable[str] = (), before: Checked | None = None
 ) -> Checked:
-    """Return what `clast check` says of a text as if it stood in ``file``."""
+    """Return the findings of `clast check` about a text as if it stood in ``file``."""
     content: Mapping[str, Any] = {}
     case, files = None, Stamp()
     try:
@@ -122,7 +122,7 @@ def stamps_of(case: Case) -> Stamp:
 
 
 def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]:
-    """Give what is found in a file now and after each change of it or of files that it names.
+    """Give the findings about a file now and after each change of it or of files that it names.
 
     None is given at each look at which there is nothing new; the file is looked at ten times a
     second.

@@ -22,7 +22,7 @@ from clast.results import Report, RunRecorder
 
 
 def section_of(checked: Checked) -> dict[str, Any]:
-    """Return what a window shows of a case: its faults and notes, its scene, its own lines.
+    """Return the content of a window: faults and notes of a case, its scene, its own lines.
 
     ``scene`` is that of a page, None where there are no blocks; ``lines`` have place, geometry and
     points, m.

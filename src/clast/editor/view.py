@@ -30,7 +30,7 @@ class ViewServer(GuardedServer):
         super().__init__(at, ViewHandler, threading.Condition())
 
     def show(self, checked: Checked) -> None:
-        """Show what is found in the file now."""
+        """Show the newest findings about the file."""
         news = json.dumps(section_of(checked), allow_nan=False, separators=(",", ":"))
         with self.changed:
             self.news, self.stamp = news, self.stamp + 1

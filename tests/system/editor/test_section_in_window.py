@@ -3,6 +3,7 @@
 import pytest
 
 from clast.case.templates import TEMPLATES
+from clast.editor.checking import check
 from scenes.browsers import CHROMIUM, until
 from scenes.edited import edited_file
 
@@ -16,6 +17,7 @@ def window(tmp_path):
     playwright = pytest.importorskip("playwright.sync_api")
     path = tmp_path / "slope.toml"
     path.write_text(SLOPE, "utf-8", newline="")
+    check(SLOPE, str(path))  # kernels are compiled before the window is waited for
     said = []
     with playwright.sync_playwright() as started, edited_file(path) as server:
         browser = started.chromium.launch(executable_path=CHROMIUM, args=["--disable-gpu"])
@@ -73,3 +75,15 @@ def test_a_table_that_is_chosen_is_lit_in_the_section(window):
     assert colour_above(page, middle) == [0xD8, 0x1B, 0x60]
     page.evaluate("clastEditor.goTo(['time', 'step'])")
     assert colour_above(page, middle) == before
+
+
+def test_lines_follow_a_slider_until_the_blocks_are_there(window):
+    page, _ = window
+    wider = {"do": "set", "place": ["joint_set", 0, "spacing"], "toml": "7.0"}
+    page.evaluate("(wider) => clastEditor.hand.move([wider], 'slide')", wider)
+    until(page, "clastEditor.section.moving.length > 3")
+    ends = page.evaluate("clastEditor.section.moving")
+    assert all(len(one) == 4 for one in ends)
+    assert page.evaluate("clastEditor.section.run.blockCount") == 23
+    until(page, "clastEditor.section.run.blockCount < 23")
+    assert page.evaluate("clastEditor.section.moving") == []

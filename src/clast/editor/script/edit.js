@@ -20,6 +20,7 @@ function show(answer) {
     const content = answer.content ?? state.content; // of a text that is no TOML the forms keep the last
     Object.assign(state, answer, { content, refused: answer.refused ?? "" });
     hand.version = state.version;
+    if (answer.lines?.length) section.move(answer.lines);
   } else if (answer.refused) state.refused = answer.refused;
   draw();
 }

@@ -42,6 +42,8 @@ export class Section {
     /** All points, lines and outlines of the file; place of those that are chosen. */
     this.lines = [];
     this.place = [];
+    /** Lines that cut the rock while a slider moves, x0, y0, x1, y1, m. */
+    this.moving = [];
     this.marks = [];
     this.lit = null;
     this.state = { frame: 0, field: "rock", share: null, limits: null, layers: new Set(), chosen: -1, joint: null };
@@ -76,6 +78,7 @@ export class Section {
       this.origin = news.lines.flatMap(({ points }) => points)[0] ?? this.origin;
     }
     this.lines = news.lines;
+    this.moving = [];
     this.showsFile = !news.scene;
     this.marks = marks;
     this.lit = null;
@@ -103,6 +106,12 @@ export class Section {
   /** Show where the file has the points and lines of a table, by its place. */
   choose(place) {
     this.place = place;
+    this.changed();
+  }
+
+  /** Show the lines that cut the rock mass until its blocks are there: x0, y0, x1, y1, m. */
+  move(lines) {
+    this.moving = lines;
     this.changed();
   }
 
@@ -226,6 +235,7 @@ export class Section {
     const isChosen = ({ place }) => this.place.length && this.place.every((part, k) => part === place[k]);
     for (const line of this.showsFile ? this.lines : []) this.drawPoints(pen, line, theme.ink, 1.2);
     for (const mark of [...this.marks].reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
+    pen.lines(this.moving.map((ends) => [...this.screen(ends.slice(0, 2)), ...this.screen(ends.slice(2))]), theme.chosen, 1.2);
     for (const line of this.lines.filter(isChosen)) this.drawPoints(pen, line, theme.chosen, 3);
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }

@@ -1,4 +1,4 @@
-"""What a declaration says of a key beside type and limits: unit, geometry, what it names, when.
+"""Unit, geometry, references and conditions of keys, from their declarations.
 
 ``x-clast`` of a property in the JSON Schema, for editors of case files: other readers pass it over.
 
