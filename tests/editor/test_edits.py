@@ -133,3 +133,15 @@ def test_lines_of_faults():
     assert lines[where.line(("block", 0, "vertices", 2, 1)) - 1] == "    [1, 1],   # another"
     assert lines[where.line(("rock", "hard # rock", "density")) - 1] == '[rock."hard # rock"]'
     assert where.line(("nothing",)) is None
+
+
+@pytest.mark.parametrize(
+    "text", [ODD, TEMPLATES["slope"], "[a]\nx = 1\n", "# of a\n[a]\nx = 1\n", ""]
+)
+@pytest.mark.parametrize(
+    "edit", [Edit("set", ("schema",), "2"), Edit("set", ("a", "y"), "2")], ids=str
+)
+def test_a_byte_order_mark_stays(text, edit):
+    after = edited(text, edit)
+    assert at(tomllib.loads(after), edit.place) == 2
+    assert edited(f"\ufeff{text}", edit) == f"\ufeff{after}"

@@ -227,3 +227,12 @@ def test_what_moves_shows_the_lines_that_will_cut(served):
     np.testing.assert_allclose(offsets % 1.0, 0.0)
     body["edits"][0]["toml"] = "-1"
     assert done(served, "/move", **body)["lines"] == []
+
+
+def test_ends_of_lines_stay_those_of_the_file(served, tmp_path):
+    path, text = tmp_path / "slope.toml", TEMPLATES["slope"]
+    path.write_bytes(text.replace("\n", "\r\n").encode())
+    until(lambda: "\r\n" in served.document.text)
+    done(served, "/text", text=text.replace("38.0", "36.0"))
+    until(lambda: not served.document.unsaved)
+    assert path.read_bytes() == text.replace("38.0", "36.0").replace("\n", "\r\n").encode()

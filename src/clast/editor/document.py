@@ -1,8 +1,8 @@
-"""A case file while it is edited: its text, the steps back, and what of it stands in the file.
+"""A case file while it is edited: its text, the steps back, and the file.
 
-The text is what the window shows and may have faults; the file gets it when the hand rests, and
-only where clast takes it as a case, so that other programs never find half a number there.  What
-another program writes into the file is told, never written over.
+The window shows the text, which may have faults; the file gets it when the hand rests, and
+only where clast takes it as a case, so that other programs never find half a number there.  Changes
+of the file by other programs are told, never written over.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class Step:
     old: str
     new: str
     gesture: str = ""
-    """What goes on while one field or slider is moved, and is undone at once; a name of its own."""
+    """Name of all changes by one field or slider without a pause, which are undone at once."""
 
     @classmethod
     def between(cls, before: str, after: str, gesture: str = "") -> Step:
-        """Return the step from one text to another, without what both begin and end with."""
+        """Return the step from one text to another, without their common beginning and end."""
         at = _shared(before, after)
         tail = _shared(before[at:][::-1], after[at:][::-1])
         return cls(at, before[at : len(before) - tail], after[at : len(after) - tail], gesture)
@@ -59,12 +59,12 @@ class Document:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.filed = _text_of(path)
-        """What stands in the file as far as is known."""
+        """Content of the file as far as is known."""
         self.text = self.filed
         self.version = 0
         """Counts up with each other text."""
         self.conflict: str | None = None
-        """What somebody else wrote into the file while the text here was not in it."""
+        """Content that another program gave the file while the text here was not in it."""
         self._done: list[Step] = []
         self._undone: list[Step] = []
         self._judged: tuple[str, CaseError | None] | None = None
@@ -155,7 +155,7 @@ class Document:
     # --- the file -----------------------------------------------------------------------------
 
     def look(self) -> None:
-        """Take what somebody else wrote into the file as one step, or tell of a conflict.
+        """Take the file as another program left it, as one step, or tell of a conflict.
 
         Raises CaseError where the file cannot be read; the text stays then.
         """

@@ -13,12 +13,12 @@ from clast.inputs.declaring import text as case_text
 
 COMMA = re.compile(BLANK.pattern + ",")
 COMMENT = re.compile(r"[ \t]*(?:#[^\n]*)?(?=\r?\n|$)")
-"""What may stand between the last item in a line and the end of the line."""
+"""Space and comment between the last item in a line and the end of the line."""
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One change of a case file: what to do at which place, with a value written as in TOML.
+    """One change of a case file at a place, with a value written as in TOML.
 
     ``set`` gives a value, which need not be there yet; ``insert`` puts an item before that at the
     place, or after the last; an entry of a list of tables is written ``{name = "A", ...}``;
@@ -97,11 +97,11 @@ def _holding(at: Places, line: Written) -> Section:
 
 def _new_line(at: Places, section: Section, after: int, line: str) -> str:
     text, newline = at.text, _newline(at.text)
-    if not section.place and section.after == 0:
+    if not section.place and section.after == section.start:
         # no value before the first table: behind what the file says of itself
         after = section.end
         line += newline if after < len(text) else ""
-    before = newline if after and not text[:after].endswith("\n") else ""
+    before = newline if after > section.start and not text[:after].endswith("\n") else ""
     return _spliced(text, after, after, f"{before}{section.indent}{line}{newline}")
 
 
@@ -127,7 +127,7 @@ def _new_table(at: Places, place: Place, lines: list[str]) -> str:
     block = newline.join([head, *lines]) + newline
     if start < len(text):
         block += newline
-    ended = text[:start]
+    ended = text[:start].removeprefix(case_text.BYTE_ORDER_MARK)
     if ended and not ended.endswith("\n"):
         block = newline + block
     if ended.strip() and not re.search(r"\n\r?\n$", ended):

@@ -12,11 +12,12 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 
 from clast.errors import Place
+from clast.inputs.declaring.text import BYTE_ORDER_MARK
 
 BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*+)*+")
 """White space, ends of lines and comments."""
 SPACE, REST = re.compile(r"[ \t]*"), re.compile(r"[^\n]*\n?")
-"""Within a line; what is left of it, with its end."""
+"""White space within a line; the rest of a line, with its end."""
 DOT, EQUALS = re.compile(r"[ \t]*\.[ \t]*"), re.compile(r"[ \t]*=[ \t]*")
 KEY = re.compile(r'"(?:[^"\\]|\\.)*"|\'[^\']*\'|[^\s.=\]]+')
 SINGLE = re.compile(
@@ -59,17 +60,17 @@ class Section:
 
 @dataclass(frozen=True)
 class Places:
-    """What stands where in a TOML text; positions count characters from 0."""
+    """Positions of all parts of a TOML text; they count characters from 0."""
 
     text: str
     values: dict[Place, Written]
     """Every value, those within arrays and tables in {} too."""
     sections: list[Section]
     names: list[tuple[Place, int, int]]
-    """Every part of a key, with what it names and its first and last position."""
+    """Every part of a key: the place that it names, its first and last position."""
 
     def line(self, place: Place) -> int | None:
-        """Return the line, from 1, of the value or table at a place, or of what would hold it."""
+        """Return the line, from 1, of the value or table at a place, or of the table around it."""
         for length in range(len(place), 0, -1):
             at = self._start(place[:length])
             if at is not None:
@@ -103,7 +104,8 @@ class Places:
 
 def places_of(text: str) -> Places:
     """Return where the values and tables of a TOML text stand."""
-    return _Reader(text).read()
+    begin = len(text) - len(text.removeprefix(BYTE_ORDER_MARK))
+    return _Reader(text, begin, head=Section((), begin, begin, begin, begin), after=begin).read()
 
 
 @dataclass
@@ -111,18 +113,18 @@ class _Reader:
     """Reads a text once from its beginning to its end."""
 
     text: str
-    at: int = 0
+    at: int
+    head: Section
+    """The table that lines belong to."""
+    after: int
     values: dict[Place, Written] = field(default_factory=dict)
     names: list[tuple[Place, int, int]] = field(default_factory=list)
     sections: list[Section] = field(default_factory=list)
     counts: Counter[Place] = field(default_factory=Counter)
     """Entries of lists of tables so far."""
-    head: Section = Section((), 0, 0, 0, 0)
-    """The table that lines belong to."""
-    after: int = 0
 
     def read(self) -> Places:
-        """Return what stands where."""
+        """Return the positions of all parts."""
         lead: int | None = None
         while self.at < len(self.text):
             line = self.at
@@ -159,7 +161,7 @@ class _Reader:
         self.head, self.after = Section(place, start, lead, self.at, self.at), self.at
 
     def _key(self, place: Place) -> Place:
-        """Read a key with its dots; return what it names below a place."""
+        """Read a key with its dots; return the place that it names below a place."""
         while True:
             if place in self.counts:
                 place = (*place, self.counts[place] - 1)
@@ -185,7 +187,7 @@ class _Reader:
         self.after = self.at
 
     def _value(self, place: Place, first: int) -> None:
-        """Read a value, whose key begins at ``first``, and what is in it."""
+        """Read a value, whose key begins at ``first``, and the values in it."""
         start = self.at
         mark = self.text[start]
         # the order of values is that of the text, what holds others first

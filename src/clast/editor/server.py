@@ -1,4 +1,4 @@
-"""The window of a case file over HTTP: what it shows, and what the hand in it does to the file."""
+"""The window of a case file over HTTP: its content, and the changes that the hand makes in it."""
 
 from __future__ import annotations
 
@@ -51,23 +51,25 @@ class EditServer(GuardedServer):
     def __init__(self, at: tuple[str, int], path: Path) -> None:
         self.document = Document(path)
         self.stamp = 0
-        """Counts what windows are told of."""
+        """Counts the news for windows."""
         self.trouble = ""
         """Why the file could not be read or written."""
         self.checked: Checked | None = None
-        """What `clast check` said last, of a text that may be older."""
+        """The last answer of `clast check`, to a text that may be older."""
         self.section, self.sections = "null", 0
         """The section of that text, JSON, and how many there were."""
         self._touched = 0.0
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
 
     def do(self, way: str, asked: Asked) -> None:
-        """Do what a window asks for; raises CaseError where it cannot be done."""
+        """Carry out a request of a window; raises CaseError where it cannot be done."""
         document, version = self.document, asked.version
+        # fields of browsers know one end of lines only
+        text = asked.text.replace("\n", "\r\n") if "\r\n" in document.text else asked.text
         ways: dict[str, Callable[[], None]] = {
             "/edit": lambda: document.edit(asked.edits, version, asked.gesture),
             "/move": lambda: document.edit(asked.edits, version, asked.gesture),
-            "/text": lambda: document.replace(asked.text, version, asked.gesture),
+            "/text": lambda: document.replace(text, version, asked.gesture),
             "/undo": lambda: document.undo(version),
             "/redo": lambda: document.redo(version),
             "/save": document.save,
@@ -88,7 +90,7 @@ class EditServer(GuardedServer):
         return []
 
     def state(self) -> dict[str, Any]:
-        """Return what a window shows, without what never changes."""
+        """Return the content of a window, without the schema, which never changes."""
         with self.changed:
             shown = _shown(self.document, self.checked)
             told = {"stamp": self.stamp, "sections": self.sections, "trouble": self.trouble}
@@ -123,7 +125,7 @@ class EditServer(GuardedServer):
                     self._tell()
 
     def _attempt(self, what: Callable[[], None]) -> None:
-        """Look or save; windows are told what came of it."""
+        """Look or save; windows are told the result."""
         document = self.document
         before = (document.version, document.filed, document.conflict, self.trouble)
         try:
@@ -162,7 +164,7 @@ class EditHandler(GuardedHandler):
                 self._answer({**self.server.state(), "schema": json_schema()})
 
     def do_POST(self) -> None:
-        """Do what a window asks for; answer with the case as it is then."""
+        """Carry out a request of a window; answer with the case after it."""
         body = self.posted()
         if body is None:
             return
