@@ -9,6 +9,7 @@ import pytest
 
 import clast
 from clast.model.flow.apertures import at_start, hydraulic, of_blocks
+from clast.run.flow_warnings import flow_warnings
 from clast.verification.problems.water.flow_follows import (
     FLOW,
     STIFFNESS,
@@ -38,6 +39,26 @@ def test_the_end_tells_how_well_flow_and_apertures_agree(followed):
     assert event.text.endswith(f"after {water.passes + 1} equilibria")
     assert 0.0 < water.left < 1e-4
     assert f"{water.left:.2g}" in event.text
+
+
+def test_apertures_that_change_too_much_from_one_channel_to_the_next_are_told_once(followed):
+    water, state = water_of(followed), followed.state
+    for share, many in ((0.6, 0), (0.4, 1)):
+        narrow = np.isin(water.network.block.max(axis=1), (20, 30))[:, None]
+        aperture = np.where(narrow, share * water.aperture, water.aperture)
+        other = replace(state, actions=(replace(water, aperture=aperture),))
+        told = [one for one in flow_warnings(followed.model, other) if "times as wide" in one]
+        assert len(told) == many
+    # that of the 30th column, where the joint falls off more
+    assert told[0].startswith("flow: at (5.8, 0) a joint is 2.5")
+    assert "shorter blocks" in told[0]
+
+
+def test_steps_that_take_many_linear_systems_are_told(followed):
+    water, state = water_of(followed), followed.state
+    slow = replace(state, actions=(replace(water, hardest=140),))
+    assert [one for one in flow_warnings(followed.model, slow) if "took 140 linear systems" in one]
+    assert not list(flow_warnings(followed.model, state))
 
 
 def test_apertures_are_those_of_the_forces_of_contacts(followed):

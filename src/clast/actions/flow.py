@@ -62,6 +62,8 @@ class JointWater:
     """Change of an aperture that the last of them left, as a share of it."""
     removed: float = 0.0
     """Water gone with excavated joints since the start, in flow that takes time, m2."""
+    hardest: int = 0
+    """Most linear systems that a step of flow that takes time has taken."""
 
     @cached_property
     def exchange(self) -> Floats:
@@ -144,7 +146,8 @@ def _advanced(model: Model, before: JointWater, time: float) -> JointWater:
     if not step > CLOCK * abs(time):
         return water
     solved = advanced(balance_of(model, water, conditions), before.solved, step)
-    return replace(water, solved=solved, time=time)
+    hardest = max(before.hardest, solved.iterations)
+    return replace(water, solved=solved, time=time, hardest=hardest)
 
 
 CLOCK = 1e-12
@@ -169,7 +172,8 @@ def carried(model: Model, before: JointWater, water: JointWater) -> JointWater:
         missing=none,
     )
     water = replace(water, solved=solved, time=before.time)
-    return replace(water, removed=removed_by(model, before, water))
+    removed = removed_by(model, before, water)
+    return replace(water, removed=removed, hardest=before.hardest)
 
 
 def removed_by(model: Model, before: JointWater, water: JointWater) -> float:

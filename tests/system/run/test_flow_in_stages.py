@@ -261,7 +261,11 @@ def test_what_the_flow_cannot_follow_is_warned_of():
         clast.Case.from_text(wide, "case").run()
     light = slope().text.replace("density = 2600.0", "density = 200.0")
     with pytest.warns(clast.RunWarning, match="have opened by more than half of their aperture"):
-        clast.Case.from_text(light, "case").run()
+        lifted = clast.Case.from_text(light, "case").run()
+    (told,) = [one for one in lifted.report.warnings if "water lifts the faces of" in one]
+    assert "of 10 m of joints" in told and 'coupling = "full"' in told
+    quiet = slope().run().report.warnings
+    assert not any("flow:" in one for one in quiet)
 
 
 def drawdown(more: str) -> clast.Case:
