@@ -169,6 +169,16 @@ def test_the_text_is_typed_and_a_change_by_others_appears(window):
     assert field(page, "Joint.friction_angle").input_value() == "31.0"
 
 
+def test_a_text_with_faults_is_saved_on_the_users_word(window):
+    page, file = window("slope")
+    table(page, "joint", "bedding")
+    assert page.is_hidden("#write")
+    field(page, "Joint.friction_angle").fill("95.0")
+    page.click("#write")
+    saved(page, file, TEMPLATES["slope"].replace("38.0 ", "95.0 "))
+    assert page.is_hidden("#write")
+
+
 def properties(schema):
     """Return every key of every table of the schema, as rows name them."""
     found, met = set(), set()

@@ -37,12 +37,14 @@ function draw() {
   $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
   $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
   $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
+  $("write").hidden = !(state.unsaved && state.refused_as_case && state.conflict === null);
   $("conflict").hidden = state.conflict === null;
   section.choose(state.chosen);
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
   const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
-  if (!isTyping && $("text").value !== state.text) $("text").value = state.text;
+  const text = state.text.replaceAll("\r\n", "\n"); // as a field has it
+  if (!isTyping && $("text").value !== text) $("text").value = text;
   const bad = new Set(state.faults.map((fault) => fault.line));
   $("lines").replaceChildren(...state.text.split("\n").flatMap((_, i) => {
     const line = document.createElement(bad.has(i + 1) ? "b" : "span");
@@ -114,6 +116,7 @@ export async function main() {
   $("file").textContent = state.file.split(/[\\/]/).at(-1);
   $("undo").addEventListener("click", () => hand.undo());
   $("redo").addEventListener("click", () => hand.redo());
+  $("write").addEventListener("click", () => hand.send("/write", {}));
   $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
   $("theirs").addEventListener("click", () => hand.send("/keep-theirs", {}));
   $("text").addEventListener("focus", () => { typing += 1; });

@@ -201,7 +201,7 @@ function formName(form) {
 const unlabelled = (id, place) => (id ? null : place.slice(-2).map((part) => (typeof part === "number" ? part + 1 : part)).join(" "));
 
 /** A field for typing: shows what the file has, and while it is typed in, that. */
-function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is not TOML" }) {
+function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is not TOML", look = "" }) {
   const [draft, setDraft] = useState(null), [wrong, setWrong] = useState(""), gesture = useRef("");
   const type = (text) => {
     setDraft(text);
@@ -218,7 +218,7 @@ function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is
     if (!wrong) setDraft(null);
   };
   const given = node.default ?? null;
-  return html`<input type="text" id=${id} aria-label=${unlabelled(id, place)} value=${draft ?? shown} placeholder=${given === null || isTable(given) ? "" : given}
+  return html`<input type="text" class=${look} id=${id} aria-label=${unlabelled(id, place)} value=${draft ?? shown} placeholder=${given === null || isTable(given) ? "" : given}
       aria-invalid=${wrong ? "true" : null} spellcheck=${false}
       onFocus=${() => { gesture.current = `${key(place)} ${++gestures}`; }} onInput=${(e) => type(e.target.value)} onBlur=${leave} />
     ${wrong && html`<span class="fault" role="alert">${wrong}</span>`}`;
@@ -232,7 +232,7 @@ const CONTROLS = {
   text: (props) => {
     const names = namesOf(props.ctx, props.node);
     if (names.length && (props.value === undefined || names.includes(props.value))) return html`<${Choice} ...${props} names=${names} />`;
-    return html`<${Entry} ...${props} shown=${props.value ?? ""} read=${toml} />`;
+    return html`<${Entry} ...${props} shown=${props.value ?? ""} read=${toml} look="wide" />`;
   },
   number: (props) => {
     const { ctx, node, place, value } = props, unit = unitOf(node), isWhole = node.type === "integer";
