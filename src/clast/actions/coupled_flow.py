@@ -39,12 +39,14 @@ from clast.actions.flow import (
     pressed_faces,
     removed_by,
     water_at,
+    wet_share,
 )
 from clast.actions.openings import (
     LINEAR,
     gap_rows,
     lengths_at,
     shares_in_wedges,
+    shares_of_wet_part,
     volumes_of,
 )
 from clast.actions.water import sums_on_blocks
@@ -123,10 +125,16 @@ class Flowing:
     """m2/(s Pa), shape (k,)."""
     falls: Floats
     """Fall of pressure by gravity from first to second nodes, Pa, shape (k,)."""
+    joined: Bools
+    """Channels in which pressures at both nodes count: water fills them, shape (k,)."""
+    inflow: Floats
+    """What wells bring to nodes, m2/s, shape (m,)."""
     volume: Floats
     """Volume of nodes, m2, shape (m,)."""
-    wet: Bools
-    """Channels that are full at either end at the start of the step, shape (k,)."""
+    wet: Floats
+    """Share of channels that is full at the start of the step, from a full end, shape (k,)."""
+    dry: Bools
+    """Which ends of channels are not full then, shape (k, 2)."""
     pressure: Floats = no_floats()
     """Pressures by the last conductances, Pa, shape (m,); (0,): none."""
     guesses: Guesses = field(default_factory=Guesses)
@@ -148,8 +156,12 @@ class Flowing:
 
     def flows(self, pressure: Floats) -> Floats:
         """Return the flow of channels from first to second nodes by p (m,), m2/s, (k,)."""
+        return self.conductance * self.heads(pressure)
+
+    def heads(self, pressure: Floats) -> Floats:
+        """Return what channels lose of their head from first to second nodes by p (m,), Pa."""
         first, second = pressure[self.node].T
-        return np.asarray(self.conductance * (first - second + self.falls))
+        return np.asarray(self.joined * (first - second) + self.falls)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,6 +214,7 @@ class CoupledFlow(Action):
         midway, network, after = start.midway, state.network, model.vertex_after
         length = lengths_at(network, midway.vertices, after)
         full = saturation_of(state.void, state.volume)
+        falls, joined = _falls(model, state, state.solved.pressure, full)
         flowing = Flowing(
             before=state,
             conditions=conditions,
@@ -211,9 +224,12 @@ class CoupledFlow(Action):
             length=length,
             aperture=state.aperture,
             conductance=state.conductance,
-            falls=_falls(model, state, state.solved.pressure, full),
+            falls=falls,
+            joined=joined,
+            inflow=_drawn(conditions, full),
             volume=state.volume,
-            wet=(full[network.node] == 1.0).all(axis=1),
+            wet=wet_share(state, flow_of(model)),
+            dry=full[network.node] < 1.0,
         )
         faces = pressed_faces(state, model, midway.vertices, start.time_of_forces)
         block, force = sums_on_blocks((faces,), midway.centroid)
@@ -230,24 +246,29 @@ class CoupledFlow(Action):
         found = water.pressures(water.opened(unknowns))
         opening, volume = opened_by(model, flowing, unknowns)
         aperture = hydraulic(model, flowing.before.network, opening)
-        full = saturation_of(found.rest, volume)
-        falls = _falls(model, flowing.before, found.pressure, full)
+        full = saturation_of(voids(flowing, found), volume)
+        inflow = _drawn(flowing.conditions, full)
+        falls, joined = _falls(model, flowing.before, found.pressure, full)
         largest = max(float(np.abs(found.pressure).max(initial=0.0)), 1.0)
         off = np.abs(aperture - flowing.aperture).max(initial=0.0) / aperture.max(initial=1e-300)
-        off = max(off, np.abs(falls - flowing.falls).max(initial=0.0) / largest)
+        heads = replace(flowing, falls=falls, joined=joined).heads(found.pressure)
+        heads -= flowing.heads(found.pressure)
+        off = max(off, np.abs(heads).max(initial=0.0) / largest)
+        most = max(float(np.abs(flowing.conditions.inflow).max(initial=0.0)), 1e-300)
+        off = max(off, np.abs(inflow - flowing.inflow).max(initial=0.0) / most)
         if len(flowing.pressure):
             off = max(off, np.abs(found.pressure - flowing.pressure).max() / largest)
         if off <= AGREES or flowing.passes + 1 >= self.repeats:
             if off > NEARLY:
                 raise StepRejected(StepOutcome.NOT_CONVERGED, "apertures and pressures of joints")
             return None
-        guesses = flowing.guesses.with_one(
-            np.concatenate([np.log(flowing.aperture).ravel(), flowing.falls / largest]),
-            np.concatenate([np.log(aperture).ravel(), falls / largest]),
-        )
-        guess = guesses.next_guess()
-        aperture = np.exp(guess[: aperture.size]).reshape(aperture.shape)
-        falls = largest * guess[aperture.size :]
+        taken = np.log(flowing.aperture).ravel(), flowing.falls / largest, flowing.inflow / most
+        came = np.log(aperture).ravel(), falls / largest, inflow / most
+        guesses = flowing.guesses if np.array_equal(joined, flowing.joined) else Guesses()
+        guesses = guesses.with_one(np.concatenate(taken), np.concatenate(came))
+        ends = np.cumsum([aperture.size, len(falls)])
+        logs, of_falls, of_inflow = np.split(guesses.next_guess(), ends)
+        aperture, falls = np.exp(logs).reshape(aperture.shape), largest * of_falls
         renewed = replace(
             flowing,
             aperture=aperture,
@@ -256,6 +277,8 @@ class CoupledFlow(Action):
                 aperture, flowing.before.network.length, flow_of(model).viscosity
             ),
             falls=falls,
+            joined=joined,
+            inflow=most * of_inflow,
             volume=volume,
             pressure=found.pressure,
             passes=flowing.passes + 1,
@@ -396,31 +419,37 @@ def _in_new_network(model: Model, before: CoupledWater) -> CoupledWater:
     return replace(coupled, removed=removed_by(model, before, coupled))
 
 
-def _falls(model: Model, water: CoupledWater, pressure: Floats, full: Floats) -> Floats:
-    """Return the fall by gravity along channels, Pa, (k,), with p and saturation of nodes (m,).
+def _falls(
+    model: Model, water: CoupledWater, pressure: Floats, full: Floats
+) -> tuple[Floats, Bools]:
+    """Return the fall by gravity along channels, Pa, and where both pressures count, (k,) each.
 
-    Below a dry node the flow down is that of min(s G, G - p_l), balance.py.
+    With p and saturation of nodes (m,).  Below a dry node the flow down is that of
+    min(s G, G - p_l), balance.py.
     """
     flow, network = flow_of(model), water.network
     height = network.at[network.node, 1]
     weight = flow.weight * (height[:, 0] - height[:, 1])
-    if flow.confined:
-        return np.asarray(weight)
     upper = np.where(weight >= 0.0, network.node[:, 0], network.node[:, 1])
     lower = np.where(weight >= 0.0, network.node[:, 1], network.node[:, 0])
-    drop = np.abs(weight)
-    runs = np.minimum(full[upper] * drop, drop - pressure[lower]) + pressure[lower]
-    down = np.where(full[upper] < 1.0, runs, drop)
-    return np.asarray(np.sign(weight) * down)
+    share = full[upper]
+    joined = (share == 1.0) | ((1.0 - share) * np.abs(weight) <= pressure[lower])
+    joined = joined if not flow.confined else np.full(len(weight), True)
+    return np.where(joined, weight, share * weight), joined
+
+
+def _drawn(on: Conditions, full: Floats) -> Floats:
+    """Return what wells bring to nodes, m2/s, (m,): pumps draw no air from those that are dry."""
+    return np.where(on.inflow < 0.0, on.inflow * full, on.inflow)
 
 
 def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> CoupledContribution:
     """Return the contribution of water with its conductances, and of that on outer faces."""
     flow, on, since, h = flow_of(model), flowing.conditions, flowing.before.since, flowing.step
     elastic, count = flowing.volume / flow.bulk_modulus, len(flowing.volume)
-    between = h * flowing.conductance
+    between = h * flowing.conductance * flowing.joined
     run = flowing.net_out(flowing.conductance * flowing.falls)
-    known = elastic * since.pressure + h * (on.inflow - run) - since.void - since.opened
+    known = elastic * since.pressure + h * (flowing.inflow - run) - since.void - since.opened
     low = np.full(count, -np.inf if flow.confined else 0.0)
     high = np.where(on.kind == SEEPAGE, on.pressure, np.inf)
     given = on.kind == GIVEN
@@ -455,13 +484,17 @@ def _contribution(model: Model, flowing: Flowing, on_faces: Contribution) -> Cou
 def _in_wedges(model: Model, flowing: Flowing) -> tuple[Floats, Floats]:
     """Return how places open nodes, (4 k, 6), and the forces that gravity adds to those, (n, 6).
 
-    Between nodes the head is that of a wedge, and the pressure what its weight leaves of that.
+    Between full nodes the head is that of a wedge, and the pressure what its weight leaves of that;
+    towards a dry one pressure falls evenly, to 0 where the water ends.
     """
     network, node = flowing.before.network, flowing.node
     within = shares_in_wedges(flowing.aperture)
-    within = np.where(flowing.wet[:, None, None], within, LINEAR)
+    within[flowing.dry.any(axis=1)] = LINEAR
     height = network.at[node, 1]
     added = np.einsum("ken,kn->ke", within - LINEAR, flow_of(model).weight * height)
+    for end in (0, 1):
+        partly = np.flatnonzero(flowing.dry[:, end] & ~flowing.dry[:, 1 - end])
+        within[partly] = shares_of_wet_part(flowing.wet[partly], end)
     gaps = flowing.length[:, None, None, None] * flowing.gaps
     rows = np.einsum("ken,kesd->knsd", within, gaps).reshape(-1, 6)
     uneven = np.einsum("ke,kesd->ksd", added, gaps).reshape(-1, 6)
@@ -474,11 +507,12 @@ def _energies(model: Model, flowing: Flowing, found: Pressures) -> tuple[float, 
 
     Lost is the energy that flow dissipates, h q2/C.
     """
-    on, h, p = flowing.conditions, flowing.step, found.pressure
-    flow = flowing.flows(p)
-    put_in = h * on.inflow + found.rest
-    brought = float(p @ put_in) + h * float(flow @ flowing.falls)
-    lost = h * float((flow / flowing.conductance) @ flow)
+    h, p = flowing.step, found.pressure
+    flow, heads = flowing.flows(p), flowing.heads(p)
+    put_in = h * flowing.inflow + found.rest
+    first, second = p[flowing.node].T
+    brought = float(p @ put_in) + h * float(flow @ (heads - (first - second)))
+    lost = h * float(heads @ flow)
     stored = energy_stored(model, flowing.volume, p) - flowing.before.since.stored
     return brought, stored, lost
 
@@ -493,7 +527,7 @@ def _solved(model: Model, flowing: Flowing, found: Pressures, since: Increment) 
     given = np.where(on.kind == GIVEN, rate * rest, 0.0)
     out = np.where(on.kind == SEEPAGE, rate * np.maximum(-rest, 0.0), 0.0)
     runoff = np.minimum(out, np.where(on.kind == SEEPAGE, np.maximum(on.inflow, 0.0), 0.0))
-    put_in = on.inflow * (h > 0.0)
+    put_in = flowing.inflow * (h > 0.0)
     terms = rate * (flowing.volume + elastic * np.abs(p))
     size = np.abs(p).max(initial=0.0) * flowing.conductance.max(initial=0.0) + terms.max(
         initial=0.0
@@ -506,7 +540,7 @@ def _solved(model: Model, flowing: Flowing, found: Pressures, since: Increment) 
         given=given,
         outflow=out - runoff,
         runoff=runoff,
-        missing=np.zeros(len(p)),
+        missing=flowing.inflow - on.inflow,
         stored=float(stored.sum()),
         unaccounted=float(given.sum() + put_in.sum() - out.sum() - stored.sum()),
         throughput=max(float(into + max(-stored.sum(), 0.0)), 1e-3 * float(size), 1e-300),

@@ -64,6 +64,15 @@ def shares_in_wedges(aperture: Floats) -> Floats:
     return np.asarray(np.transpose(np.array(of_ends), (2, 0, 1)))
 
 
+def shares_of_wet_part(wet: Floats, dry: int) -> Floats:
+    """Return the same of channels whose end ``dry``, 0 or 1, is, and ``wet`` (k,) the rest."""
+    # hats of the full end end where the water does; what they leave is the dry end's
+    near, far = 0.5 * wet - wet**2 / 6.0, wet**2 / 6.0
+    of_full = np.stack([near, far], axis=1)
+    both = np.stack([of_full, 0.5 - of_full], axis=2)
+    return np.asarray(both if dry == 1 else both[:, ::-1, ::-1])
+
+
 def volumes_of(network: Network, length: Floats, opening: Floats) -> Floats:
     """Return the volumes of nodes, m2, (m,), with ``opening`` (k, 2), m, of channels.
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import clast
+from clast.run.flow_warnings import flow_warnings
 from clast.verification.problems.water.flow_coupled import (
     BULK,
     LOAD,
@@ -96,3 +98,69 @@ def test_mirrored_joints_have_mirrored_pressures(ratio):
     places = np.array([0.0, 1.0, 2.5, 3.0, 5.0])
     known = pressures("left", places)
     assert pressures("right", 5.0 - places[::-1])[::-1] == pytest.approx(known, abs=1e-6)
+
+
+def test_a_pump_draws_no_more_than_a_joint_holds():
+    """It gets the share of its rate that the node is full by, and is told of the rest."""
+    builder = columns([0.0, 10.0], 5.0)
+    builder.well("well", (5.0, 0.0), rate=-1e-4, stage="pump")
+    run = run_of(builder, [stage("pump", 100.0, 20)], settled=2.0)
+    water = water_of(run)
+    (node,) = np.flatnonzero(water.conditions.inflow < 0.0)
+    assert 0.99 * water.volume[node] < water.void[node] < water.volume[node]
+    drawn = 1e-4 - water.solved.missing[node]
+    assert drawn == pytest.approx(1e-4 * water.solved.saturation[node], rel=1e-6)
+    assert abs(water.solved.unaccounted) < 1e-12 * water.solved.throughput
+    (warning,) = flow_warnings(run.model, run.state)
+    assert "the pump 'well' asks for 0.0001 m3/s per m" in warning
+
+
+WALLS = """
+title = "A column of water beside a block"
+gravity = [0.0, -9.81]
+[time]
+end = 1000.0
+step = 100.0
+dynamic_ratio = 0.0
+[joint.default]
+friction_angle = 0.0
+normal_stiffness = 1e10
+[joint.wet]
+between_rocks = [["wall", "block"]]
+friction_angle = 0.0
+normal_stiffness = 1e10
+aperture = 2e-4
+[flow]
+state = "transient"
+coupling = "full"
+initial = "hydrostatic"
+level = {level}
+{flow}
+[[well]]
+name = "well"
+at = [0.0, 0.0]
+head = {level}
+[[flow_boundary]]
+where = {{polygon = [[-9, -9], [9, -9], [9, 9], [-9, 9]]}}
+impermeable = true
+"""
+
+
+@pytest.mark.parametrize("level", [0.4, 2.3, 4.9, 5.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("flow", ["", "longest = 1.0"])
+def test_a_column_of_water_presses_as_high_as_it_stands(level, side, flow):
+    """rho g H^2/2, wherever the nodes of the joint are."""
+    text = WALLS.format(level=level, flow=flow)
+    rocks = {"wall": (-2, 0, 0, 5), "block": (0, 0, 2, 5), "stop": (2, 0, 4, 5)}
+    for name, (left, low, right, high) in {**rocks, "floor": (-2, -1, 4, 0)}.items():
+        text += f"[rock.{name}]\nyoung = 50e9\npoisson = 0.0\ndensity = 2600.0\n"
+        left, right = sorted((side * left, side * right))
+        outline = [[left, low], [right, low], [right, high], [left, high]]
+        text += f'[[block]]\nname = "{name}"\nrock = "{name}"\nvertices = {outline}\n'
+        text += f"fixed = {str(name != 'block').lower()}\n"
+    run = clast.Case.from_text(text, "case").run()
+    memory, block = run.state.memory, run.model.vertex_block
+    pairs = np.sort(np.stack([block[memory.vertex], memory.block], axis=1), axis=1)
+    carried = [memory.normal_force[(pairs == pair).all(axis=1)].sum() for pair in ([1, 2], [0, 1])]
+    assert carried[0] - carried[1] == pytest.approx(0.5 * 9810.0 * level**2, rel=1e-5)
